@@ -2,14 +2,16 @@
 
     python benchmarks/batch.py [--json FILE] [--runs N] [--rounds N]
 
-Each run has 10 s with a speed and a seed of its own, and noise in what the driver reads: driver, steering column, laws
-and sensors every 10 ms, the plant every 1 ms. The plant alone is one object that is advanced over
-seconds at a time, with fixed torques and wheels: nothing but its fused loop, on one core. Cores that share caches or
-execution units do not do as much together as each of them alone: the loop is measured on all cores at once, too, and
-`share_of_loops_at_once` is what the batch reaches of that.
+Each run has 10 s with a speed and a seed of its own, and noise in what the driver reads: driver,
+steering column, laws and sensors every 10 ms, the plant every 1 ms. The plant alone is one object
+that is advanced over seconds at a time, with fixed torques and wheels: nothing but its fused loop,
+on one core. Cores that share caches or execution units do not do as much together as each of them
+alone: the loop is measured on all cores at once, too, and `share_of_loops_at_once` is what the
+batch reaches of that.
 
-Each rate is what was done in the whole time that it took. One round measures all of them, one behind the other, because
-a machine does not keep its speed; the figures are medians over the rounds, the shares those of the ratios in one round.
+Each rate is what was done in the whole time that it took. One round measures all of them, one
+behind the other, because a machine does not keep its speed; the figures are medians over the
+rounds, the shares those of the ratios in one round.
 """
 
 from __future__ import annotations
@@ -76,25 +78,33 @@ def main() -> None:
     given = parser.parse_args()
     cores = len(os.sched_getaffinity(0))
     values = [(MASTER, f"sensors.{name}.noise", noise) for name, noise in SENSORS.items()]
-    configurations = load_scenario("double_lane_change", Overrides(values=values)).runs[0].configurations
+    configurations = (
+        load_scenario("double_lane_change", Overrides(values=values)).runs[0].configurations
+    )
     plant = configurations[MASTER]
 
     def drive(runs: int) -> float:
         """Seconds that it takes."""
         vary = {"plant.initial_speed": np.linspace(18.0, 23.0, runs), "*.seed": range(runs)}
         begin = time.perf_counter()
-        failed = batch(configurations, DURATION, vary, signals=("pose.y",), every=10, metrics=METRICS).failed
+        failed = batch(
+            configurations, DURATION, vary, signals=("pose.y",), every=10, metrics=METRICS
+        ).failed
         assert not failed, failed
         return time.perf_counter() - begin
 
     drive(cores)  # compiles
     rounds = [
-        (fused_loop_rate(plant), loops_at_once_rate(plant, cores), drive(given.runs)) for _ in range(given.rounds)
+        (fused_loop_rate(plant), loops_at_once_rate(plant, cores), drive(given.runs))
+        for _ in range(given.rounds)
     ]
     alone, at_once, seconds = map(statistics.median, zip(*rounds, strict=True))
     steps = given.runs * DURATION / plant.parameters.step
     shares = [steps / took / (cores * one) for one, _, took in rounds]
-    share, share_at_once = statistics.median(shares), statistics.median(steps / took / all_ for _, all_, took in rounds)
+    share, share_at_once = (
+        statistics.median(shares),
+        statistics.median(steps / took / all_ for _, all_, took in rounds),
+    )
     rate = steps / seconds
     print(f"{given.runs} double lane changes of {DURATION:g} s on {cores} cores   {seconds:.2f} s")
     print(f"whole graph   {rate:12.0f} car steps of 1 ms per second")

@@ -2,8 +2,9 @@
 
     source scripts/setup.sh && chrt -r 5 python benchmarks/bench.py [--repeats N] [--json FILE]
 
-The first 24 s of the urban cycle, offline, period 5 ms: the whole graph in one compiled loop, recording included. All
-rows are measured in turn in one run, processor time, the best of all repeats, so their ratios hold on a busy machine.
+The first 24 s of the urban cycle, offline, period 5 ms: the whole graph in one compiled loop,
+recording included. All rows are measured in turn in one run, processor time, the best of all
+repeats, so their ratios hold on a busy machine.
 """
 
 from __future__ import annotations
@@ -23,7 +24,10 @@ VIRTUAL = "virtual run"
 ROWS = {
     VIRTUAL: ("urban_mixed", ()),
     "with the test bench": ("urban_mixed_bench", ()),
-    "with the test bench behind its CAN bus": ("urban_mixed_bench", (("test_bench", "method", "circuits_on_can"),)),
+    "with the test bench behind its CAN bus": (
+        "urban_mixed_bench",
+        (("test_bench", "method", "circuits_on_can"),),
+    ),
 }
 
 
@@ -56,7 +60,10 @@ def main() -> None:
     for name, seconds in best.items():
         print(f"{name:<44}{seconds * 1e6:>8.2f}{seconds / best[VIRTUAL] - 1.0:>20.0%}")
     if arguments.json:
-        rows = [{"name": name, "seconds": seconds, "ratio": seconds / best[VIRTUAL]} for name, seconds in best.items()]
+        rows = [
+            {"name": name, "seconds": seconds, "ratio": seconds / best[VIRTUAL]}
+            for name, seconds in best.items()
+        ]
         machine = platform.processor() or platform.machine()
         arguments.json.write_text(json.dumps({"machine": machine, "rows": rows}, indent=2) + "\n")
 

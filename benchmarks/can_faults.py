@@ -2,12 +2,12 @@
 
     python benchmarks/can_faults.py [--seeds N] [--fuzz N] [--json FILE]
 
-Gateway and inverters as they are in the nodes, on two channels without loss, cycle by cycle of 1 ms. In each trial
-both drives have a random torque, and one fault is put into one of them at a random instant. Its torque must be
-exactly zero within one time-out and one bus cycle; the fault must be named on the bus and in the diagnosis, and stay
-when its cause is gone, so that enabling is refused; the other drive must keep its torque; after the reset sequence
-both must run again.
-`--fuzz N` sends N random frames and N frames of random content under known identifiers to both ends.
+Gateway and inverters as they are in the nodes, on two channels without loss, cycle by cycle of 1
+ms. In each trial both drives have a random torque, and one fault is put into one of them at a
+random instant. Its torque must be exactly zero within one time-out and one bus cycle; the fault
+must be named on the bus and in the diagnosis, and stay when its cause is gone, so that enabling is
+refused; the other drive must keep its torque; after the reset sequence both must run again. `--fuzz
+N` sends N random frames and N frames of random content under known identifiers to both ends.
 """
 
 from __future__ import annotations
@@ -34,7 +34,8 @@ from ev_msgs_py.can.frames import DRIVES, TORQUE_MODE
 
 CYCLE = 1  # ms
 TIMEOUT = 10  # ms, of set-points and of feedback
-QUICK_CHARGE = {"drive.dc_link.precharge_resistance": 20.0}  # ohm, so that enabling takes 30 ms instead of 800
+# ohm, so that enabling takes 30 ms instead of 800
+QUICK_CHARGE = {"drive.dc_link.precharge_resistance": 20.0}
 
 
 class Rig:
@@ -87,7 +88,9 @@ class Rig:
         if self.gateway.enable(DRIVES):
             return False
         self.run(ticks)
-        return all(self.gateway.devices[name].feedback.state == OPERATION_ENABLED for name in DRIVES)
+        return all(
+            self.gateway.devices[name].feedback.state == OPERATION_ENABLED for name in DRIVES
+        )
 
     def inverter(self, name: str) -> Inverter:
         """The state of the inverter itself."""
@@ -102,12 +105,16 @@ class Fault(NamedTuple):
     limit: int = TIMEOUT + CYCLE
 
 
-def on_set_points(change: Callable[[Frame, random.Random], Frame | None]) -> Callable[[Rig, str, random.Random], None]:
+def on_set_points(
+    change: Callable[[Frame, random.Random], Frame | None],
+) -> Callable[[Rig, str, random.Random], None]:
     """A fault that does something to every set-point of the drive."""
 
     def put_in(rig: Rig, name: str, chance: random.Random) -> None:
         identifier = rig.database[f"{name}_SetPoint"].identifier
-        rig.on_wire = lambda frame: change(frame, chance) if frame.identifier == identifier else frame
+        rig.on_wire = lambda frame: (
+            change(frame, chance) if frame.identifier == identifier else frame
+        )
 
     return put_in
 
@@ -186,13 +193,21 @@ def named_and_latched(rig: Rig, fault: Fault, name: str, ready: Rig) -> str:
     device = rig.gateway.devices[name]
     if fault.named not in diagnosis(device, 0.01).message:
         return f"the diagnosis says {diagnosis(device, 0.01).message}"
-    on_bus = rig.heartbeat["CommandStale"] if fault.named == "StaleCommand" else rig.heartbeat[f"Stale{name}"]
+    on_bus = (
+        rig.heartbeat["CommandStale"]
+        if fault.named == "StaleCommand"
+        else rig.heartbeat[f"Stale{name}"]
+    )
     if fault.named.startswith("Stale") and on_bus != 1.0:
         return "the heartbeat does not name it"
     rig.on_wire, rig.silent = ready.on_wire, False
     rig.inverter(name).injected = Injected()
     rig.run(50)
-    if rig.enable(20) or rig.inverter(name).torque != 0.0 or not diagnosis(device, 0.01).message.count(fault.named):
+    if (
+        rig.enable(20)
+        or rig.inverter(name).torque != 0.0
+        or not diagnosis(device, 0.01).message.count(fault.named)
+    ):
         return "it did not stay latched"
     rig.gateway.reset()
     rig.run(40)
@@ -225,7 +240,9 @@ def main() -> None:
     """Print the table and, if asked for, write it as JSON; exit status 1 if any trial failed."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--seeds", type=int, default=100)
-    parser.add_argument("--fuzz", type=int, default=0, metavar="N", help="send 2 N random frames instead")
+    parser.add_argument(
+        "--fuzz", type=int, default=0, metavar="N", help="send 2 N random frames instead"
+    )
     parser.add_argument("--json", type=Path, help="write the result to this file")
     given = parser.parse_args()
     if given.fuzz:
@@ -237,7 +254,9 @@ def main() -> None:
     for what, fault in FAULTS.items():
         tried = [trial(ready, fault, seed) for seed in range(given.seeds)]
         passed, cycles = sum(not wrong for _, wrong in tried), [count for count, _ in tried]
-        print(f"{what:32} {passed:5d} of {given.seeds:3d} {min(cycles):8d} to {max(cycles):3d} ms {fault.limit:5d} ms")
+        print(
+            f"{what:32} {passed:5d} of {given.seeds:3d} {min(cycles):8d} to {max(cycles):3d} ms {fault.limit:5d} ms"
+        )
         wrong = sorted({text for _, text in tried if text})
         table[what] = {"passed": passed, "trials": given.seeds, "least_ms": min(cycles), "most_ms": max(cycles),
                        "limit_ms": fault.limit, "wrong": wrong}  # fmt: skip

@@ -2,10 +2,11 @@
 
     python benchmarks/can_latency.py [--seconds N] [--json FILE]
 
-A controller sends a set-point on each channel every millisecond: packed, counted and protected. The device checks and
-unpacks it and answers with its motion frame, which the controller checks and unpacks. Each second of that is followed
-by a second in which python-can alone carries the same traffic on channels of its own, 8 bytes there and back, nothing
-looked at. Times are round trips from before `send` to after the answer was read.
+A controller sends a set-point on each channel every millisecond: packed, counted and protected. The
+device checks and unpacks it and answers with its motion frame, which the controller checks and
+unpacks. Each second of that is followed by a second in which python-can alone carries the same
+traffic on channels of its own, 8 bytes there and back, nothing looked at. Times are round trips
+from before `send` to after the answer was read.
 """
 
 from __future__ import annotations
@@ -98,12 +99,16 @@ def serve() -> None:
             if bus is not None:
                 message = bus.recv(timeout=0.0)
                 if message is not None and message.arbitration_id == PING:
-                    bus.send(can.Message(arbitration_id=PONG, data=message.data, is_extended_id=False))
+                    bus.send(
+                        can.Message(arbitration_id=PONG, data=message.data, is_extended_id=False)
+                    )
                 continue
             end = own[place]
             while (frame := end.channel.receive()) is not None:
                 if frame.identifier == STOP:
-                    print(json.dumps({"heard": heard, "lost": lost, "refused": refused}), flush=True)
+                    print(
+                        json.dumps({"heard": heard, "lost": lost, "refused": refused}), flush=True
+                    )
                     close(own, bare)
                     return
                 if frame.identifier != end.heard.identifier:
@@ -114,7 +119,12 @@ def serve() -> None:
                 if values is None:
                     refused += 1
                     continue
-                answer = {"CommandCheck": 0.0, "Torque": values["Torque"], "Speed": 0.0, "Statusword": 0.0}
+                answer = {
+                    "CommandCheck": 0.0,
+                    "Torque": values["Torque"],
+                    "Speed": 0.0,
+                    "Statusword": 0.0,
+                }
                 end.channel.send(Frame(end.sent.identifier, end.sent.pack(answer, counters[place])))
                 counters[place] = next_counter(counters[place])
 
@@ -122,7 +132,9 @@ def serve() -> None:
 class Round:
     """One kind of traffic: sends on both channels each period, and notes when answers come."""
 
-    def __init__(self, send: Callable[[int, int], None], read: Callable[[int], list[int]], handles: list[int]) -> None:
+    def __init__(
+        self, send: Callable[[int, int], None], read: Callable[[int], list[int]], handles: list[int]
+    ) -> None:
         self._send, self._read, self._handles = send, read, handles
         self.sent = self.answered = 0
         self.times: list[float] = []
@@ -167,18 +179,29 @@ class Round:
 def protected_round(own: list[End]) -> Round:
     """Set-points and motion frames, as the nodes send and read them."""
     counters = [0, 0]
-    values = {"Mode": 1.0, "Direction": 0.0, "Controlword": 15.0, "Speed": 7500.0, "TorqueLimit": 360.0}
+    values = {
+        "Mode": 1.0,
+        "Direction": 0.0,
+        "Controlword": 15.0,
+        "Speed": 7500.0,
+        "TorqueLimit": 360.0,
+    }
 
     def send(place: int, number: int) -> None:
         end = own[place]
         torque = STEP * (number - NUMBERS // 2)
-        end.channel.send(Frame(end.sent.identifier, end.sent.pack(values | {"Torque": torque}, counters[place])))
+        end.channel.send(
+            Frame(end.sent.identifier, end.sent.pack(values | {"Torque": torque}, counters[place]))
+        )
         counters[place] = next_counter(counters[place])
 
     def read(place: int) -> list[int]:
         end, found = own[place], []
         while (frame := end.channel.receive()) is not None:
-            if frame.identifier == end.heard.identifier and (heard := end.judged(frame)) is not None:
+            if (
+                frame.identifier == end.heard.identifier
+                and (heard := end.judged(frame)) is not None
+            ):
                 found.append(round(heard["Torque"] / STEP) + NUMBERS // 2)
         return found
 
@@ -223,7 +246,9 @@ def measure(seconds: float) -> dict[str, Any]:
 def main() -> None:
     """Print both and their ratio and, if asked for, write them as JSON."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--seconds", type=float, default=10.0, help="of each kind of traffic; default 10")
+    parser.add_argument(
+        "--seconds", type=float, default=10.0, help="of each kind of traffic; default 10"
+    )
     parser.add_argument("--json", type=Path, help="write the result to this file")
     parser.add_argument("--serve", action="store_true", help=argparse.SUPPRESS)
     given = parser.parse_args()

@@ -2,9 +2,10 @@
 
     source scripts/setup.sh && python benchmarks/command_timeout.py [--trials N] [--seed N]
 
-A plant in real time, and in another thread somebody who commands 50 N m, stops at a random moment, and goes on later.
-Measured by the monotonic clock at the plant's own topic, `wheel_states`: from the last command that was sent to the
-first state that shows no torque, and from the first command after that to the first state that shows some.
+A plant in real time, and in another thread somebody who commands 50 N m, stops at a random moment,
+and goes on later. Measured by the monotonic clock at the plant's own topic, `wheel_states`: from
+the last command that was sent to the first state that shows no torque, and from the first command
+after that to the first state that shows some.
 """
 
 from __future__ import annotations
@@ -36,20 +37,31 @@ class Commander:
     """Everything around the plant: nodes with the names of the asr and the column, and an ear for the wheels."""
 
     def __init__(self, context: Context) -> None:
-        self._asr, column = (Node(name, context=context, namespace="/ev") for name in ("asr", "steering_column"))
+        self._asr, column = (
+            Node(name, context=context, namespace="/ev") for name in ("asr", "steering_column")
+        )
         self._command, self._column = (
-            node.create_publisher(format_of(signal).message_class, TOPICS[signal].name, QUALITY).handle
+            node.create_publisher(
+                format_of(signal).message_class, TOPICS[signal].name, QUALITY
+            ).handle
             for node, signal in ((self._asr, WheelTorqueCommand), (column, SteeringColumnState))
         )
         wheels = format_of(WheelStates)
         self._read, self._kind = wheels.read, wheels.message_class
-        self._ear = self._asr.create_subscription(self._kind, "wheel_states", lambda _: None, QUALITY, raw=True).handle
+        self._ear = self._asr.create_subscription(
+            self._kind, "wheel_states", lambda _: None, QUALITY, raw=True
+        ).handle
         self._column_node = column
-        self._efforts = [TOPICS[WheelStates].shape.channels.index(f"effort.front_{side}") for side in ("left", "right")]
+        self._efforts = [
+            TOPICS[WheelStates].shape.channels.index(f"effort.front_{side}")
+            for side in ("left", "right")
+        ]
         self._stamp = 0
         self._frame = Frame()
         place = PLACES[WheelTorqueCommand]
-        self._frame.numbers[place] = numbers_of([50.0, 50.0, *[0.0] * (place.stop - place.start - 2)])
+        self._frame.numbers[place] = numbers_of(
+            [50.0, 50.0, *[0.0] * (place.stop - place.start - 2)]
+        )
 
     def hear(self) -> bool | None:
         """Whether the wheels of the next state are driven; None if there is none yet."""
@@ -107,7 +119,12 @@ def trials(number: int, seed: int) -> list[tuple[float, float]]:
     with free_domain() as domain:
         context = Context()
         rclpy.init(context=context, domain_id=domain)
-        values = {"mode": "realtime", "method": "kinematic", "command_timeout": TIMEOUT, "control_period": PERIOD}
+        values = {
+            "mode": "realtime",
+            "method": "kinematic",
+            "command_timeout": TIMEOUT,
+            "control_period": PERIOD,
+        }
         overrides = [Parameter(name, value=value) for name, value in values.items()]
         plant = make_node("plant", context=context, namespace="/ev", parameter_overrides=overrides)
         commander, over = Commander(context), threading.Event()

@@ -2,8 +2,8 @@
 
     source scripts/setup.sh && python benchmarks/dashboard.py [--scenario NAME] [--seconds S] [--way WAY ...]
 
-The process of the dashboard is measured with one page open, from two seconds after the first row on, or from as
-long as is measured where that is less.
+The process of the dashboard is measured with one page open, from two seconds after the first row
+on, or from as long as is measured where that is less.
 """
 
 from __future__ import annotations
@@ -28,16 +28,23 @@ _START = 2.0  # s at most after the first row: libraries are loaded, parameters 
 
 def main() -> None:
     """One line for each way."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--scenario", default="double_lane_change")
-    parser.add_argument("--seconds", type=float, default=5.0, help="of wall time that each way is measured")
+    parser.add_argument(
+        "--seconds", type=float, default=5.0, help="of wall time that each way is measured"
+    )
     parser.add_argument("--way", nargs="+", choices=WAYS, help="by default both")
     given = parser.parse_args()
     for way in given.way or WAYS:
         factor = WAYS[way]
         share, rows, speed = asyncio.run(measured(given.scenario, factor, given.seconds))
         cost = f"{100 * share:.1f} % of a core, {rows:.1f} rows/s"
-        print(f"{given.scenario}, {way.replace('_', ' ')}: {cost}, run at {speed:.2f} x real time", flush=True)
+        print(
+            f"{given.scenario}, {way.replace('_', ' ')}: {cost}, run at {speed:.2f} x real time",
+            flush=True,
+        )
 
 
 async def measured(scenario: str, factor: str, seconds: float) -> tuple[float, float, float]:
@@ -47,7 +54,15 @@ async def measured(scenario: str, factor: str, seconds: float) -> tuple[float, f
         dashboard = subprocess.Popen(
             [
                 *(program, "dashboard", "--port", "0"),
-                *(scenario, "--no-record", "--no-report", "--out", f"{folder}/run", "--duration", "1000"),
+                *(
+                    scenario,
+                    "--no-record",
+                    "--no-report",
+                    "--out",
+                    f"{folder}/run",
+                    "--duration",
+                    "1000",
+                ),
                 *("--set", f"plant.real_time_factor={factor}"),
             ],
             stdout=subprocess.PIPE,

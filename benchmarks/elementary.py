@@ -25,7 +25,8 @@ from ev_core import elementary
 from ev_msgs_py.compilable import FUNCTIONS
 
 COUNT = 10_000
-# Ranges of the arguments: those of steering angles and slips, of headings, of what a law may get by mistake.
+# Ranges of the arguments: those of steering angles and slips, of headings, of what a law may get by
+# mistake.
 RANGES = {
     **dict.fromkeys(("sin", "cos", "tan"), ((-0.7, 0.7), (-3.2, 3.2), (-1e4, 1e4))),
     **dict.fromkeys(("asin", "acos", "atanh"), ((-1.0, 1.0),)),
@@ -68,7 +69,9 @@ def best_time(repeats: int, call: Callable[..., Any], *arguments: Any) -> float:
     return best / COUNT
 
 
-def compiled_loop(function: Callable[..., float], two: bool) -> Callable[[np.ndarray, np.ndarray], float]:
+def compiled_loop(
+    function: Callable[..., float], two: bool
+) -> Callable[[np.ndarray, np.ndarray], float]:
     """A compiled sum of the function over arrays."""
     if two:
 
@@ -125,10 +128,14 @@ def main() -> None:
     """Print the table and, if asked for, write it as JSON."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--json", type=Path, help="write the table to this file")
-    parser.add_argument("--only", nargs="+", choices=RANGES, default=tuple(RANGES), metavar="NAME", help="functions")
+    parser.add_argument(
+        "--only", nargs="+", choices=RANGES, default=tuple(RANGES), metavar="NAME", help="functions"
+    )
     parser.add_argument("--repeats", type=int, default=60, help="the best of so many counts")
     arguments = parser.parse_args()
-    print(f"{'ns per call':<12}{'arguments':>18}{'compiled':>10}{'C':>8}{'ratio':>8}{'Python':>10}{'C':>8}{'ratio':>8}")
+    print(
+        f"{'ns per call':<12}{'arguments':>18}{'compiled':>10}{'C':>8}{'ratio':>8}{'Python':>10}{'C':>8}{'ratio':>8}"
+    )
     table = []
     for row in rows(arguments.only, arguments.repeats):
         compiled, python = row.ratios
@@ -141,7 +148,12 @@ def main() -> None:
         table.append({**asdict(row), "ratio compiled": compiled, "ratio Python": python})
     if arguments.json:
         machine = platform.processor() or platform.machine()
-        document = {"machine": machine, "python": platform.python_version(), "seconds per": "call", "rows": table}
+        document = {
+            "machine": machine,
+            "python": platform.python_version(),
+            "seconds per": "call",
+            "rows": table,
+        }
         arguments.json.write_text(json.dumps(document, indent=2) + "\n")
 
 

@@ -2,11 +2,12 @@
 
     source scripts/setup.sh && python benchmarks/lockstep.py [--steps N] [--repeats N] [--json FILE]
 
-The rings have as many processes as the graph has nodes, and nothing is computed. In a ring each relay waits for one
-message and sends one of the next type of the graph's chain. `ring` is a node as rclpy offers it, typed messages on its
-fastest executor, and `raw_ring` the least that rclpy offers, serialized messages and one wait set. The relays of
-`raw_pattern` hear and send what the nodes of the graph do, message for message; they run in Python, whereas nodes take
-their ordinary steps in compiled code. All start as the nodes of a run do.
+The rings have as many processes as the graph has nodes, and nothing is computed. In a ring each
+relay waits for one message and sends one of the next type of the graph's chain. `ring` is a node as
+rclpy offers it, typed messages on its fastest executor, and `raw_ring` the least that rclpy offers,
+serialized messages and one wait set. The relays of `raw_pattern` hear and send what the nodes of
+the graph do, message for message; they run in Python, whereas nodes take their ordinary steps in
+compiled code. All start as the nodes of a run do.
 """
 
 from __future__ import annotations
@@ -77,7 +78,9 @@ def relays_in_processes(links: Links, steps: int, *options: str) -> float:
     """Rounds per second of relays with a process each."""
     relay = [sys.executable, relays.__file__]
     with free_domain() as domain, tempfile.TemporaryDirectory() as directory:
-        return measured_rate([[*relay, name, str(steps), *options] for name in links], domain, Path(directory))
+        return measured_rate(
+            [[*relay, name, str(steps), *options] for name in links], domain, Path(directory)
+        )
 
 
 def loaded_run(steps: int):
@@ -105,7 +108,12 @@ def graph_commands(run, directory: Path, recorder: bool = False) -> dict[str, li
 def graph_nodes(run, directory: Path, context) -> list:
     """The nodes of the graph in this process, the plant first, without recorder."""
     return [
-        make_node(name, context=context, namespace=run.namespace, parameter_overrides=parameter_overrides(values))
+        make_node(
+            name,
+            context=context,
+            namespace=run.namespace,
+            parameter_overrides=parameter_overrides(values),
+        )
         for name, values in graph_parameters(run, directory).items()
     ]
 
@@ -188,23 +196,34 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--steps", type=int, default=4000)
     parser.add_argument("--repeats", type=int, default=3)
-    parser.add_argument("--only", choices=MEASURES, nargs="+", metavar="MEASURE", help="by default all")
+    parser.add_argument(
+        "--only", choices=MEASURES, nargs="+", metavar="MEASURE", help="by default all"
+    )
     parser.add_argument("--json", type=Path, metavar="FILE")
     given = parser.parse_args()
     offline(given.steps)  # compiles what is not compiled yet
-    measures = [measure for name, measure in MEASURES.items() if not given.only or name in given.only]
+    measures = [
+        measure for name, measure in MEASURES.items() if not given.only or name in given.only
+    ]
     rates: dict[str, list[float]] = {measure.__name__: [] for measure in measures}
     for _ in range(given.repeats):
         for measure in measures:
             rates[measure.__name__].append(measure(given.steps))
     median = {name: statistics.median(values) for name, values in rates.items()}
-    ratio = {f"{of} / {to}": _ratio(rates, of, to) for of, to in RATIOS if of in rates and to in rates}
+    ratio = {
+        f"{of} / {to}": _ratio(rates, of, to) for of, to in RATIOS if of in rates and to in rates
+    }
     for name, values in rates.items():
         print(f"{name:24} {median[name]:9.0f} steps/s   ({min(values):.0f} to {max(values):.0f})")
     for name, value in ratio.items():
         print(f"{name:48} {value:.2f}")
     if given.json:
-        content = {"steps": given.steps, "steps_per_second": rates, "median": median, "ratio": ratio}
+        content = {
+            "steps": given.steps,
+            "steps_per_second": rates,
+            "median": median,
+            "ratio": ratio,
+        }
         given.json.write_text(json.dumps(content, indent=2) + "\n")
 
 

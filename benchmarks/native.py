@@ -2,8 +2,9 @@
 
     source scripts/setup.sh && python benchmarks/native.py [--repeats N] [--seconds S] [SCENARIO ...]
 
-All parts of a scenario's first run. Library and compiled loop are measured in turn, processor time, the best of all
-repeats, so their ratio holds on a busy machine. The compiled loop records all signals, the library keeps the last ones.
+All parts of a scenario's first run. Library and compiled loop are measured in turn, processor time,
+the best of all repeats, so their ratio holds on a busy machine. The compiled loop records all
+signals, the library keeps the last ones.
 """
 
 from __future__ import annotations
@@ -69,7 +70,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("scenarios", nargs="*", default=SCENARIOS)
     parser.add_argument("--repeats", type=int, default=31, help="the best of so many")
-    parser.add_argument("--seconds", type=float, help="simulated time, by default that of the scenario")
+    parser.add_argument(
+        "--seconds", type=float, help="simulated time, by default that of the scenario"
+    )
     given = parser.parse_args()
     print(f"{'us per control period':<30}{'library':>10}{'compiled loop':>15}{'ratio':>8}")
     for scenario in given.scenarios:

@@ -2,7 +2,8 @@
 
     python benchmarks/plant.py [--json FILE]
 
-Peers: pip install commonroad-vehicle-models. Rows that need a package which is not installed say so.
+Peers: pip install commonroad-vehicle-models. Rows that need a package which is not installed say
+so.
 """
 
 from __future__ import annotations
@@ -73,7 +74,9 @@ class PlanarPlant:
         self.part = CompiledPart(self._method, PARAMETERS, vehicle, period)
         self._here, self._there = Frame(), Frame()
         for signal in (COMMAND, COLUMN):
-            self._here.numbers[PLACES[type(signal)]] = numbers_of(shape_of(type(signal)).flat(signal))
+            self._here.numbers[PLACES[type(signal)]] = numbers_of(
+                shape_of(type(signal)).flat(signal)
+            )
 
     def advance(self) -> None:
         """One step."""
@@ -82,7 +85,9 @@ class PlanarPlant:
     def outputs(self) -> list[Any]:
         """All signals behind it."""
         numbers = self._there.numbers
-        return [shape_of(kind).signal_of(numbers[PLACES[kind]].tolist()) for kind in self._method.writes]
+        return [
+            shape_of(kind).signal_of(numbers[PLACES[kind]].tolist()) for kind in self._method.writes
+        ]
 
 
 @njit
@@ -99,7 +104,13 @@ def bare_loop(steps: int) -> float:
                     b = b * 0.98 + a * 0.02 - a * b * 1e-3
                 root = math.sqrt(a * a + b * b)
                 other = math.sqrt(a + b)
-                total += math.exp(-root) / a + other / root + b / (a + 1.0) + a / (b + 1.0) + root / (other + 1.0)
+                total += (
+                    math.exp(-root) / a
+                    + other / root
+                    + b / (a + 1.0)
+                    + a / (b + 1.0)
+                    + root / (other + 1.0)
+                )
     return total
 
 
@@ -122,10 +133,18 @@ def own_rows(repeats: int) -> Iterator[Row]:
 
     yield Row(REFERENCE, best_time(fused, repeats) / steps)
     fused("planar_electrical")()  # compiles
-    yield Row("the same with its electrical side", best_time(lambda: fused("planar_electrical"), repeats) / steps)
+    yield Row(
+        "the same with its electrical side",
+        best_time(lambda: fused("planar_electrical"), repeats) / steps,
+    )
     believable = vehicle_of("compact_ev")
-    yield Row("the same with real tyres (compact_ev)", best_time(lambda: fused(vehicle=believable), repeats) / steps)
-    yield Row("planar plant, 10 ms period with all signals", best_time(control_period, repeats) / steps)
+    yield Row(
+        "the same with real tyres (compact_ev)",
+        best_time(lambda: fused(vehicle=believable), repeats) / steps,
+    )
+    yield Row(
+        "planar plant, 10 ms period with all signals", best_time(control_period, repeats) / steps
+    )
     yield Row("planar plant, one call per step", best_time(one_call_per_step, repeats) / steps)
     bare_loop(10)
     bare = best_time(lambda: lambda: bare_loop(steps), repeats) / steps
@@ -149,7 +168,11 @@ def scipy_row(repeats: int) -> Row:
         return solve_ivp(right_hand_side, (0.0, 1.0), start, rtol=1e-6, atol=1e-9)
 
     call()
-    return Row("the same wheels and body, scipy solve_ivp RK45", best_time(lambda: call, repeats) / 1000, "rtol 1e-6")
+    return Row(
+        "the same wheels and body, scipy solve_ivp RK45",
+        best_time(lambda: call, repeats) / 1000,
+        "rtol 1e-6",
+    )
 
 
 def commonroad_rows(repeats: int) -> Iterator[Row]:
@@ -160,7 +183,9 @@ def commonroad_rows(repeats: int) -> Iterator[Row]:
         ("commonroad multi-body, RK4", "vehicle_dynamics_mb", "init_mb"),
     )
     try:
-        parameters = importlib.import_module("vehiclemodels.parameters_vehicle2").parameters_vehicle2()
+        parameters = importlib.import_module(
+            "vehiclemodels.parameters_vehicle2"
+        ).parameters_vehicle2()
     except ImportError:
         for name, _, _ in models:
             yield Row(name, None, "pip install commonroad-vehicle-models")
@@ -170,7 +195,11 @@ def commonroad_rows(repeats: int) -> Iterator[Row]:
     for name, dynamics, initial in models:
         function = getattr(importlib.import_module(f"vehiclemodels.{dynamics}"), dynamics)
         core = [0.0, 0.0, 0.02, SPEED, 0.0, 0.0, 0.0]
-        state = getattr(importlib.import_module(f"vehiclemodels.{initial}"), initial)(core, plain) if initial else core
+        state = (
+            getattr(importlib.import_module(f"vehiclemodels.{initial}"), initial)(core, plain)
+            if initial
+            else core
+        )
 
         def runge_kutta(function=function, state=state) -> None:
             x = np.array(state, dtype=float)
@@ -197,18 +226,29 @@ def main() -> None:
     parser.add_argument("--json", type=Path, help="write the table to this file")
     parser.add_argument("--repeats", type=int, default=15, help="the best of so many counts")
     arguments = parser.parse_args()
-    rows = [*own_rows(arguments.repeats), scipy_row(arguments.repeats), *commonroad_rows(arguments.repeats)]
+    rows = [
+        *own_rows(arguments.repeats),
+        scipy_row(arguments.repeats),
+        *commonroad_rows(arguments.repeats),
+    ]
     reference = next(row.seconds for row in rows if row.name == REFERENCE)
     print(f"{'per 1 ms step':<48}{'us':>10}{'ratio':>10}")
     for row in rows:
         if row.seconds is None:
             print(f"{row.name:<48}{'-':>10}{'-':>10}  {row.note}")
         else:
-            print(f"{row.name:<48}{row.seconds * 1e6:>10.2f}{row.seconds / reference:>10.1f}  {row.note}")
+            print(
+                f"{row.name:<48}{row.seconds * 1e6:>10.2f}{row.seconds / reference:>10.1f}  {row.note}"
+            )
     if arguments.json:
         table = [{**asdict(row), "ratio": row.seconds and row.seconds / reference} for row in rows]
         machine = platform.processor() or platform.machine()
-        document = {"machine": machine, "python": platform.python_version(), "seconds per": "1 ms step", "rows": table}
+        document = {
+            "machine": machine,
+            "python": platform.python_version(),
+            "seconds per": "1 ms step",
+            "rows": table,
+        }
         arguments.json.write_text(json.dumps(document, indent=2) + "\n")
 
 

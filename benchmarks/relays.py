@@ -2,8 +2,9 @@
 
     python benchmarks/relays.py RELAY ROUNDS [--raw] [--pattern]
 
-One process of a ring, or with --pattern of relays that hear and send what the nodes of the graph do; with --raw by
-serialized messages and one wait set, else by typed messages and rclpy's fastest executor.
+One process of a ring, or with --pattern of relays that hear and send what the nodes of the graph
+do; with --raw by serialized messages and one wait set, else by typed messages and rclpy's fastest
+executor.
 """
 
 from __future__ import annotations
@@ -36,7 +37,8 @@ from ev_stack.scenarios.scenario import load_scenario
 SCENARIO = "shchur2019"
 CHAIN = (BodyVelocity, DriverCommand, WheelTorqueRequest, WheelTorqueCommand, SteeringColumnState)
 WARM_UP = 100  # rounds before the clock starts
-Links = dict[str, tuple[tuple[type, ...], tuple[type, ...]]]  # what each relay hears, the last to come last, and sends
+# what each relay hears, the last to come last, and sends
+Links = dict[str, tuple[tuple[type, ...], tuple[type, ...]]]
 
 
 def ring_links() -> Links:
@@ -47,11 +49,15 @@ def ring_links() -> Links:
 def pattern_links() -> Links:
     """What the nodes of the scenario hear, and of what they could send that which is heard; the master first."""
     methods = {
-        role: configuration.method for role, configuration in load_scenario(SCENARIO).runs[0].configurations.items()
+        role: configuration.method
+        for role, configuration in load_scenario(SCENARIO).runs[0].configurations.items()
     }
     heard = {signal for method in methods.values() for signal in method.inputs}
     return {
-        role: (tuple(sorted(method.inputs, key=arrival_place)), tuple(s for s in method.writes if s in heard))
+        role: (
+            tuple(sorted(method.inputs, key=arrival_place)),
+            tuple(s for s in method.writes if s in heard),
+        )
         for role, method in methods.items()
     }
 
@@ -59,12 +65,16 @@ def pattern_links() -> Links:
 class Relay(Node):
     """Sends one message of each of some types when one of each of others has come."""
 
-    def __init__(self, name: str, links: Links, raw: bool, context: rclpy.Context | None = None) -> None:
+    def __init__(
+        self, name: str, links: Links, raw: bool, context: rclpy.Context | None = None
+    ) -> None:
         super().__init__(name, context=context)
         reads, writes = links[name]
         self.coming = 0
         self.receivers = [
-            self.create_subscription(format_of(kind).message_class, kind.__name__, self._receive, QUALITY, raw=raw)
+            self.create_subscription(
+                format_of(kind).message_class, kind.__name__, self._receive, QUALITY, raw=raw
+            )
             for kind in reads
         ]
         self.senders = [self._sender(kind, raw) for kind in writes]
@@ -81,7 +91,9 @@ class Relay(Node):
     def connected(self) -> bool:
         """Whether all neighbours are there."""
         audience = sum(publisher.get_subscription_count() for publisher, _ in self.senders)
-        return audience == self._audience and all(receiver.get_publisher_count() for receiver in self.receivers)
+        return audience == self._audience and all(
+            receiver.get_publisher_count() for receiver in self.receivers
+        )
 
     def take(self, receiver: Subscription) -> bool:
         """Whether a message has come."""

@@ -2,9 +2,9 @@
 
     source scripts/setup.sh && python benchmarks/soak.py [--steps N] [--one-process-steps N] [--json FILE]
 
-The graph is that of shchur2019, with its recorder where every node is a process. Every stamp that is seen must be a
-whole multiple of the period. The first tenth is warm-up. Exit status 1 if the memory of a process did not stay flat,
-which some thousand steps are too few to tell.
+The graph is that of shchur2019, with its recorder where every node is a process. Every stamp that
+is seen must be a whole multiple of the period. The first tenth is warm-up. Exit status 1 if the
+memory of a process did not stay flat, which some thousand steps are too few to tell.
 """
 
 from __future__ import annotations
@@ -37,7 +37,8 @@ PERIOD = 0.1  # s; ten million steps pass a million seconds
 LOOKS = 20
 PATIENCE = 60.0  # s without a step
 ENOUGH = 10_000  # steps
-FLAT = 4096  # kB that a process may grow by behind the warm-up: less than 5 bytes in each of a million steps
+# kB that a process may grow by behind the warm-up: less than 5 bytes in each of a million steps
+FLAT = 4096
 
 
 @dataclass(frozen=True)
@@ -58,7 +59,9 @@ def look(step: int, processes: dict[str, int]) -> Look:
         status = Path(f"/proc/{process}/status").read_text()
         memory[name] = int(status.partition("VmRSS:")[2].split()[0])
         descriptors[name] = len(os.listdir(f"/proc/{process}/fd"))
-        of_user, of_system = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[11:13]
+        of_user, of_system = (
+            Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[11:13]
+        )
         ticks += int(of_user) + int(of_system)
     return Look(step, time.monotonic(), ticks / os.sysconf("SC_CLK_TCK"), memory, descriptors)
 
@@ -66,7 +69,9 @@ def look(step: int, processes: dict[str, int]) -> Look:
 def endless_run(steps: int) -> Run:
     """The scenario, as long as the steps last."""
     values = [("*", "control_period", PERIOD)]
-    return load_scenario("shchur2019", Overrides(values=values, duration=(steps + 1) * PERIOD)).runs[0]
+    return load_scenario(
+        "shchur2019", Overrides(values=values, duration=(steps + 1) * PERIOD)
+    ).runs[0]
 
 
 def follow(domain: int, steps: int, processes: dict[str, int]) -> list[Look]:
@@ -103,7 +108,9 @@ def of_processes(steps: int) -> list[Look]:
         commands = graph_commands(run, Path(directory), recorder=True)
         environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
         with same_addresses():
-            started = {name: subprocess.Popen(words, env=environment) for name, words in commands.items()}
+            started = {
+                name: subprocess.Popen(words, env=environment) for name, words in commands.items()
+            }
         try:
             return follow(domain, steps, {name: process.pid for name, process in started.items()})
         finally:
@@ -115,7 +122,9 @@ def of_processes(steps: int) -> list[Look]:
 def in_one_process(steps: int) -> list[Look]:
     """The graph with all nodes in one process, other than the one that looks."""
     with free_domain() as domain:
-        process = multiprocessing.get_context("spawn").Process(target=_drive, args=(steps, domain), daemon=True)
+        process = multiprocessing.get_context("spawn").Process(
+            target=_drive, args=(steps, domain), daemon=True
+        )
         process.start()
         try:
             return follow(domain, steps, {"all nodes": process.pid})
@@ -136,7 +145,8 @@ def _drive(steps: int, domain: int) -> None:
 def summary(looks: list[Look]) -> dict[str, float]:
     """Rates of the first and last quarter after the warm-up, and what has grown from its end to the last step.
 
-    The rate is one of this machine and of what else it does; CPU time per step depends on that much less.
+    The rate is one of this machine and of what else it does; CPU time per step depends on that much
+    less.
     """
     steady = looks[len(looks) // 10 :]
     quarter = len(steady) // 4
@@ -149,7 +159,8 @@ def summary(looks: list[Look]) -> dict[str, float]:
         "last_cpu_time_of_a_step_us": _cpu_time(*last),
         "largest_growth_of_memory_kB": max(growth(looks).values()),
         "largest_growth_of_descriptors": max(
-            steady[-1].descriptors[name] - steady[0].descriptors[name] for name in steady[0].descriptors
+            steady[-1].descriptors[name] - steady[0].descriptors[name]
+            for name in steady[0].descriptors
         ),
     }
 
@@ -166,13 +177,23 @@ def memory_table(looks: list[Look]) -> str:
     grown = growth(looks)
     rows = [["VmRSS [kB] at step", *(str(each.step) for each in shown), "grown by", ""]]
     for name in grown:
-        flat = "too few steps" if looks[-1].step < ENOUGH else "flat" if grown[name] <= FLAT else "NOT FLAT"
+        flat = (
+            "too few steps"
+            if looks[-1].step < ENOUGH
+            else "flat"
+            if grown[name] <= FLAT
+            else "NOT FLAT"
+        )
         rows.append([name, *(str(each.memory[name]) for each in shown), str(grown[name]), flat])
-    return "\n".join(f"{row[0]:24}" + "".join(f"{text:>10}" for text in row[1:-1]) + f"  {row[-1]}" for row in rows)
+    return "\n".join(
+        f"{row[0]:24}" + "".join(f"{text:>10}" for text in row[1:-1]) + f"  {row[-1]}"
+        for row in rows
+    )
 
 
 def _rate(begin: Look, end: Look) -> float:
-    return (end.step - begin.step) / (end.wall_time - begin.wall_time or math.nan)  # of a few steps: there is none
+    # of a few steps: there is none
+    return (end.step - begin.step) / (end.wall_time - begin.wall_time or math.nan)
 
 
 def _cpu_time(begin: Look, end: Look) -> float:
@@ -182,8 +203,12 @@ def _cpu_time(begin: Look, end: Look) -> float:
 def main() -> None:
     """Print what was found, and write every look as JSON where asked for."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--steps", type=int, default=1_000_000, help="over DDS, with a process per node")
-    parser.add_argument("--one-process-steps", type=int, default=10_000_000, help="with all nodes in one process")
+    parser.add_argument(
+        "--steps", type=int, default=1_000_000, help="over DDS, with a process per node"
+    )
+    parser.add_argument(
+        "--one-process-steps", type=int, default=10_000_000, help="with all nodes in one process"
+    )
     parser.add_argument("--json", type=Path, metavar="FILE")
     given = parser.parse_args()
     found = {}
@@ -193,10 +218,16 @@ def main() -> None:
     ):
         if steps:
             found[name] = way(steps)
-            print(name, *(f"  {key}: {value:.6g}" for key, value in summary(found[name]).items()), sep="\n")
+            print(
+                name,
+                *(f"  {key}: {value:.6g}" for key, value in summary(found[name]).items()),
+                sep="\n",
+            )
             print(memory_table(found[name]), flush=True)
     if given.json:
-        given.json.write_text(json.dumps({name: [asdict(each) for each in looks] for name, looks in found.items()}))
+        given.json.write_text(
+            json.dumps({name: [asdict(each) for each in looks] for name, looks in found.items()})
+        )
     told = [looks for looks in found.values() if looks[-1].step >= ENOUGH]
     sys.exit(any(grown > FLAT for looks in told for grown in growth(looks).values()))
 

@@ -2,10 +2,11 @@
 
     source scripts/setup.sh && python benchmarks/strangers.py [--rates HZ ...] [--seconds S] [--each | --topics T ...]
 
-The rate is that on each of the topics: all of them at once, with --each one after the other. Printed are how many
-messages per second the stranger got rid of on each, the steps per second of the run, whether its hash is that of the
-offline runner, and what was said of the stranger. With --elsewhere the same process speaks in another domain, where
-nobody hears it: what remains then is what its own work leaves of the machine.
+The rate is that on each of the topics: all of them at once, with --each one after the other.
+Printed are how many messages per second the stranger got rid of on each, the steps per second of
+the run, whether its hash is that of the offline runner, and what was said of the stranger. With
+--elsewhere the same process speaks in another domain, where nobody hears it: what remains then is
+what its own work leaves of the machine.
 """
 
 from __future__ import annotations
@@ -43,7 +44,10 @@ def speak(rate: float, topics: list[str]) -> None:
     node = Node("stranger", namespace="/ev")
     clock = node.create_subscription(Clock, "/clock", lambda _: None, QUALITY, raw=True).handle
     formats = [format_of(signal) for signal, topic in TOPICS.items() if topic.name in topics]
-    mouths = [node.create_publisher(f.message_class, f.topic.name, QUALITY).handle.publish_raw for f in formats]
+    mouths = [
+        node.create_publisher(f.message_class, f.topic.name, QUALITY).handle.publish_raw
+        for f in formats
+    ]
     other = Frame()
     other.numbers[:] = numbers_of([OTHER] * len(other.numbers))
     stamp, rounds, start = 0, 0, time.monotonic()
@@ -60,14 +64,24 @@ def speak(rate: float, topics: list[str]) -> None:
     rclpy.shutdown()
 
 
-def drive(run: Run, rate: float, topics: list[str], elsewhere: bool) -> tuple[float, float, str, tuple[str, ...]]:
+def drive(
+    run: Run, rate: float, topics: list[str], elsewhere: bool
+) -> tuple[float, float, str, tuple[str, ...]]:
     """Messages per second of the stranger, steps per second, hash and remarks of a run with a process per node."""
-    with free_domain() as domain, free_domain() as other, tempfile.TemporaryDirectory() as directory:
+    with (
+        free_domain() as domain,
+        free_domain() as other,
+        tempfile.TemporaryDirectory() as directory,
+    ):
         os.environ["ROS_DOMAIN_ID"] = str(domain)
         try:
             words = [sys.executable, __file__, "--speak", str(rate), "--topics", *topics]
             where = os.environ | {"ROS_DOMAIN_ID": str(other if elsewhere else domain)}
-            stranger = subprocess.Popen(words, stdout=subprocess.PIPE, text=True, env=where) if rate else None
+            stranger = (
+                subprocess.Popen(words, stdout=subprocess.PIPE, text=True, env=where)
+                if rate
+                else None
+            )
             if stranger is not None:
                 stranger.stdout.readline()  # coming up takes as much of the machine as the run
             outcome = run_in_processes(run, Path(directory), False, lambda time: None)
@@ -85,11 +99,17 @@ def main() -> None:
     """Print a line per rate, or per rate and topic."""
     everything = [topic.name for topic in TOPICS.values()]
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--rates", type=float, nargs="+", default=[0.0, 100.0, 1000.0, 10000.0], metavar="HZ")
+    parser.add_argument(
+        "--rates", type=float, nargs="+", default=[0.0, 100.0, 1000.0, 10000.0], metavar="HZ"
+    )
     parser.add_argument("--seconds", type=float, default=50.0)
-    parser.add_argument("--topics", nargs="+", choices=everything, default=everything, metavar="TOPIC")
+    parser.add_argument(
+        "--topics", nargs="+", choices=everything, default=everything, metavar="TOPIC"
+    )
     parser.add_argument("--each", action="store_true", help="a stranger on one topic at a time")
-    parser.add_argument("--elsewhere", action="store_true", help="the stranger speaks in another domain")
+    parser.add_argument(
+        "--elsewhere", action="store_true", help="the stranger speaks in another domain"
+    )
     parser.add_argument("--speak", type=float, help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.speak is not None:

@@ -2,8 +2,8 @@
 
     source scripts/setup.sh && python benchmarks/sums.py [--scenario NAME] [--seconds S] [--rounds N] [--in-process]
 
-Printed are steps per second, the best and the median of each, and the ratio with sums over without: of the best, and
-of the two runs of each round the median with its quartiles.
+Printed are steps per second, the best and the median of each, and the ratio with sums over without:
+of the best, and of the two runs of each round the median with its quartiles.
 """
 
 from __future__ import annotations
@@ -26,8 +26,13 @@ from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
 def rate(run: Run, sums: bool, in_process: bool) -> float:
     """Steps per second of wall time; nodes without a key have no sums."""
     of_key = SimpleNamespace(token_bytes=secrets.token_bytes if sums else bytes)
-    with tempfile.TemporaryDirectory() as folder, mock.patch.object(node_reports, "secrets", of_key):
-        outcome = (run_in_process if in_process else run_in_processes)(run, Path(folder), False, lambda _: None)
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        mock.patch.object(node_reports, "secrets", of_key),
+    ):
+        outcome = (run_in_process if in_process else run_in_processes)(
+            run, Path(folder), False, lambda _: None
+        )
     return (len(outcome.recording.time) - 1) / outcome.wall_time
 
 
@@ -45,10 +50,16 @@ def main() -> None:
         for sums in (n % 2 == 0, n % 2 == 1):  # neither has always the warmer machine
             found[sums].append(rate(run, sums, given.in_process))
     for sums, rates in found.items():
-        print(f"{'with' if sums else 'without'} sums: {max(rates):.0f} steps/s, median {statistics.median(rates):.0f}")
-    ratios = [with_sums / without for with_sums, without in zip(found[True], found[False], strict=True)]
+        print(
+            f"{'with' if sums else 'without'} sums: {max(rates):.0f} steps/s, median {statistics.median(rates):.0f}"
+        )
+    ratios = [
+        with_sums / without for with_sums, without in zip(found[True], found[False], strict=True)
+    ]
     low, middle, high = np.quantile(ratios, (0.25, 0.5, 0.75))
-    print(f"ratio: {max(found[True]) / max(found[False]):.3f}, of rounds {middle:.3f} ({low:.3f} to {high:.3f})")
+    print(
+        f"ratio: {max(found[True]) / max(found[False]):.3f}, of rounds {middle:.3f} ({low:.3f} to {high:.3f})"
+    )
 
 
 if __name__ == "__main__":

@@ -5,9 +5,10 @@
     ... --scenarios NAME ...       also all runs of these scenarios
     ... --duration SECONDS         only the beginning of each run
 
-A cycle has 580 s, the plant steps of 1 ms, control 5 ms. The plant alone runs in the same compiled loop, its wheels
-under a constant command; a row is beside the plant of its own run. All rows are measured in turn in one run, so their
-ratios hold on a busy machine, too. The JSON has the ratios to the plant alone as ratio_method_1 to ratio_method_5.
+A cycle has 580 s, the plant steps of 1 ms, control 5 ms. The plant alone runs in the same compiled
+loop, its wheels under a constant command; a row is beside the plant of its own run. All rows are
+measured in turn in one run, so their ratios hold on a busy machine, too. The JSON has the ratios to
+the plant alone as ratio_method_1 to ratio_method_5.
 """
 
 from __future__ import annotations
@@ -36,8 +37,12 @@ from ev_study.studies.asr_shootout import controls, values_of
 from ev_study.studies.study import Case, run_of
 
 DRIVER, SEED = "pulse", 1
-# What the plant alone is told; one in speed mode gets a set-point out of reach, with which it is in torque mode.
-COMMANDS = (WheelTorqueCommand(Wheels.front(100.0, 100.0), NO_WHEELS), WheelSpeedCommand(Wheels.all(200.0)))
+# What the plant alone is told; one in speed mode gets a set-point out of reach, with which it is in
+# torque mode.
+COMMANDS = (
+    WheelTorqueCommand(Wheels.front(100.0, 100.0), NO_WHEELS),
+    WheelSpeedCommand(Wheels.all(200.0)),
+)
 
 
 def runs(given: argparse.Namespace) -> dict[str, Run]:
@@ -50,7 +55,10 @@ def runs(given: argparse.Namespace) -> dict[str, Run]:
     for name in given.scenarios:
         found |= {f"{name} / {run.name}": run for run in load_scenario(name).runs}
     longest = given.duration
-    return {name: dataclasses.replace(run, duration=min(run.duration, longest)) for name, run in found.items()}
+    return {
+        name: dataclasses.replace(run, duration=min(run.duration, longest))
+        for name, run in found.items()
+    }
 
 
 def plant_of(run: Run) -> str:
@@ -89,9 +97,19 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--json", type=Path, help="write the table to this file")
     parser.add_argument("--repeats", type=int, default=3, help="the best of so many counts")
-    parser.add_argument("--controls", nargs="*", metavar="ASR", choices=controls(), help="these, too, or all of them")
-    parser.add_argument("--scenarios", nargs="+", default=[], metavar="NAME", help="all runs of these, too")
-    parser.add_argument("--duration", type=float, default=580.0, help="longest simulated time of a run [s]")
+    parser.add_argument(
+        "--controls",
+        nargs="*",
+        metavar="ASR",
+        choices=controls(),
+        help="these, too, or all of them",
+    )
+    parser.add_argument(
+        "--scenarios", nargs="+", default=[], metavar="NAME", help="all runs of these, too"
+    )
+    parser.add_argument(
+        "--duration", type=float, default=580.0, help="longest simulated time of a run [s]"
+    )
     arguments = parser.parse_args()
     cycles = runs(arguments)
     plants = {plant_of(run): run for run in cycles.values()}
@@ -110,7 +128,10 @@ def main() -> None:
             f"{name:<52}{seconds:>8.3f}{seconds / steps_of(run) * 1e6:>10.2f}{ratio:>8}{run.duration / seconds:>13.0f}"
         )
     if arguments.json:
-        rows = [{"name": name, "seconds": seconds, "ratio": ratios.get(name, 1.0)} for name, seconds in best.items()]
+        rows = [
+            {"name": name, "seconds": seconds, "ratio": ratios.get(name, 1.0)}
+            for name, seconds in best.items()
+        ]
         machine = platform.processor() or platform.machine()
         five = {f"ratio_method_{n}": ratios[name] for n, name in zip(FIVE, cycles, strict=False)}
         document = {

@@ -1,8 +1,8 @@
 """Compile what a run needs while the workspace is set up: `code [WORDS]` by numba, `imports` to bytecode.
 
-Code is that of the run that WORDS, behind scripts/run.sh, ask for; without a scenario it is what steps the nodes of
-every run. It needs the packages that prepare.sh installs first. The methods of other packages are not known yet: what
-is missing here, the run compiles.
+Code is that of the run that WORDS, behind scripts/run.sh, ask for; without a scenario it is what
+steps the nodes of every run. It needs the packages that prepare.sh installs first. The methods of
+other packages are not known yet: what is missing here, the run compiles.
 """
 
 import os

@@ -8,7 +8,8 @@ import os
 import shlex
 import sys
 
-# By the option of pip the variable of uv, an older name of it, and what stands between several values.
+# By the option of pip the variable of uv, an older name of it, and what stands between several
+# values.
 VARIABLES = {
     "index-url": ("UV_DEFAULT_INDEX", "UV_INDEX_URL", " "),
     "extra-index-url": ("UV_INDEX", "UV_EXTRA_INDEX_URL", " "),
@@ -31,7 +32,8 @@ def variables(listed: str) -> dict[str, str]:
         section, _, option = key.rpartition(".")
         if section in told and option in VARIABLES:
             told[section][option] = str(ast.literal_eval(value))
-    found = {"UV_INDEX_STRATEGY": "unsafe-best-match"}  # as pip does: the hashes say which file is meant
+    # as pip does: the hashes say which file is meant
+    found = {"UV_INDEX_STRATEGY": "unsafe-best-match"}
     for option, value in {**told["global"], **told["install"], **told[":env:"]}.items():
         name, older, between = VARIABLES[option]
         if older not in os.environ:

@@ -15,25 +15,29 @@ from hypothesis import settings
 from ev_core.methods import register
 from ev_core.parameters.data_file import entry_points
 
-# How long an example takes says nothing about our code. Where so many examples do not suffice, the test says so.
+# How long an example takes says nothing about our code. Where so many examples do not suffice, the
+# test says so.
 settings.register_profile("ours", deadline=None, max_examples=20)
 settings.load_profile("ours")
 
 ALL = "--all-cases"
 RESULTS = "EV_STACK_RESULTS"
-_SET_BY_OTHERS = {"PYTEST_CURRENT_TEST", "PYGAME_HIDE_SUPPORT_PROMPT"}  # gymnasium does that when it is imported
+# gymnasium does that when it is imported
+_SET_BY_OTHERS = {"PYTEST_CURRENT_TEST", "PYGAME_HIDE_SUPPORT_PROMPT"}
 _INSTALLED = {point.value.partition(".")[0] for point in entry_points(group="ev_stack.methods")}
 _LIMITS = (resource.RLIMIT_AS, resource.RLIMIT_DATA, resource.RLIMIT_FSIZE, resource.RLIMIT_NOFILE)
 
-# A script that starts us in the background has interrupts ignored, here and in each process that a test starts and ends
-# by one.
+# A script that starts us in the background has interrupts ignored, here and in each process that a
+# test starts and ends by one.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Declare the option for the whole suite."""
-    parser.addoption(ALL, action="store_true", help="every case of the tests that are marked as sampled")
+    parser.addoption(
+        ALL, action="store_true", help="every case of the tests that are marked as sampled"
+    )
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -83,7 +87,9 @@ _numbers = count()
 @pytest.fixture(autouse=True)
 def own_results(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
     """A test takes no result that another one has driven."""
-    monkeypatch.setenv(RESULTS, str(tmp_path_factory.getbasetemp() / "results" / str(next(_numbers))))
+    monkeypatch.setenv(
+        RESULTS, str(tmp_path_factory.getbasetemp() / "results" / str(next(_numbers)))
+    )
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -97,7 +103,11 @@ def own_results_of_a_module(tmp_path_factory: pytest.TempPathFactory) -> Iterato
 def _unchanged(who: str) -> Iterator[None]:
     methods, shared, alive = _methods(), _shared(), _alive()
     yield
-    left = {which: each for which, each in _methods().items() if which in methods or each.package not in _INSTALLED}
+    left = {
+        which: each
+        for which, each in _methods().items()
+        if which in methods or each.package not in _INSTALLED
+    }
     assert left == methods, f"{who} leaves other methods behind"
     for what, value in _shared().items():
         assert value == shared[what], f"{who} leaves other {what} behind"
@@ -108,13 +118,19 @@ def _unchanged(who: str) -> Iterator[None]:
 
 
 def _methods() -> dict[tuple[str, str], register.Method]:
-    return {(role, name): each for role, methods in register._REGISTER.items() for name, each in methods.items()}
+    return {
+        (role, name): each
+        for role, methods in register._REGISTER.items()
+        for name, each in methods.items()
+    }
 
 
 def _shared() -> dict[str, object]:
     """What tests of one process share: by a name, what has to be as it was."""
     return {
-        "variables of the environment": {k: v for k, v in os.environ.items() if k not in _SET_BY_OTHERS},
+        "variables of the environment": {
+            k: v for k, v in os.environ.items() if k not in _SET_BY_OTHERS
+        },
         "working directory": os.getcwd(),
         "paths of modules": list(sys.path),
         "handlers of signals": [signal.getsignal(kind) for kind in (signal.SIGINT, signal.SIGTERM)],

@@ -12,7 +12,8 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 STEP, HALF_WIDTH = 2.0, 3.5  # [m]
-# [m]: a straight, a fast bend of about 55 m, a chicane, and three hairpins of 10 to 14 m, driven against the clock.
+# [m]: a straight, a fast bend of about 55 m, a chicane, and three hairpins of 10 to 14 m, driven
+# against the clock.
 THROUGH = """0 0, 45 0, 90 0, 130 3, 165 18, 188 45, 192 78, 178 106, 150 122, 118 122, 92 114, 68 122, 44 132,
 18 126, -8 118, -40 122, -70 118, -86 102, -84 84, -66 76, -40 78,
 -12 74, 4 60, 0 46, -18 38, -50 36, -74 28, -78 12, -62 1, -30 0"""

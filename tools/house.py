@@ -33,12 +33,16 @@ def modules(root: Path = ROOT) -> list[Module]:
     """Everything that the packages of a repository install."""
     packages = sorted(path.parent for path in root.glob("src/*/*/__init__.py"))
     found = ((path, package.name) for package in packages for path in sorted(package.rglob("*.py")))
-    return [_module(root, path, package) for path, package in found if "__pycache__" not in path.parts]
+    return [
+        _module(root, path, package) for path, package in found if "__pycache__" not in path.parts
+    ]
 
 
 def _module(root: Path, path: Path, package: str) -> Module:
     text = path.read_text(encoding="utf-8")
-    statements = [each for each in ast.parse(text).body if isinstance(each, ast.Import | ast.ImportFrom)]
+    statements = [
+        each for each in ast.parse(text).body if isinstance(each, ast.Import | ast.ImportFrom)
+    ]
     imports = sum((each.end_lineno or each.lineno) - each.lineno + 1 for each in statements)
     return Module(path.relative_to(root), package, len(text.splitlines()), imports)
 

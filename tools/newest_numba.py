@@ -4,8 +4,9 @@
     python tools/newest_numba.py --numba numba==0.67.0     another one; also with --pre
     python tools/newest_numba.py --smoke             the installed one, all in the plain way; without a network
 
-Each row is a graph that is compiled and driven in a new process with an empty cache, and once more from that cache.
-Exit status 1 if a row fails or gives other bits than the plain way, or if a touch is no longer possible.
+Each row is a graph that is compiled and driven in a new process with an empty cache, and once more
+from that cache. Exit status 1 if a row fails or gives other bits than the plain way, or if a touch
+is no longer possible.
 """
 
 from __future__ import annotations
@@ -99,7 +100,11 @@ def row(python: str, way: str, off: list[str], cache: Path | None, *, again: boo
             begin = time.monotonic()
             done = subprocess.run(words, env=environment, capture_output=True, text=True)
             times.append(time.monotonic() - begin)
-        lines = [line for line in done.stderr.splitlines() if line.strip() and not line.startswith("compiling ")]
+        lines = [
+            line
+            for line in done.stderr.splitlines()
+            if line.strip() and not line.startswith("compiling ")
+        ]
         found = json.loads(done.stdout.splitlines()[-1]) if done.returncode == 0 else {}
     said = [line for line in lines if line.startswith("numba is another one")] if found else lines
     return Row(way, found, times[0], times[-1], said[-1][:200] if said else "")
@@ -135,19 +140,35 @@ def made(folder: Path, numba: str, pre: bool) -> str:
     """The Python of a new environment with another numba; all the rest is that of this one."""
     venv.create(folder, with_pip=True)
     python = str(folder / "bin" / "python")
-    pip = [python, "-m", "pip", "install", "--quiet", "--only-binary", ":all:", *(["--pre"] if pre else []), numba]
+    pip = [
+        python,
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--only-binary",
+        ":all:",
+        *(["--pre"] if pre else []),
+        numba,
+    ]
     subprocess.run(pip, check=True, env={**os.environ, "PYTHONPATH": ""})
     (site,) = folder.glob("lib/python*/site-packages")
-    (site / "rest.pth").write_text(f"import site; site.addsitedir({sysconfig.get_path('purelib')!r})\n")
+    (site / "rest.pth").write_text(
+        f"import site; site.addsitedir({sysconfig.get_path('purelib')!r})\n"
+    )
     return python
 
 
 def main() -> int:
     """Print the table; 1 if anything broke."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--numba", default="numba", help="what pip shall install")
     parser.add_argument("--pre", action="store_true", help="also what is not released yet")
-    parser.add_argument("--smoke", action="store_true", help="the installed numba, in the plain way and as it is")
+    parser.add_argument(
+        "--smoke", action="store_true", help="the installed numba, in the plain way and as it is"
+    )
     parser.add_argument("--work", action="store_true", help=argparse.SUPPRESS)
     words = parser.parse_args()
     if words.work:
@@ -155,14 +176,19 @@ def main() -> int:
         return 0
     with tempfile.TemporaryDirectory() as folder:
         python = sys.executable if words.smoke else made(Path(folder), words.numba, words.pre)
-        print("| way | first run | again | signal hash | what comes of it |\n| --- | --- | --- | --- | --- |")
+        print(
+            "| way | first run | again | signal hash | what comes of it |\n| --- | --- | --- | --- | --- |"
+        )
         plain, broke, version = None, False, ""
         for each in rows(python, words.smoke):
             plain = plain or each
             shown, version = str(each.bits[0] or "")[:12], str(each.found.get("numba", version))
             said = verdict(each, plain)
             broke = broke or said != "same bits"
-            print(f"| {each.way} | {each.seconds:.0f} s | {each.again:.0f} s | {shown} | {said} |", flush=True)
+            print(
+                f"| {each.way} | {each.seconds:.0f} s | {each.again:.0f} s | {shown} | {said} |",
+                flush=True,
+            )
         print(f"\nnumba {version}: {'something has to be mended' if broke else 'nothing breaks'}")
     return int(broke)
 

@@ -13,6 +13,7 @@ from pathlib import Path
 from house import ROOT, files, modules
 
 MANY_ARGUMENTS = 7
+WIDTH = 100
 # A docstring begins with what its thing is or does.
 OPENINGS = (
     *("In", "Of", "For", "By", "With", "From", "To", "At", "On", "As", "Without"),
@@ -30,6 +31,7 @@ class Reading:
     comments: int
     long_signatures: int
     odd_docstrings: int
+    long_lines: int
 
     @property
     def density(self) -> float:
@@ -44,12 +46,14 @@ class Reading:
 
 def reading_of(paths: Iterable[Path]) -> Reading:
     """Count some files of Python."""
-    tokens = code_lines = comments = signatures = odd = 0
+    tokens = code_lines = comments = signatures = odd = long = 0
     for path in paths:
         text = path.read_text(encoding="utf-8")
         lines = set()
         for token in tokenize.generate_tokens(io.StringIO(text).readline):
-            is_docstring = token.type == tokenize.STRING and token.string.startswith(('"""', 'r"""'))
+            is_docstring = token.type == tokenize.STRING and token.string.startswith(
+                ('"""', 'r"""')
+            )
             if token.type == tokenize.COMMENT:
                 comments += 1
             elif token.type not in _LAYOUT and not is_docstring:
@@ -58,7 +62,8 @@ def reading_of(paths: Iterable[Path]) -> Reading:
         code_lines += len(lines)
         signatures += sum(_arguments(node) >= MANY_ARGUMENTS for node in ast.walk(ast.parse(text)))
         odd += len(re.findall(rf'"""(?:{"|".join(OPENINGS)})\b', text))
-    return Reading(tokens, code_lines, comments, signatures, odd)
+        long += sum(len(line) > WIDTH for line in text.splitlines())
+    return Reading(tokens, code_lines, comments, signatures, odd, long)
 
 
 def _arguments(node: ast.AST) -> int:
@@ -74,6 +79,7 @@ def main() -> None:
     print(f"comments: {found.comment_share:.1%} of the lines of code")
     print(f"functions with {MANY_ARGUMENTS} arguments or more: {found.long_signatures}")
     print(f"docstrings that begin with a preposition or a question word: {found.odd_docstrings}")
+    print(f"lines of more than {WIDTH} characters: {found.long_lines}")
 
 
 if __name__ == "__main__":

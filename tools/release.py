@@ -31,7 +31,9 @@ def released(changelog: str, version: str, day: str) -> str:
 
 def notes(changelog: str, version: str) -> str:
     """What the changelog says of a version, without its heading."""
-    found = re.search(rf"^## \[{re.escape(version)}\].*\n((?:(?!## \[).*\n?)*)", changelog, re.MULTILINE)
+    found = re.search(
+        rf"^## \[{re.escape(version)}\].*\n((?:(?!## \[).*\n?)*)", changelog, re.MULTILINE
+    )
     return found[1].strip() if found else ""
 
 

@@ -2,7 +2,8 @@
 
     python docs/examples/ecu_script.py --torque 20 --seconds 3
 
-`--bus` is whatever can.Bus takes, such as interface=socketcan,channel=can0. Exit status 1 if the drive has a fault.
+`--bus` is whatever can.Bus takes, such as interface=socketcan,channel=can0. Exit status 1 if the
+drive has a fault.
 """
 
 import argparse
@@ -41,7 +42,9 @@ def opened(text: str) -> can.BusABC:
     # It would warn of every message that comes in two pieces, which is how streams are.
     logging.getLogger("can.interfaces.socketcand").setLevel(logging.ERROR)
     words = dict(word.split("=", 1) for word in text.split(","))
-    return can.Bus(**{name: int(value) if value.isdecimal() else value for name, value in words.items()})
+    return can.Bus(
+        **{name: int(value) if value.isdecimal() else value for name, value in words.items()}
+    )
 
 
 class Drive:
@@ -49,7 +52,10 @@ class Drive:
 
     def __init__(self, bus, database, name: str) -> None:
         self.bus = bus
-        frames = (database.get_message_by_name(f"{name}_{kind}") for kind in ("SetPoint", "Motion", "Faults"))
+        frames = (
+            database.get_message_by_name(f"{name}_{kind}")
+            for kind in ("SetPoint", "Motion", "Faults")
+        )
         self.set_point, self.motion, self.faults = frames
         self.counter, self.due, self.heard = 0, time.monotonic(), 0.0
         self.statusword, self.torque, self.speed, self.error = 0, 0.0, 0.0, "no fault"
@@ -76,12 +82,17 @@ class Drive:
                 self.motion, message.data
             ):
                 told = self.motion.decode(message.data, decode_choices=False)
-                self.statusword, self.torque, self.speed = int(told["Statusword"]), told["Torque"], told["Speed"]
+                self.statusword, self.torque, self.speed = (
+                    int(told["Statusword"]),
+                    told["Torque"],
+                    told["Speed"],
+                )
                 self.heard = time.monotonic()
             if message.arbitration_id == self.faults.frame_id and message.data[0] == checksum(
                 self.faults, message.data
             ):
-                self.error = str(self.faults.decode(message.data)["ErrorCode"])  # by the names of the database
+                # by the names of the database
+                self.error = str(self.faults.decode(message.data)["ErrorCode"])
 
     def cycle(self, controlword: int, torque: float = 0.0) -> None:
         """Send a set-point, wait for the next cycle, and take what has come."""
@@ -91,7 +102,9 @@ class Drive:
         }  # fmt: skip
         data = bytearray(self.set_point.encode(signals))
         data[0] = checksum(self.set_point, data)
-        self.bus.send(can.Message(arbitration_id=self.set_point.frame_id, data=data, is_extended_id=False))
+        self.bus.send(
+            can.Message(arbitration_id=self.set_point.frame_id, data=data, is_extended_id=False)
+        )
         self.counter = (self.counter + 1) % 15
         self.due += CYCLE
         time.sleep(max(self.due - time.monotonic(), 0.0))
@@ -126,12 +139,20 @@ def lead(drive: Drive, torque: float, seconds: float) -> str:
         return "it sends nothing"
     if drive.is_faulty:
         drive.reset()
-    enabled = drive.follow(lambda: drive.state == ENABLED or drive.is_faulty or drive.is_silent, 10.0)
+    enabled = drive.follow(
+        lambda: drive.state == ENABLED or drive.is_faulty or drive.is_silent, 10.0
+    )
     if enabled and drive.state == ENABLED:
         drive.follow(lambda: drive.state != ENABLED or drive.is_silent, seconds, torque)
     if drive.is_silent:
         return "its feedback stays away"
-    return "" if drive.state == ENABLED else "it is in a fault" if drive.is_faulty else "it is not enabled"
+    return (
+        ""
+        if drive.state == ENABLED
+        else "it is in a fault"
+        if drive.is_faulty
+        else "it is not enabled"
+    )
 
 
 def main() -> int:
@@ -139,7 +160,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--torque", type=float, default=20.0, help="at the shaft [N m]")
     parser.add_argument("--seconds", type=float, default=3.0, help="to hold it")
-    parser.add_argument("--drive", default="Drive11", help="Drive11 is the right one, Drive12 the left one")
+    parser.add_argument(
+        "--drive", default="Drive11", help="Drive11 is the right one, Drive12 the left one"
+    )
     parser.add_argument("--database", default="config/can/ev_bench.dbc")
     parser.add_argument("--bus", default=HUB, help="NAME=VALUE,... for can.Bus")
     given = parser.parse_args()
@@ -147,7 +170,9 @@ def main() -> int:
         drive = Drive(bus, cantools.database.load_file(given.database), given.drive)
         try:
             trouble = lead(drive, given.torque, given.seconds)
-            print(f"statusword {drive.statusword:03X}h, {drive.torque:.3f} N m, {drive.speed:.1f} rpm")
+            print(
+                f"statusword {drive.statusword:03X}h, {drive.torque:.3f} N m, {drive.speed:.1f} rpm"
+            )
         finally:
             drive.stop()
     if trouble:

@@ -2,7 +2,8 @@
 
     python docs/examples/own_inverter.py
 
-`--bus` is whatever can.Bus takes, such as interface=socketcan,channel=can0. Ends with Ctrl-C, or after --seconds.
+`--bus` is whatever can.Bus takes, such as interface=socketcan,channel=can0. Ends with Ctrl-C, or
+after --seconds.
 """
 
 import argparse
@@ -34,8 +35,15 @@ class Drive:
     def __init__(self, database, name: str, timeout: float) -> None:
         self.timeout = timeout
         self.set_point = database.get_message_by_name(f"{name}_SetPoint")
-        self.feedback = [(database.get_message_by_name(f"{name}_{kind}"), [0]) for kind in ("Motion", "Faults")]
-        self.state, self.torque, self.heard, self.command = DISABLED, 0.0, 0.0, {"Controlword": 0, "Torque": 0.0}
+        self.feedback = [
+            (database.get_message_by_name(f"{name}_{kind}"), [0]) for kind in ("Motion", "Faults")
+        ]
+        self.state, self.torque, self.heard, self.command = (
+            DISABLED,
+            0.0,
+            0.0,
+            {"Controlword": 0, "Torque": 0.0},
+        )
         self.last_counter, self.reset, self.timed_out = -1, False, False
 
     def take(self, message: can.Message) -> None:
@@ -63,7 +71,11 @@ class Drive:
         self.reset = False
         limit = float(self.command.get("TorqueLimit", 0.0))
         wanted = min(max(float(self.command["Torque"]), -limit), limit)
-        self.torque = self.torque + (wanted - self.torque) * period / (period + 0.002) if self.state == ENABLED else 0.0
+        self.torque = (
+            self.torque + (wanted - self.torque) * period / (period + 0.002)
+            if self.state == ENABLED
+            else 0.0
+        )
 
     def frames(self, tick: int) -> list[can.Message]:
         """Motion each millisecond, faults each ten."""
@@ -79,17 +91,23 @@ class Drive:
             data = bytearray(message.encode(values, strict=False))
             data[0] = checksum(message, data)
             counter[0] = (counter[0] + 1) % 15
-            found.append(can.Message(arbitration_id=message.frame_id, data=data, is_extended_id=False))
+            found.append(
+                can.Message(arbitration_id=message.frame_id, data=data, is_extended_id=False)
+            )
         return found
 
 
 def main() -> None:
     """Take set-points, advance and answer, each millisecond."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--drive", default="Drive11", help="Drive11 is the right one, Drive12 the left one")
+    parser.add_argument(
+        "--drive", default="Drive11", help="Drive11 is the right one, Drive12 the left one"
+    )
     parser.add_argument("--database", default="config/can/ev_bench.dbc")
     parser.add_argument("--bus", default=HUB, help="NAME=VALUE,... for can.Bus")
-    parser.add_argument("--timeout", type=float, default=0.01, help="s without a valid set-point: fault")
+    parser.add_argument(
+        "--timeout", type=float, default=0.01, help="s without a valid set-point: fault"
+    )
     parser.add_argument("--seconds", type=float, default=float("inf"))
     given = parser.parse_args()
     drive = Drive(cantools.database.load_file(given.database), given.drive, given.timeout)

@@ -9,7 +9,9 @@ from ev_core.law import Vehicle, Wheels, WheelTorqueCommand, WheelTorqueRequest,
 class LimitParameters:
     """What can be set by --set asr.limit=..., by a parameter file or by `ros2 param set`."""
 
-    limit: float = parameter(1000.0, unit="N m", low=0.0, high=10000.0, about="largest drive torque of a wheel")
+    limit: float = parameter(
+        1000.0, unit="N m", low=0.0, high=10000.0, about="largest drive torque of a wheel"
+    )
 
 
 @method("asr", "limit")
@@ -25,4 +27,6 @@ class Limit:
 
     def step(self, request: WheelTorqueRequest) -> WheelTorqueCommand:
         """The same torques [N m], those of the drives limited."""
-        return WheelTorqueCommand(Wheels(*(min(torque, self._limit) for torque in request.drive)), request.brake)
+        return WheelTorqueCommand(
+            Wheels(*(min(torque, self._limit) for torque in request.drive)), request.brake
+        )

@@ -33,18 +33,34 @@ class YawMomentParameters:
 
     control: Control = parameter(Control.PI, about="from the error of the yaw rate to a moment")
     understeer: float = parameter(
-        0.0, unit="s^2/m", low=-1.0, high=1.0, about="K of the wanted yaw rate v delta/(L + K v^2); 0: a neutral car"
+        0.0,
+        unit="s^2/m",
+        low=-1.0,
+        high=1.0,
+        about="K of the wanted yaw rate v delta/(L + K v^2); 0: a neutral car",
     )
     friction: float = parameter(
         0.8, unit="1", low=0.01, high=2.0, about="of the road; the wanted yaw rate is below mu g/v"
     )
-    gain: float = parameter(5000.0, unit="N m s/rad", low=0.0, high=1e6, about="moment per error of the yaw rate")
-    reset_time: float = parameter(0.5, unit="s", low=0.01, high=1e3, about="of the integral of `pi`")
-    layer: float = parameter(
-        0.05, unit="rad/s", low=1e-4, high=10.0, about="error within which `sliding_mode` is linear, against chatter"
+    gain: float = parameter(
+        5000.0, unit="N m s/rad", low=0.0, high=1e6, about="moment per error of the yaw rate"
     )
-    largest: float = parameter(2000.0, unit="N m", low=0.0, high=1e5, about="largest moment on the car")
-    slowest: float = parameter(2.0, unit="m/s", low=0.1, high=50.0, about="below it no moment is asked for")
+    reset_time: float = parameter(
+        0.5, unit="s", low=0.01, high=1e3, about="of the integral of `pi`"
+    )
+    layer: float = parameter(
+        0.05,
+        unit="rad/s",
+        low=1e-4,
+        high=10.0,
+        about="error within which `sliding_mode` is linear, against chatter",
+    )
+    largest: float = parameter(
+        2000.0, unit="N m", low=0.0, high=1e5, about="largest moment on the car"
+    )
+    slowest: float = parameter(
+        2.0, unit="m/s", low=0.1, high=50.0, about="below it no moment is asked for"
+    )
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
 
@@ -68,8 +84,8 @@ def yaw_moment(
 ) -> WheelTorqueRequest:
     """Turn the car as a neutral one would, by a difference of the torques on each axle that has two drives.
 
-    M_z = K (e + integral of e/T_i), or M_max sat(e/layer), with e = r_wanted - r, both within the largest moment; of an
-    axle it is (M_right - M_left) d/(2 r_k).
+    M_z = K (e + integral of e/T_i), or M_max sat(e/layer), with e = r_wanted - r, both within the
+    largest moment; of an axle it is (M_right - M_left) d/(2 r_k).
     """
     speed, moment = body.longitudinal, 0.0
     if speed >= p.slowest:
@@ -79,7 +95,9 @@ def yaw_moment(
         if p.control == Control.SLIDING_MODE:
             moment = p.largest * min(max(error / p.layer, -1.0), 1.0)
         else:
-            s.integral = min(max(s.integral + p.gain * error * period / p.reset_time, -p.largest), p.largest)
+            s.integral = min(
+                max(s.integral + p.gain * error * period / p.reset_time, -p.largest), p.largest
+            )
             moment = min(max(p.gain * error + s.integral, -p.largest), p.largest)
     else:
         s.integral = 0.0

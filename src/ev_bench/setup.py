@@ -8,7 +8,8 @@ from setuptools import find_packages, setup
 PACKAGE = ElementTree.parse("package.xml").getroot()
 VERSION = PACKAGE.findtext("version")
 
-# What `ros2 run` starts is put into lib/ev_bench by colcon; a wheel would put it on the PATH, under these bare names.
+# What `ros2 run` starts is put into lib/ev_bench by colcon; a wheel would put it on the PATH, under
+# these bare names.
 NODES = [
     "test_bench = ev_bench.nodes.bench:main",
     "inverter = ev_bench.nodes.inverter:main",

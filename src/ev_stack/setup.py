@@ -8,7 +8,8 @@ from setuptools import find_packages, setup
 PACKAGE = ElementTree.parse("package.xml").getroot()
 VERSION = PACKAGE.findtext("version")
 
-# What `ros2 run` starts is put into lib/ev_stack by colcon; a wheel would put it on the PATH, under these bare names.
+# What `ros2 run` starts is put into lib/ev_stack by colcon; a wheel would put it on the PATH, under
+# these bare names.
 NODES = ["recorder = ev_stack.recorder_node:main"]
 MANOEUVRES = (
     "coast_down",
@@ -60,7 +61,10 @@ setup(
     },
     zip_safe=False,  # templates are read as files
     entry_points={
-        "console_scripts": ["ev-stack = ev_stack.commands.program:main", *(NODES if IS_COLCON else [])],
+        "console_scripts": [
+            "ev-stack = ev_stack.commands.program:main",
+            *(NODES if IS_COLCON else []),
+        ],
         "ev_stack.commands": ["ev_stack = ev_stack.commands"],
         "ev_stack.nodes": NODES,
         "ev_stack.reports": [f"{name} = ev_stack.manoeuvres.{name}" for name in MANOEUVRES],

@@ -30,7 +30,8 @@ BENCHMARKS = {
     "strangers": ("--rates", "0", "--seconds", "0.1"),
     "urban_cycle": ("--repeats", "1", "--duration", "1"),
 }
-# Those that nothing else starts; lock, site and wheels take packages from elsewhere, .ci/run starts suite and campaign.
+# Those that nothing else starts; lock, site and wheels take packages from elsewhere, .ci/run starts
+# suite and campaign.
 SCRIPTS = {"determinism": ("--trials", "1", "--seconds", "0.1", "--only", "double_lane_change")}
 
 LONG = (
@@ -61,7 +62,9 @@ def assert_ends_well(words: list[str | Path], folder: Path) -> None:
     ],
 )
 def test_a_benchmark_starts(name: str, tmp_path: Path):
-    assert_ends_well([sys.executable, ROOT / "benchmarks" / f"{name}.py", *BENCHMARKS[name]], tmp_path)
+    assert_ends_well(
+        [sys.executable, ROOT / "benchmarks" / f"{name}.py", *BENCHMARKS[name]], tmp_path
+    )
 
 
 @pytest.mark.parametrize("name", SCRIPTS)

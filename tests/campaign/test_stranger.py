@@ -60,4 +60,6 @@ def test_what_is_forged_is_a_datagram_in_the_name_of_a_process(name, seed):
     assert forgery.topic in CLASSES
     assert datagrams
     assert all(len(datagram) <= _MOST for datagram in datagrams)
-    assert name in ("noise", "cut off") or all(each.startswith(rtps(HEARD.gid)[:19]) for each in datagrams)
+    assert name in ("noise", "cut off") or all(
+        each.startswith(rtps(HEARD.gid)[:19]) for each in datagrams
+    )

@@ -20,7 +20,9 @@ ROOT = Path(__file__).parents[2]
 
 def lint_imports(config: Path) -> subprocess.CompletedProcess[str]:
     """What `lint-imports` gives from the top of the repository."""
-    program = "import sys; from importlinter.cli import lint_imports_command; lint_imports_command()"
+    program = (
+        "import sys; from importlinter.cli import lint_imports_command; lint_imports_command()"
+    )
     words = [sys.executable, "-c", program, "--no-cache", "--no-logo", "--config", str(config)]
     return subprocess.run(words, cwd=ROOT, capture_output=True, text=True)
 
@@ -34,7 +36,9 @@ def test_an_import_against_the_layers_is_found(tmp_path: Path):
     """With the packages in another order, those that import downwards import upwards."""
     turned = tmp_path / "turned"
     declared = DECLARATION.read_text()
-    turned.write_text(declared.replace("    ev_core\n    ev_msgs_py\n\n", "    ev_msgs_py\n    ev_core\n\n", 1))
+    turned.write_text(
+        declared.replace("    ev_core\n    ev_msgs_py\n\n", "    ev_msgs_py\n    ev_core\n\n", 1)
+    )
     assert turned.read_text() != declared
     found = lint_imports(turned)
     assert found.returncode == 1
@@ -58,7 +62,10 @@ def test_every_path_and_name_of_the_page_is_there():
     named = re.findall(r"`(\w+)` in `([\w./]+\.py)`", HAND_WRITTEN)
     assert len(named) > 8
     for name, path in named:
-        assert re.search(rf"^(?:def |class )?{name}\b", (ROOT / path).read_text(), re.MULTILINE), (name, path)
+        assert re.search(rf"^(?:def |class )?{name}\b", (ROOT / path).read_text(), re.MULTILINE), (
+            name,
+            path,
+        )
 
 
 def test_the_step_is_ten_sentences_and_a_drawing_of_ten_boxes():
@@ -71,10 +78,15 @@ def test_the_step_is_ten_sentences_and_a_drawing_of_ten_boxes():
 def test_no_circle_leads_through_a_room_and_the_folder_that_holds_it():
     """Also by annotations; the contract of .importlinter looks only at rooms that stand side by side."""
     graph = grimp.build_graph(*(name for layer in layers() for name in layer), cache_dir=None)
-    room = {name: name if graph.find_children(name) else name.rpartition(".")[0] for name in graph.modules}
+    room = {
+        name: name if graph.find_children(name) else name.rpartition(".")[0]
+        for name in graph.modules
+    }
     imports = defaultdict(set)
     for name in graph.modules:
-        imports[room[name]] |= {room[each] for each in graph.find_modules_directly_imported_by(name)} - {room[name]}
+        imports[room[name]] |= {
+            room[each] for each in graph.find_modules_directly_imported_by(name)
+        } - {room[name]}
     assert len(imports) > 50
     TopologicalSorter(imports).prepare()  # CycleError names the rooms of a circle
 
@@ -100,5 +112,7 @@ def test_what_is_too_large_is_named(tmp_path: Path):
 
 
 def test_the_counts_are_printed():
-    done = subprocess.run([sys.executable, "tools/house.py"], cwd=ROOT, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "tools/house.py"], cwd=ROOT, capture_output=True, text=True, check=True
+    )
     assert "modules, median" in done.stdout and done.stdout.count("none") == 2

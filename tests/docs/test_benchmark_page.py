@@ -16,9 +16,9 @@ CELL = "layout_1_8_c:all:step_steer:wet:*"
 def test_page_has_every_law_and_cell():
     board = read_board(NAME)
     assert all(f"| `{law}` |" in TEXT for law in board.laws)
-    assert [line.split("`")[1] for line in TEXT.splitlines() if line.startswith("| `") and ":v" in line] == [
-        cell.id("*") for cell in board.cells()
-    ]
+    assert [
+        line.split("`")[1] for line in TEXT.splitlines() if line.startswith("| `") and ":v" in line
+    ] == [cell.id("*") for cell in board.cells()]
 
 
 def test_row_of_a_cell_is_what_its_runs_say():
@@ -28,4 +28,5 @@ def test_row_of_a_cell_is_what_its_runs_say():
     assert written.count("`") == 6  # id, first digits of the signal hash, command
     assert NUMBER.sub("", written) == NUMBER.sub("", row)
     numbers, found = ([float(number) for number in NUMBER.findall(text)] for text in (written, row))
-    assert numbers == pytest.approx(found, abs=0.0101)  # another processor may round the last digit differently
+    # another processor may round the last digit differently
+    assert numbers == pytest.approx(found, abs=0.0101)

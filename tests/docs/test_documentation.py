@@ -21,7 +21,9 @@ pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "docs" / "examples"
-PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *ROOT.glob("docs/*.md")])
+PAGES = sorted(
+    [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *ROOT.glob("docs/*.md")]
+)
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.])")
 DURATION = 1.0  # s of simulated time of the runs with the examples; the car is accelerating
 LIMIT = 50.0  # N m, far below the 250 N m for each wheel that the acceleration takes
@@ -65,14 +67,19 @@ def test_results_of_a_scenario_are_those_of_its_runs(page: str):
 
 def compare_results(page: str, text: str, block: str = "results"):
     """Numbers, not text: another processor may round the last digit differently."""
-    written = (ROOT / page).read_text().partition(f"<!-- generated: {block} -->")[2].partition("<!-- end")[0]
+    written = (
+        (ROOT / page)
+        .read_text()
+        .partition(f"<!-- generated: {block} -->")[2]
+        .partition("<!-- end")[0]
+    )
     lines, now = written.strip().splitlines(), text.strip().splitlines()
     assert [NUMBER.sub("", line) for line in lines] == [NUMBER.sub("", line) for line in now]
     for line_written, line_now in zip(lines, now, strict=True):
         numbers = [float(number) for number in NUMBER.findall(line_written)]
-        assert numbers == pytest.approx([float(n) for n in NUMBER.findall(line_now)], rel=1e-3, abs=1e-9), (
-            "document.sh --runs"
-        )
+        assert numbers == pytest.approx(
+            [float(n) for n in NUMBER.findall(line_now)], rel=1e-3, abs=1e-9
+        ), "document.sh --runs"
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
@@ -115,7 +122,12 @@ def test_the_page_of_running_shows_every_option_of_run_sh(capsys: pytest.Capture
     with pytest.raises(SystemExit):
         run_scenario(["--help"])
     options = set(re.findall(r"--[a-z][a-z-]+", capsys.readouterr().out))
-    described = (ROOT / "docs" / "running.md").read_text().partition("## Ways to run")[2].partition("\n## ")[0]
+    described = (
+        (ROOT / "docs" / "running.md")
+        .read_text()
+        .partition("## Ways to run")[2]
+        .partition("\n## ")[0]
+    )
     assert set(re.findall(r"--[a-z][a-z-]+", described)) == options
 
 
@@ -123,7 +135,17 @@ def test_the_page_of_running_shows_every_option_of_run_sh(capsys: pytest.Capture
 def built_in(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder of a short run with the built-in nodes."""
     folder = tmp_path_factory.mktemp("built_in")
-    run_scenario(["shchur2019", "--offline", "--no-record", "--duration", str(DURATION), "--out", str(folder)])
+    run_scenario(
+        [
+            "shchur2019",
+            "--offline",
+            "--no-record",
+            "--duration",
+            str(DURATION),
+            "--out",
+            str(folder),
+        ]
+    )
     return folder
 
 
@@ -131,7 +153,16 @@ def drive_with_own_node(out: Path, *arguments: str) -> Path:
     """The signals of the same run over DDS with own_node.py as the asr."""
     command = " ".join([sys.executable, str(EXAMPLES / "own_node.py"), *arguments])
     run_scenario(
-        ["shchur2019", "--no-record", "--duration", str(DURATION), "--out", str(out), "--node", f"asr={command}"]
+        [
+            "shchur2019",
+            "--no-record",
+            "--duration",
+            str(DURATION),
+            "--out",
+            str(out),
+            "--node",
+            f"asr={command}",
+        ]
     )
     return out / "signals.npz"
 
@@ -181,7 +212,9 @@ def errors_of_yaw_rate(module: str, *given: dict) -> list[str]:
         "    print(round(error(run, result.summary().vehicle), 3))\n"
     )
     command = [sys.executable, "-c", code]
-    return subprocess.run(command, cwd=EXAMPLES, check=True, capture_output=True, text=True).stdout.split()
+    return subprocess.run(
+        command, cwd=EXAMPLES, check=True, capture_output=True, text=True
+    ).stdout.split()
 
 
 def test_yaw_moment_lowers_the_error_that_the_page_says():
@@ -202,21 +235,43 @@ def test_yaw_moment_lowers_the_error_that_the_page_says():
         ("own_law", "limit_compiled"),
     ],
 )
-def test_own_method_is_found_by_its_entry_point(built_in: Path, tmp_path: Path, module: str, method: str):
+def test_own_method_is_found_by_its_entry_point(
+    built_in: Path, tmp_path: Path, module: str, method: str
+):
     """As installed: a folder on the path with the module and its metadata."""
     package = tmp_path / f"{module}-1.0.dist-info"
     package.mkdir()
     (package / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {module}\nVersion: 1.0\n")
     (package / "entry_points.txt").write_text(f"[ev_stack.methods]\nasr = {module}\n")
     (tmp_path / f"{module}.py").write_text((EXAMPLES / f"{module}.py").read_text())
-    environment = {**os.environ, "PYTHONPATH": f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"}
+    environment = {
+        **os.environ,
+        "PYTHONPATH": f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}",
+    }
 
-    short = ["shchur2019", "--offline", "--no-record", "--duration", str(DURATION), "--method", f"asr={method}"]
+    short = [
+        "shchur2019",
+        "--offline",
+        "--no-record",
+        "--duration",
+        str(DURATION),
+        "--method",
+        f"asr={method}",
+    ]
     limited = [*short, "--set", f"asr.limit={LIMIT}", "--out", str(tmp_path / "limited")]
     calls = (["--list"], limited, [*short, "--out", str(tmp_path / "equal")])
     code = f"from ev_stack.commands.run_scenario import main\nfor words in {calls}: main(words)"
     command = [sys.executable, "-c", code]
-    said = subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
+    said = subprocess.run(
+        command, env=environment, check=True, capture_output=True, text=True
+    ).stdout
     assert "Limit the drive torque of every wheel" in said
-    assert np.max(load(tmp_path / "limited" / "signals.npz").channels["wheel_states.effort.front_left"]) == LIMIT
-    assert signal_hash(load(tmp_path / "equal" / "signals.npz")) == signal_hash(load(built_in / "signals.npz"))
+    assert (
+        np.max(
+            load(tmp_path / "limited" / "signals.npz").channels["wheel_states.effort.front_left"]
+        )
+        == LIMIT
+    )
+    assert signal_hash(load(tmp_path / "equal" / "signals.npz")) == signal_hash(
+        load(built_in / "signals.npz")
+    )

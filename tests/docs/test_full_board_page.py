@@ -26,11 +26,15 @@ from ev_study.commands.benchmark import drive_board
 
 ROOT = Path(__file__).parents[2]
 BOARD = read_board("full")
-KEPT = replace(BOARD, version=kept()["version"], draws=kept()["draws"])  # the board that was driven last
+# the board that was driven last
+KEPT = replace(BOARD, version=kept()["version"], draws=kept()["draws"])
 driven_whole = pytest.mark.skipif(
-    KEPT.version < BOARD.version, reason=f"version {BOARD.version} of the full board has not been driven whole yet"
+    KEPT.version < BOARD.version,
+    reason=f"version {BOARD.version} of the full board has not been driven whole yet",
 )
-RUNS_DRIVEN = [  # a cell and a law: drives on two or four wheels, a search, split friction, the rig's tyre, an oracle
+# a cell and a law: drives on two or four wheels, a search, split friction, the rig's tyre, an
+# oracle
+RUNS_DRIVEN = [
     ("audi_a2:front:friction_jump_in_bend:dry_to_wet", "all_known_neutral"),
     ("compact_ev:rear:lift_off_in_bend:wet", "predictive"),
     ("layout_1_8_c:all:double_lane_change:snow", "lqr_all_known"),
@@ -81,7 +85,9 @@ def result(few: Board) -> BoardResult:
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, result: BoardResult) -> Path:
     """What a board with many runs leaves behind."""
     monkeypatch.setattr(run_files, "MOST_IN_JSON", 0)
-    (tmp_path / "board.json").write_text(json.dumps(result.as_json() | {"versions": {"python": "3"}}))
+    (tmp_path / "board.json").write_text(
+        json.dumps(result.as_json() | {"versions": {"python": "3"}})
+    )
     run_files.write_runs(tmp_path, result)
     return tmp_path
 
@@ -100,28 +106,46 @@ def test_what_is_kept_are_the_numbers_of_the_runs(folder: Path, few: Board, resu
         assert of["hashes"] == [driven.hashes[law][0][:DIGITS] for law in result.laws]
         assert set(of["medians"]) == set(driven.metrics["pi"])
         for name, medians in of["medians"].items():
-            assert medians == pytest.approx([np.median(driven.metrics[law][name]) for law in result.laws], rel=5e-4)
+            assert medians == pytest.approx(
+                [np.median(driven.metrics[law][name]) for law in result.laws], rel=5e-4
+            )
     for name, scores in result.scores.items():
-        assert [found["scores"][law][name]["rank"] for law in result.laws] == [each.rank for each in scores]
-        assert found["where"]["compact_ev:rear"][name] == pytest.approx([each.value for each in scores], rel=5e-4)
+        assert [found["scores"][law][name]["rank"] for law in result.laws] == [
+            each.rank for each in scores
+        ]
+        assert found["where"]["compact_ev:rear"][name] == pytest.approx(
+            [each.value for each in scores], rel=5e-4
+        )
     for name, of in found["varied"].items():
         assert of["drawn"] == [result.varied[name].least, result.varied[name].most]
         for counted, laws in result.varied[name].differences.items():
             pairs = np.array(of[counted], float)
             assert pairs == pytest.approx(np.array(laws), rel=5e-4, nan_ok=True)
-    best = {cost: float(interquartile_mean(of.min(axis=0).ravel())) for cost, of in result.costs.items()}
+    best = {
+        cost: float(interquartile_mean(of.min(axis=0).ravel())) for cost, of in result.costs.items()
+    }
     assert {cost: found["best of each run"][cost] for cost in best} == pytest.approx(best, rel=5e-4)
 
 
 def test_runs_of_another_board_are_refused(folder: Path, few: Board):
     lines = gzip.decompress((folder / "runs.jsonl.gz").read_bytes()).splitlines(keepends=True)
-    for fewer, line in ((lines[:-1], "has not 5 runs of each law"), (lines[:-10], "has other cells than board.json")):
+    for fewer, line in (
+        (lines[:-1], "has not 5 runs of each law"),
+        (lines[:-10], "has other cells than board.json"),
+    ):
         (folder / "runs.jsonl.gz").write_bytes(gzip.compress(b"".join(fewer)))
         with pytest.raises(ValueError, match=line):
             kept_board(folder, few)
-    others = replace(few, variations=[replace(few.variations[0], factor=[1.0, 1.1]), *few.variations[1:]])
-    for other, name in ((replace(few, seed=few.seed + 1), r"\*\.seed"), (others, r"\*\.vehicle\.mass")):
-        with pytest.raises(ValueError, match=f"was not driven with the {name} that the board draws"):
+    others = replace(
+        few, variations=[replace(few.variations[0], factor=[1.0, 1.1]), *few.variations[1:]]
+    )
+    for other, name in (
+        (replace(few, seed=few.seed + 1), r"\*\.seed"),
+        (others, r"\*\.vehicle\.mass"),
+    ):
+        with pytest.raises(
+            ValueError, match=f"was not driven with the {name} that the board draws"
+        ):
             kept_board(folder, other)
 
 
@@ -142,13 +166,21 @@ def test_another_board_is_refused(folder: Path, tmp_path_factory: pytest.TempPat
     ("change", "line"),
     [
         (lambda folder: (folder / "board.json").unlink(), "No such file or directory"),
-        (lambda folder: (folder / "runs.jsonl.gz").write_bytes(b"\x1f\x8b"), "Compressed file ended"),
+        (
+            lambda folder: (folder / "runs.jsonl.gz").write_bytes(b"\x1f\x8b"),
+            "Compressed file ended",
+        ),
         (lambda folder: (folder / "board.json").write_text("{}"), "'scores'"),
     ],
     ids=["none", "cut off", "foreign"],
 )
 def test_what_is_no_board_is_one_line(
-    change: Callable[[Path], object], line: str, folder: Path, few: Board, tmp_path_factory, monkeypatch
+    change: Callable[[Path], object],
+    line: str,
+    folder: Path,
+    few: Board,
+    tmp_path_factory,
+    monkeypatch,
 ):
     monkeypatch.setattr("ev_study.benchmark.board.read_board", lambda _: few)
     change(folder)
@@ -167,7 +199,10 @@ def test_a_part_of_the_full_board_is_refused():
 
 def test_a_number_that_no_run_has_is_kept_as_none(folder: Path, few: Board, tmp_path: Path):
     """Such as the time of a car that never gets there; the file is read back as it was."""
-    runs = [json.loads(line) for line in gzip.decompress((folder / "runs.jsonl.gz").read_bytes()).splitlines()]
+    runs = [
+        json.loads(line)
+        for line in gzip.decompress((folder / "runs.jsonl.gz").read_bytes()).splitlines()
+    ]
     for run in runs[:5]:
         run["yaw_rate_error"] = None
     (folder / "runs.jsonl.gz").write_bytes(gzip.compress("\n".join(map(json.dumps, runs)).encode()))

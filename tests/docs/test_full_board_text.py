@@ -1,7 +1,7 @@
 """What the page of the full board says in words, against the numbers that were kept of it.
 
-Each claim computes its words, which have to stand in the page: a board that is driven anew shows which of them to write
-anew.
+Each claim computes its words, which have to stand in the page: a board that is driven anew shows
+which of them to write anew.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ from ev_study.benchmark.ranking.tables import EQUAL
 from ev_study.benchmark.ranking.varied import Difference
 
 TEXT = " ".join((Path(__file__).parents[2] / PAGE).read_text(encoding="utf-8").split())
-YAW_RATE = ("pi", "lqr", "predictive", "sliding_mode", "super_twisting", "suboptimal")  # without more beside it
+# without more beside it
+YAW_RATE = ("pi", "lqr", "predictive", "sliding_mode", "super_twisting", "suboptimal")
 FURTHER = ("pi_least_squares", "pi_least_loss", "lqr_least_squares", "pi_with_traction_control")
 BY_SENSORS = (*YAW_RATE, *FURTHER)  # and without brakes, to a designed understeer
 KNOWING_ALL = ("lqr_all_known", "all_known_neutral")
@@ -61,7 +62,10 @@ def span(values: Iterable[float], digits: int) -> str:
 def lap(law: str, cars: Sequence[str] = CARS) -> list[float]:
     """By what share a law takes less time than equal torques."""
     cells = [f"{car}:lap:dry" for car in cars]
-    return [100.0 * (1.0 - at(cell, law, "lap_time") / at(cell, "equal_torque", "lap_time")) for cell in cells]
+    return [
+        100.0 * (1.0 - at(cell, law, "lap_time") / at(cell, "equal_torque", "lap_time"))
+        for cell in cells
+    ]
 
 
 def most(name: str, laws: Iterable[str]) -> float:
@@ -74,15 +78,24 @@ def won_elsewhere() -> list[str]:
     laws, found = kept()["laws"], []
     for cell, of in kept()["cells"].items():
         costs = dict(zip(laws, of["handling"], strict=True))
-        least = min(cost for law, cost in costs.items() if law not in WITH_BRAKES and "traction" not in law)
+        least = min(
+            cost for law, cost in costs.items() if law not in WITH_BRAKES and "traction" not in law
+        )
         if least < min(costs[law] for law in KNOWING_ALL) - EQUAL:
             found.append(cell)
     return found
 
 
 RAMP = "compact_ev:rear:slow_ramp:wet"
-TOLD, DELAY, FAULT, PERIOD = "told_friction", "plant.sensors.imu_yaw_rate.delay", "motor_fault", "*.control_period"
-NOISE, NOISE_OF_ACCELERATION = (f"plant.sensors.imu_{each}.noise" for each in ("yaw_rate", "acceleration"))
+TOLD, DELAY, FAULT, PERIOD = (
+    "told_friction",
+    "plant.sensors.imu_yaw_rate.delay",
+    "motor_fault",
+    "*.control_period",
+)
+NOISE, NOISE_OF_ACCELERATION = (
+    f"plant.sensors.imu_{each}.noise" for each in ("yaw_rate", "acceleration")
+)
 NOISE_OF_WHEELS = "plant.sensors.wheel_speed.noise"
 BEST = kept()["best of each run"]
 RUNS = len(kept()["cells"]) * kept()["draws"]
@@ -99,16 +112,28 @@ CLAIMS: list[Callable[[], str]] = [
         f"`stability_by_drives` ({score('stability_by_drives', 'worst tenth'):.3f}) and `pi_with_abs` "
         f"({score('pi_with_abs', 'energy'):.3f}), both with the friction brakes"
     ),
-    lambda: f"by sensors ({score('pi_least_loss', 'worst tenth'):.3f}, {score('pi_least_loss', 'energy'):.3f})",
-    lambda: f"it does not bound the others ({at('compact_ev:rear', 'all_known_neutral', 'handling'):.2f})",
-    lambda: f"understeer ({score('lqr_all_known', 'worst tenth'):.3f}, {score('lqr_all_known', 'energy'):.3f})",
+    lambda: (
+        f"by sensors ({score('pi_least_loss', 'worst tenth'):.3f}, {score('pi_least_loss', 'energy'):.3f})"
+    ),
+    lambda: (
+        f"it does not bound the others ({at('compact_ev:rear', 'all_known_neutral', 'handling'):.2f})"
+    ),
+    lambda: (
+        f"understeer ({score('lqr_all_known', 'worst tenth'):.3f}, {score('lqr_all_known', 'energy'):.3f})"
+    ),
     lambda: (
         f"worst tenth {BEST['worst tenth']:.3f}, no car lost, handling {BEST['handling']:.3f} or, by another "
         f"choice, energy {BEST['energy']:.3f}"
     ),
-    lambda: f"In {len(won_elsewhere())} of {len(kept()['cells'])} another law without brakes and traction control",
-    lambda: f"{sum('launch' in each or 'acceleration' in each for each in won_elsewhere())} of these are 75 m",
-    lambda: f"loses {round(lost('stability_by_drives') * RUNS / 100)} of {RUNS // 1000} {RUNS % 1000} runs",
+    lambda: (
+        f"In {len(won_elsewhere())} of {len(kept()['cells'])} another law without brakes and traction control"
+    ),
+    lambda: (
+        f"{sum('launch' in each or 'acceleration' in each for each in won_elsewhere())} of these are 75 m"
+    ),
+    lambda: (
+        f"loses {round(lost('stability_by_drives') * RUNS / 100)} of {RUNS // 1000} {RUNS % 1000} runs"
+    ),
     lambda: (
         f"{span(map(lost, BY_SENSORS), 1)} % of the runs are unstable with it, {lost('equal_torque'):.1f} % "
         f"with equal torques, but the middle of handling is "
@@ -173,7 +198,9 @@ CLAIMS: list[Callable[[], str]] = [
         f"{at('layout_1_8_c:all:double_lane_change:dry', 'equal_torque', 'entry_speed'):.1f} with `layout_1_8_c`)"
     ),
     lambda: f"takes {span((*lap('load_proportional'),), 0)} % off the time on all five cars",
-    lambda: f"`pi` takes {span(lap('pi', CARS[1:]), 0)} % off on four, and is {-lap('pi')[0]:.0f} % slower",
+    lambda: (
+        f"`pi` takes {span(lap('pi', CARS[1:]), 0)} % off on four, and is {-lap('pi')[0]:.0f} % slower"
+    ),
     lambda: f"`stability_by_drives` {span(lap('stability_by_drives'), 0)} %",
 ]
 
@@ -185,11 +212,15 @@ def test_words_of_the_page_have_the_numbers_of_the_board(claim: Callable[[], str
 
 def test_bounds_that_the_page_names():
     """Each with the words that it has there."""
-    laws, ranks = kept()["laws"], {law: of["handling"]["rank"] for law, of in kept()["scores"].items()}
+    laws, ranks = (
+        kept()["laws"],
+        {law: of["handling"]["rank"] for law, of in kept()["scores"].items()},
+    )
     not_lqr = set(laws) - {"lqr", "predictive", "lqr_least_squares"}
     bounds = {
         "18 are worse there beyond the noise, and only two are better": (
-            sum(each > ranks["equal_torque"] for each in ranks.values()) == 18 and ranks["equal_torque"] == 3
+            sum(each > ranks["equal_torque"] for each in ranks.values()) == 18
+            and ranks["equal_torque"] == 3
         ),
         "which are tied": ranks["all_known_neutral"] == ranks["stability_by_drives"] == 1,
         "no other law more than 0.03": most(DELAY, not_lqr) < 0.035,

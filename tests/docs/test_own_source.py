@@ -27,7 +27,9 @@ def said(code: str, installed: Path, folder: Path) -> str:
     """What a program prints in a folder, with another folder of installed packages before all others."""
     path = f"{installed}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
     command = [sys.executable, "-c", code]
-    run = subprocess.run(command, cwd=folder, env={**os.environ, "PYTHONPATH": path}, capture_output=True, text=True)
+    run = subprocess.run(
+        command, cwd=folder, env={**os.environ, "PYTHONPATH": path}, capture_output=True, text=True
+    )
     assert run.returncode == 0, run.stderr
     return run.stdout
 
@@ -37,12 +39,27 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The example, as pip installs it."""
     folder = tmp_path_factory.mktemp("own_source")
     shutil.copytree(EXAMPLE, folder / "source")  # building leaves something behind in it
-    pip = [sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--no-build-isolation", "--no-index"]
-    subprocess.run([*pip, "--target", str(folder / "lib"), str(folder / "source")], check=True, capture_output=True)
+    pip = [
+        sys.executable,
+        "-m",
+        "pip",
+        "install",
+        "-q",
+        "--no-deps",
+        "--no-build-isolation",
+        "--no-index",
+    ]
+    subprocess.run(
+        [*pip, "--target", str(folder / "lib"), str(folder / "source")],
+        check=True,
+        capture_output=True,
+    )
     return folder / "lib"
 
 
-def test_an_installed_source_is_listed_driven_and_reported_with_its_verdicts(installed: Path, tmp_path: Path):
+def test_an_installed_source_is_listed_driven_and_reported_with_its_verdicts(
+    installed: Path, tmp_path: Path
+):
     """With its law and its scenario; twice in a row."""
     driven = ["own_source", "--offline", "--out", "out"]
     listed = said(program(["--list"], driven, driven), installed, tmp_path)
@@ -56,10 +73,14 @@ def test_an_installed_source_is_listed_driven_and_reported_with_its_verdicts(ins
 def test_its_verdicts_are_those_of_its_page(installed: Path, tmp_path: Path):
     judged = ["verdicts", "--only", "own_source", "--out", "out"]
     said(program(judged, judged), installed, tmp_path)
-    rows = re.findall(r"^\| `(own\.\w+)` \|(.*)\|$", (tmp_path / "out" / "verdicts.md").read_text(), re.MULTILINE)
+    rows = re.findall(
+        r"^\| `(own\.\w+)` \|(.*)\|$", (tmp_path / "out" / "verdicts.md").read_text(), re.MULTILINE
+    )
     found = {id: [cell.strip() for cell in cells.split("|")] for id, cells in rows}
     page = re.findall(
-        r"^\| `(own\.\w+)` \| .* \| (.*) \| (.*) \|$", (EXAMPLE / "own_source.md").read_text(), re.MULTILINE
+        r"^\| `(own\.\w+)` \| .* \| (.*) \| (.*) \|$",
+        (EXAMPLE / "own_source.md").read_text(),
+        re.MULTILINE,
     )
     assert len(page) == 3
     for id, ours, verdict in page:
@@ -76,8 +97,12 @@ def test_its_law_keeps_the_contract(installed: Path, tmp_path: Path):
 def without(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of the papers' package without the folder of one of them, built anew."""
     package = tmp_path_factory.mktemp("without") / "ev_papers"
-    shutil.copytree(PAPERS, package, ignore=shutil.ignore_patterns("__pycache__", "*.egg-info", REMOVED))
-    subprocess.run([sys.executable, "setup.py", "-q", "egg_info"], cwd=package, check=True, capture_output=True)
+    shutil.copytree(
+        PAPERS, package, ignore=shutil.ignore_patterns("__pycache__", "*.egg-info", REMOVED)
+    )
+    subprocess.run(
+        [sys.executable, "setup.py", "-q", "egg_info"], cwd=package, check=True, capture_output=True
+    )
     return package
 
 
@@ -103,7 +128,10 @@ def test_without_the_folder_of_a_source_everything_else_runs(without: Path, tmp_
     text = said(code, without, tmp_path)
     assert f"{REMOVED}_sweep" not in text
     assert "shchur.hold30.manual" in text
-    assert "rear_drive_final_speed" in json.loads((tmp_path / "its" / "summary.json").read_text())["metrics"]
+    assert (
+        "rear_drive_final_speed"
+        in json.loads((tmp_path / "its" / "summary.json").read_text())["metrics"]
+    )
 
 
 def test_no_other_package_imports_the_papers():
@@ -112,7 +140,9 @@ def test_no_other_package_imports_the_papers():
     assert [path for path in others if IMPORT.search(path.read_text())] == []
 
 
-@pytest.mark.parametrize("source", [path.parent.name for path in PAPERS.glob("ev_papers/*/source.py")])
+@pytest.mark.parametrize(
+    "source", [path.parent.name for path in PAPERS.glob("ev_papers/*/source.py")]
+)
 def test_no_paper_imports_another_one(source: str):
     texts = [path.read_text() for path in (PAPERS / "ev_papers" / source).rglob("*.py")]
     assert {name for text in texts for name in re.findall(r"ev_papers\.(\w+)", text)} <= {source}

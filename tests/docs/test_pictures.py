@@ -34,11 +34,14 @@ def test_the_car_without_a_law_turns_across_the_road_and_the_other_one_does_not(
     before, after = (
         [
             extent(strip, colour)
-            for strip, colour in zip((frame[:half], frame[half:]), split_friction.BODIES, strict=True)
+            for strip, colour in zip(
+                (frame[:half], frame[half:]), split_friction.BODIES, strict=True
+            )
         ]
         for frame in frames
     )
-    assert all(width > 1.8 * height for width, height in (*before, after[1]))  # 6 degrees with the law
+    # 6 degrees with the law
+    assert all(width > 1.8 * height for width, height in (*before, after[1]))
     assert after[0][1] > 1.5 * after[0][0]
 
 

@@ -8,11 +8,13 @@ import pytest
 from house import ROOT, files, lines_of, modules
 from reading import Reading, reading_of
 
-# What src has now. A change that makes one smaller lowers it here; the aims are 9.0, 0.08, 20 and 40.
-DENSITY = 9.7
-COMMENT_SHARE = 0.038
+# What src has now. A change that makes one smaller lowers it here; the aims are 9.0, 0.08, 20, 40
+# and 0.
+DENSITY = 8.7
+COMMENT_SHARE = 0.036
 LONG_SIGNATURES = 24
 ODD_DOCSTRINGS = 425
+LONG_LINES = 1588
 
 
 @pytest.fixture(scope="module")
@@ -28,6 +30,7 @@ def test_code_is_no_denser(src: Reading):
 def test_signatures_and_docstrings_are_no_worse(src: Reading):
     assert src.long_signatures <= LONG_SIGNATURES
     assert src.odd_docstrings <= ODD_DOCSTRINGS
+    assert src.long_lines <= LONG_LINES
 
 
 def test_no_package_is_larger_than_a_fifth():
@@ -38,7 +41,13 @@ def test_no_package_is_larger_than_a_fifth():
 def test_counts_are_those_of_the_text(tmp_path: Path):
     """Four lines of code: 8 tokens of the signature, 3 and 1 of the body, 3 of the assignment."""
     file = tmp_path / "few.py"
-    file.write_text('"""Few lines."""\n\n# why\ndef f(a, b):\n    """Of two."""\n    a + b\n    pass\nx = 1\n')
-    assert reading_of([file]) == Reading(tokens=15, code_lines=4, comments=1, long_signatures=0, odd_docstrings=1)
+    file.write_text(
+        '"""Few lines."""\n\n# why\ndef f(a, b):\n    """Of two."""\n    a + b\n    pass\nx = 1\n'
+    )
+    assert reading_of([file]) == Reading(
+        tokens=15, code_lines=4, comments=1, long_signatures=0, odd_docstrings=1, long_lines=0
+    )
     file.write_text("def f(a, b, c, d, e, *, f, g): ...\n")
     assert reading_of([file]).long_signatures == 1
+    file.write_text("#" * 100 + "\n" + "#" * 101)
+    assert reading_of([file]).long_lines == 1

@@ -56,9 +56,7 @@ def wheel(folder: Path, name: str, files: dict[str, str], version: str = "1.0") 
     with zipfile.ZipFile(path, "w") as written:
         for each, text in files.items():
             written.writestr(zipfile.ZipInfo(each), text)
-    return (
-        f"{name}=={version} \\\n    --hash=sha256:{hashlib.sha256(path.read_bytes()).hexdigest()}\n    # via a test\n"
-    )
+    return f"{name}=={version} \\\n    --hash=sha256:{hashlib.sha256(path.read_bytes()).hexdigest()}\n    # via a test\n"
 
 
 class Checkout:
@@ -73,15 +71,25 @@ class Checkout:
         for name in ("package.xml", "setup.py", "setup.cfg"):
             (package / name).touch()
         entry = "uv-1.0.dist-info/entry_points.txt"
-        uv = wheel(self.wheels, "uv", {"uv_stub.py": UV, entry: "[console_scripts]\nuv = uv_stub:main\n"})
-        colcon = wheel(self.wheels, "colcon", {"colcon/__init__.py": "", "colcon/__main__.py": COLCON})
-        (self.root / "requirements.txt").write_text("uv==1.0  # installs\ncolcon==1.0  # builds\nros-rclpy==1.0\n")
+        uv = wheel(
+            self.wheels, "uv", {"uv_stub.py": UV, entry: "[console_scripts]\nuv = uv_stub:main\n"}
+        )
+        colcon = wheel(
+            self.wheels, "colcon", {"colcon/__init__.py": "", "colcon/__main__.py": COLCON}
+        )
+        (self.root / "requirements.txt").write_text(
+            "uv==1.0  # installs\ncolcon==1.0  # builds\nros-rclpy==1.0\n"
+        )
         self.lock = self.root / "requirements.lock"
         self.lock.write_text(colcon + uv)
         rclpy = wheel(self.wheels, "ros_rclpy", {}, "9.0").replace("_", "-", 1)
         (self.root / "requirements-kilted.lock").write_text(colcon + uv + rclpy)
         bare = {"PATH": f"{Path(sys._base_executable).parent}:/usr/bin:/bin", "HOME": str(folder)}
-        self.environment = bare | {"PIP_NO_INDEX": "1", "PIP_FIND_LINKS": str(self.wheels), "TOLD": str(self.told)}
+        self.environment = bare | {
+            "PIP_NO_INDEX": "1",
+            "PIP_FIND_LINKS": str(self.wheels),
+            "TOLD": str(self.told),
+        }
 
     def start(self, **environment: str) -> subprocess.Popen:
         return subprocess.Popen(
@@ -91,7 +99,8 @@ class Checkout:
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             start_new_session=True,
-            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),  # as in the foreground
+            # as in the foreground
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
         )
 
     def set_up(self, **environment: str) -> tuple[int, str]:
@@ -104,7 +113,9 @@ class Checkout:
     @property
     def is_complete(self) -> bool:
         command = self.root / ".venv" / "bin" / "ev-stack"
-        return (self.root / "install" / ".complete").exists() and b"the command" in subprocess.check_output([command])
+        return (
+            self.root / "install" / ".complete"
+        ).exists() and b"the command" in subprocess.check_output([command])
 
 
 @pytest.fixture
@@ -124,9 +135,15 @@ INSTALLING = "installing ROS 2 and the tools of requirements.lock (once) ..."
 def test_the_uv_of_the_lock_installs_the_lock_as_pip_is_told_to(checkout):
     """With its hashes. The next call does nothing; another lock is installed into the same .venv."""
     status, said = checkout.set_up()
-    assert (status, said_of(said)) == (0, ["making .venv ...", INSTALLING, "building the workspace ..."])
+    assert (status, said_of(said)) == (
+        0,
+        ["making .venv ...", INSTALLING, "building the workspace ..."],
+    )
     told = checkout.told.read_text()
-    assert "--no-deps --require-hashes --requirement .venv/locked.txt" in told and str(checkout.wheels) in told
+    assert (
+        "--no-deps --require-hashes --requirement .venv/locked.txt" in told
+        and str(checkout.wheels) in told
+    )
     assert checkout.is_complete
     assert checkout.set_up() == (0, "")
     other = checkout.root.parent / "python3.99"
@@ -135,11 +152,15 @@ def test_the_uv_of_the_lock_installs_the_lock_as_pip_is_told_to(checkout):
     assert checkout.set_up(PYTHON=str(checkout.root / ".venv" / "bin" / "python")) == (0, "")
     status, said = checkout.set_up(PYTHON=str(other))  # which was ignored without a word
     assert status == 1 and said.startswith(f"PYTHON={other} is refused: .venv has Python 3.")
-    checkout.lock.write_text(checkout.lock.read_text() + wheel(checkout.wheels, "more", {"more.py": ""}))
+    checkout.lock.write_text(
+        checkout.lock.read_text() + wheel(checkout.wheels, "more", {"more.py": ""})
+    )
     status, said = checkout.set_up()
     assert (status, said_of(said)) == (0, ["updating .venv ...", "building the workspace ..."])
     assert (checkout.root / ".venv" / "bin" / "uv").exists()
-    assert b" from " in subprocess.check_output([checkout.root / ".venv" / "bin" / "pip", "--version"])
+    assert b" from " in subprocess.check_output(
+        [checkout.root / ".venv" / "bin" / "pip", "--version"]
+    )
     subprocess.run([checkout.root / ".venv" / "bin" / "python", "-c", "import more"], check=True)
 
 
@@ -168,7 +189,9 @@ def test_another_file_than_the_lock_names_is_refused_and_nothing_is_left_behind(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", [signal.SIGINT, pytest.param(signal.SIGKILL, marks=pytest.mark.weekly)])
+@pytest.mark.parametrize(
+    "kind", [signal.SIGINT, pytest.param(signal.SIGKILL, marks=pytest.mark.weekly)]
+)
 def test_what_was_interrupted_is_repaired_by_the_next_call(kind, checkout):
     """In the middle of building, by Ctrl-C and without a last word; what was installed is not installed again.
 
@@ -185,7 +208,9 @@ def test_what_was_interrupted_is_repaired_by_the_next_call(kind, checkout):
     process.communicate()
     assert process.returncode != 0
     assert not (checkout.root / "install" / ".complete").exists()
-    wait_until(lambda: not any(Path("/proc", number).exists() for number in log.read_text().split()))
+    wait_until(
+        lambda: not any(Path("/proc", number).exists() for number in log.read_text().split())
+    )
     ahead.unlink()
     status, said = checkout.set_up()
     assert (status, said_of(said)) == (0, ["building the workspace ..."])
@@ -202,7 +227,10 @@ def test_one_variable_takes_the_wheels_of_kilted(checkout):
     assert checkout.set_up(EV_STACK_ROS="jazzy") == (0, "")
     status, said = checkout.set_up(EV_STACK_ROS="kilted")
     installing = INSTALLING.replace("requirements.lock", "requirements-kilted.lock")
-    assert (status, said_of(said)) == (0, ["making .venv ...", installing, "building the workspace ..."])
+    assert (status, said_of(said)) == (
+        0,
+        ["making .venv ...", installing, "building the workspace ..."],
+    )
     assert subprocess.check_output(asked) == b"9.0\n" and not of_jazzy.exists()
     status, said = checkout.set_up(EV_STACK_ROS="lyrical")
     assert (status, said.count("\n")) == (1, 1)
@@ -252,7 +280,11 @@ def test_beside_a_distribution_only_what_it_lacks_is_installed(distribution, che
 
 def middleware_of(checkout: Checkout, before: str = "", **environment: str) -> dict[str, str]:
     """What a shell that sources setup.sh gives its nodes, by the ends of the names of variables."""
-    named = ("FASTDDS_DEFAULT_PROFILES_FILE", "FASTRTPS_DEFAULT_PROFILES_FILE", "ROS_AUTOMATIC_DISCOVERY_RANGE")
+    named = (
+        "FASTDDS_DEFAULT_PROFILES_FILE",
+        "FASTRTPS_DEFAULT_PROFILES_FILE",
+        "ROS_AUTOMATIC_DISCOVERY_RANGE",
+    )
     shell = f"{before}\nsource scripts/setup.sh && env"
     said = subprocess.check_output(
         ["bash", "-c", shell], cwd=checkout.root, env=checkout.environment | environment, text=True
@@ -262,28 +294,43 @@ def middleware_of(checkout: Checkout, before: str = "", **environment: str) -> d
 
 
 @pytest.mark.slow
-def test_the_installed_middleware_decides_which_profile_keeps_nodes_on_this_machine(checkout, tmp_path):
+def test_the_installed_middleware_decides_which_profile_keeps_nodes_on_this_machine(
+    checkout, tmp_path
+):
     """Each Fast DDS gets its own, wheel or distribution; the user goes first."""
     assert checkout.set_up()[0] == 0
-    newer = {"FASTDDS_DEFAULT_PROFILES_FILE": "fastdds.xml", "ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT"}
-    older = {"FASTRTPS_DEFAULT_PROFILES_FILE": "fastdds2.xml", "ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT"}
+    newer = {
+        "FASTDDS_DEFAULT_PROFILES_FILE": "fastdds.xml",
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT",
+    }
+    older = {
+        "FASTRTPS_DEFAULT_PROFILES_FILE": "fastdds2.xml",
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT",
+    }
     assert middleware_of(checkout) == newer
     (packages,) = (checkout.root / ".venv" / "lib").glob("python*/site-packages")
     wheel_of_fast_dds_2 = packages / "ros_fastrtps-2.14.5.dist-info"
     arrives = f"source scripts/setup.sh && mkdir {wheel_of_fast_dds_2}"
     assert middleware_of(checkout, before=arrives) == older
     assert middleware_of(checkout) == older
-    assert middleware_of(checkout, before=f"source scripts/setup.sh && rmdir {wheel_of_fast_dds_2}") == newer
+    assert (
+        middleware_of(checkout, before=f"source scripts/setup.sh && rmdir {wheel_of_fast_dds_2}")
+        == newer
+    )
     (tmp_path / "jazzy" / "share" / "fastrtps").mkdir(parents=True)
     assert middleware_of(checkout, AMENT_PREFIX_PATH=f"/nowhere:{tmp_path}/jazzy") == older
     assert middleware_of(checkout, RMW_IMPLEMENTATION="rmw_cyclonedds_cpp") == {
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"
     }
-    for own in ({"FASTRTPS_DEFAULT_PROFILES_FILE": "/own.xml"}, {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}):
+    for own in (
+        {"FASTRTPS_DEFAULT_PROFILES_FILE": "/own.xml"},
+        {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"},
+    ):
         assert middleware_of(checkout, **own) == own
 
 
-# scripts/compile_ahead.py where only those packages are there whose lines in the lock a pattern matches.
+# scripts/compile_ahead.py where only those packages are there whose lines in the lock a pattern
+# matches.
 WITH_FIRST_PACKAGES = """
 import re, runpy, sys
 from importlib.metadata import packages_distributions
@@ -299,15 +346,24 @@ runpy.run_path(sys.argv[0], run_name="__main__")
 """
 
 
-@pytest.mark.parametrize("words", [["shchur2019", "--set", "driver.wrong=1"], ["shchur2019"]], ids=["none", "run"])
+@pytest.mark.parametrize(
+    "words", [["shchur2019", "--set", "driver.wrong=1"], ["shchur2019"]], ids=["none", "run"]
+)
 def test_what_is_compiled_ahead_is_what_runs_look_for(words):
     """From the sources and with the packages that come first: the same names of files, made once."""
     compile_for(load_scenario("shchur2019").runs, in_nodes=True)
     path = os.pathsep.join(str(each) for each in (ROOT / "src").iterdir())
-    first = re.search(r"locked '/(\^.+==)/' >\.venv/first\.txt", (ROOT / "scripts" / "prepare.sh").read_text())[1]
+    first = re.search(
+        r"locked '/(\^.+==)/' >\.venv/first\.txt", (ROOT / "scripts" / "prepare.sh").read_text()
+    )[1]
     command = [sys.executable, "-c", WITH_FIRST_PACKAGES, first, "code", *words]
     done = subprocess.run(
-        command, cwd=ROOT, env=os.environ | {"PYTHONPATH": path}, capture_output=True, text=True, check=True
+        command,
+        cwd=ROOT,
+        env=os.environ | {"PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        check=True,
     )
     assert done.stdout + done.stderr == ""
 
@@ -349,7 +405,11 @@ def test_a_checkout_with_umlauts_in_its_path_is_set_up_twice(tmp_path: Path):
     (checkout.root / "install" / ".complete").unlink()
     status, said = checkout.set_up()
     assert status == 0, said
-    words = [checkout.root / ".venv" / "bin" / "python", "-c", "import sys; print(*map(ascii, sys.path), sep='\\n')"]
+    words = [
+        checkout.root / ".venv" / "bin" / "python",
+        "-c",
+        "import sys; print(*map(ascii, sys.path), sep='\\n')",
+    ]
     environment = checkout.environment | {"LC_ALL": "C"}
     paths = subprocess.run(words, env=environment, check=True, capture_output=True, text=True)
     assert ascii(str(checkout.root / "build" / "ev_sim")) in paths.stdout

@@ -30,7 +30,10 @@ STYLED = re.compile(r"(?:url\([\"']?|@import\s+[\"'])(?:https?:)?//[^)\"']*")
             "see [Lockstep](lockstep.md#a-b), [the page](lockstep.md)",
         ),
         ("a law (docs/lockstep.md).", "a law ([Lockstep](lockstep.md))."),
-        ("`scripts/document.sh --runs docs/lockstep.md`", "`scripts/document.sh --runs docs/lockstep.md`"),
+        (
+            "`scripts/document.sh --runs docs/lockstep.md`",
+            "`scripts/document.sh --runs docs/lockstep.md`",
+        ),
         ("```bash\ncat docs/lockstep.md\n```", "```bash\ncat docs/lockstep.md\n```"),
         ("docs/nowhere.md", "docs/nowhere.md"),
     ],
@@ -49,7 +52,9 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_no_link_of_a_page_has_the_name_of_a_file_as_its_text(pages: Path):
     texts = {page.name: page.read_text() for page in pages.glob("*.md")}
     assert {"index.md", "changelog.md", "reporting.md", "reference.md"} < {*texts}
-    assert [name for name, text in texts.items() if re.search(r"\[[\w/.]+\.md\]\(\w+\.md", text)] == []
+    assert [
+        name for name, text in texts.items() if re.search(r"\[[\w/.]+\.md\]\(\w+\.md", text)
+    ] == []
 
 
 def rows(page: Path, marks: str) -> list[str]:
@@ -64,7 +69,10 @@ def test_a_built_page_has_all_tables_that_the_repository_does_not_keep(pages: Pa
     for name, parts in BUILT.items():
         kept = (ROOT / name).read_text()
         assert built_names(kept) == list(parts)
-        assert "built pages](installing.md" not in (pages / Path(name).name).read_text().partition("\n## ")[2]
+        assert (
+            "built pages](installing.md"
+            not in (pages / Path(name).name).read_text().partition("\n## ")[2]
+        )
     ids = [id for source in sources() for id in published(source)]
     assert rows(pages / "verdicts.md", r"[a-z]+\.[\w.]+") == ids
     assert len(rows(pages / "parameters.md", r"[\w.*]+")) > 1000
@@ -76,19 +84,30 @@ def test_a_built_page_has_all_tables_that_the_repository_does_not_keep(pages: Pa
 
 def test_no_link_leads_out_of_the_pages(pages: Path):
     """A file of the repository that is no page is named there, without a link that the site could not follow."""
-    assert [page.name for page in pages.glob("*.md") if re.search(r"\]\((\.\./|measured/)", page.read_text())] == []
+    assert [
+        page.name
+        for page in pages.glob("*.md")
+        if re.search(r"\]\((\.\./|measured/)", page.read_text())
+    ] == []
     assert "`config/benchmarks/small.yaml`" in (pages / "benchmark.md").read_text()
 
 
 def test_everything_that_the_reference_names_is_there(pages: Path):
     names = re.findall(r"^::: (\S+)$", (pages / "reference.md").read_text(), re.MULTILINE)
-    assert {"ev_stack", "ev_core.methods.register.method", "ev_control.shared.torque_split.split"} < {*names}
+    assert {
+        "ev_stack",
+        "ev_core.methods.register.method",
+        "ev_control.shared.torque_split.split",
+    } < {*names}
     for name in names:
         assert resolve_name(name) is not None
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not ENVIRONMENT.exists(), reason="build/site_environment: scripts/site.sh makes it, by pip and npm")
+@pytest.mark.skipif(
+    not ENVIRONMENT.exists(),
+    reason="build/site_environment: scripts/site.sh makes it, by pip and npm",
+)
 def test_the_site_loads_nothing_from_the_network():
     """Scripts, styles, fonts and images; links to other places are no more than links."""
     subprocess.run([ROOT / "scripts" / "site.sh"], check=True, capture_output=True)
@@ -98,4 +117,6 @@ def test_the_site_loads_nothing_from_the_network():
     assert [found for page in pages for found in LOADED.findall(page.read_text())] == []
     assert [found for file in (*pages, *styles) for found in STYLED.findall(file.read_text())] == []
     shown = (site / "reference.html").read_text()
-    assert "Drive a scenario and give its signals" in shown and "int | None" in re.sub(r"<[^>]*>", "", shown)
+    assert "Drive a scenario and give its signals" in shown and "int | None" in re.sub(
+        r"<[^>]*>", "", shown
+    )

@@ -24,7 +24,8 @@ from ev_study.studies.study import study_names
 ROOT = Path(__file__).parents[2]
 PAGES = [*sorted((ROOT / "docs").rglob("*.md")), *ROOT.glob("*.md")]
 FENCE = re.compile(
-    r"^(?:<!-- excerpt of (?P<of>\S+) -->\n)?```(?P<language>\w+)\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL
+    r"^(?:<!-- excerpt of (?P<of>\S+) -->\n)?```(?P<language>\w+)\n(?P<text>.*?)^```$",
+    re.MULTILINE | re.DOTALL,
 )
 
 
@@ -70,7 +71,10 @@ def test_yaml_is_accepted_as_it_stands(page, text, tmp_path):
     file.write_text(text)
     if "/**/scenario:" in text:
         shutil.copy(ROOT / "config" / "vehicles" / "compact_ev.yaml", tmp_path / "car.yaml")
-        assert load_scenario(str(file)).runs[0].configurations["plant"].common.vehicle.name == "compact_ev"
+        assert (
+            load_scenario(str(file)).runs[0].configurations["plant"].common.vehicle.name
+            == "compact_ev"
+        )
     elif text.startswith("time:"):
         columns = re.findall(r"column: (\w+)", text)
         rows = [[10.0 * n, *[0.0] * (len(columns) - 1)] for n in range(100)]
@@ -81,7 +85,9 @@ def test_yaml_is_accepted_as_it_stands(page, text, tmp_path):
         assert not load_scenario("double_lane_change", Overrides(files=[file])).notes
 
 
-def test_the_scenario_of_the_page_changes_the_lane_and_finds_its_car_beside_it(tmp_path, monkeypatch):
+def test_the_scenario_of_the_page_changes_the_lane_and_finds_its_car_beside_it(
+    tmp_path, monkeypatch
+):
     """It was called "Lane change with my car" and went straight on."""
     ((_, text),) = [each for each in snippets("yaml") if "/**/scenario:" in each[1]]
     (tmp_path / "lane_change.yaml").write_text(text)
@@ -89,8 +95,11 @@ def test_the_scenario_of_the_page_changes_the_lane_and_finds_its_car_beside_it(t
     monkeypatch.chdir("/")
     result = ev_stack.run(tmp_path / "lane_change.yaml")
     assert result.metrics["course_passed"].value == 1
-    assert result.signals["pose.y"][-1] == pytest.approx(3.5, abs=0.1)  # the middle of the second lane
-    assert result.metrics["jerk"].unit == "m/s^3" and np.isfinite(result.metrics["yaw_rate_error"].value)
+    # the middle of the second lane
+    assert result.signals["pose.y"][-1] == pytest.approx(3.5, abs=0.1)
+    assert result.metrics["jerk"].unit == "m/s^3" and np.isfinite(
+        result.metrics["yaw_rate_error"].value
+    )
     (axes,) = result.figures()["course"].axes
     assert axes.get_title(loc="left").startswith("Single lane change")
 
@@ -110,8 +119,16 @@ def test_commands_that_pages_show_are_understood(line):
     for word in words:
         if re.fullmatch(r"(scripts|docs|benchmarks|tools)/[\w/]+\.\w+", word):
             assert (ROOT / word).is_file(), word
-    if words[:1] == ["scripts/run.sh"] and len(words) > 1 and words[1] not in offered_commands().reviews:
-        given = arguments_of_study(words[1], words[2:]) if words[1] in study_names() else arguments(words[1:])
+    if (
+        words[:1] == ["scripts/run.sh"]
+        and len(words) > 1
+        and words[1] not in offered_commands().reviews
+    ):
+        given = (
+            arguments_of_study(words[1], words[2:])
+            if words[1] in study_names()
+            else arguments(words[1:])
+        )
         assert given
 
 

@@ -18,7 +18,10 @@ NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.])")
 @pytest.mark.parametrize("page", ["docs/ge_ni2005.md", "docs/tatar_chudzik.md"])
 def test_results_of_the_page_are_those_of_the_runs(page: str):
     """A changed law makes this fail: scripts/document.sh --runs PAGE writes them anew."""
-    compare(written(page, "results"), results_of(SCENARIO_PAGES[page], driven(SCENARIO_PAGES[page].scenario)))
+    compare(
+        written(page, "results"),
+        results_of(SCENARIO_PAGES[page], driven(SCENARIO_PAGES[page].scenario)),
+    )
 
 
 @pytest.mark.parametrize("page", ["docs/ge_ni2005.md", "docs/tatar_chudzik.md"])
@@ -39,7 +42,9 @@ def test_control_periods_of_the_page_are_those_of_the_study():
 def written(page: str, part: str) -> str:
     """A generated part of a page."""
     text = (ROOT / page).read_text()
-    return text.partition(f"<!-- generated: {part} -->\n")[2].partition("<!-- end of generated -->")[0]
+    return text.partition(f"<!-- generated: {part} -->\n")[2].partition(
+        "<!-- end of generated -->"
+    )[0]
 
 
 def compare(written: str, now: str) -> None:

@@ -25,7 +25,9 @@ def test_table_is_that_of_the_measured_numbers(page: str, study: str):
     text = (ROOT / page).read_text(encoding="utf-8")
     results = read_measured(ROOT, StudyNeed(study)).results
     assert is_long(StudyNeed(study))
-    assert with_blocks(text, {study: study_table(study, results)}) == text, f"run scripts/document.sh --runs {page}"
+    assert with_blocks(text, {study: study_table(study, results)}) == text, (
+        f"run scripts/document.sh --runs {page}"
+    )
 
 
 @pytest.mark.slow
@@ -42,7 +44,11 @@ def test_measured_numbers_are_those_of_the_cases(study: str):
 
 def test_spread_over_seeds_is_that_of_the_page():
     """Two controls on dry asphalt, and one of them with the slip of the road's peak as target."""
-    text = (ROOT / "docs" / "asr.md").read_text(encoding="utf-8").partition("<!-- generated: seeds -->")[2]
+    text = (
+        (ROOT / "docs" / "asr.md")
+        .read_text(encoding="utf-8")
+        .partition("<!-- generated: seeds -->")[2]
+    )
     written = [line.split(" | ") for line in text.partition("<!-- end")[0].splitlines()]
     for line in seed_tables(("dry",), ("slip_window", "pi_slip")).splitlines():
         name, *cell = line.rstrip(" |").split(" | ")

@@ -35,7 +35,11 @@ def test_a_wrong_type_in_a_law_is_found(tmp_path: Path):
     """The rules see through `@method` and `@compilable`: a law of equal_torque that answers with a number."""
     law = ROOT / "src/ev_control/ev_control/electronic_differential/mechanical.py"
     wrong = tmp_path / "wrong.py"
-    wrong.write_text(law.read_text().replace("return split(p.brake, car, driver, 0.0)", "return driver.drive_torque"))
+    wrong.write_text(
+        law.read_text().replace(
+            "return split(p.brake, car, driver, 0.0)", "return driver.drive_torque"
+        )
+    )
     command = [sys.executable, "-m", "mypy", "--config-file", str(ROOT / "setup.cfg"), str(wrong)]
     found = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert 'expected "WheelTorqueRequest"' in found.stdout, found.stdout + found.stderr
@@ -47,7 +51,14 @@ def test_a_program_that_calls_the_packages_gets_their_types(tmp_path: Path):
     """A checker that knows only what is installed finds py.typed; its cache is its own, as its rules are."""
     program = tmp_path / "program.py"
     program.write_text(CALLS)
-    command = [sys.executable, "-m", "mypy", "--cache-dir", str(ROOT / ".mypy_cache" / "program"), str(program)]
+    command = [
+        sys.executable,
+        "-m",
+        "mypy",
+        "--cache-dir",
+        str(ROOT / ".mypy_cache" / "program"),
+        str(program),
+    ]
     found = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True).stdout
     assert re.findall(r"program.py:\d+: (.*)", found)[:4] == [
         'note: Revealed type is "typing.Mapping[str, ev_stack.measures.metric.Metric]"',
@@ -68,7 +79,9 @@ def test_the_types_of_the_interface_are_those_of_what_is_imported():
 
 def test_every_ignored_line_says_which_error_and_why():
     places = [ROOT / path.strip() for path in RULES["mypy"]["files"].split(",")]
-    files = [file for place in places for file in (place.rglob("*.py") if place.is_dir() else [place])]
+    files = [
+        file for place in places for file in (place.rglob("*.py") if place.is_dir() else [place])
+    ]
     assert len(files) > 100
     assert [file for file in files if WITHOUT_REASON.search(file.read_text())] == []
     assert not any("ignore_errors" in rules for rules in RULES.values())

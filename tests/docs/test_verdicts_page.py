@@ -57,17 +57,24 @@ def test_measured_numbers_of_a_long_study_are_those_of_its_cases(study: StudyNee
             if value is None:  # there is nothing to measure
                 assert now.measured[name] is None, (now.name, name)
                 continue
-            assert value == pytest.approx(now.measured[name], rel=1e-6, abs=1e-9, nan_ok=True), (now.name, name)
+            assert value == pytest.approx(now.measured[name], rel=1e-6, abs=1e-9, nan_ok=True), (
+                now.name,
+                name,
+            )
 
 
 def given(need: Need) -> Driven:
     """What was driven for a need, of a long study from its file."""
-    return read_measured(ROOT, need) if isinstance(need, StudyNeed) and is_long(need) else driven(need)
+    return (
+        read_measured(ROOT, need) if isinstance(need, StudyNeed) and is_long(need) else driven(need)
+    )
 
 
 def compare(of: Published) -> None:
     """Numbers, not text: another processor may round the last digit differently."""
     written, now = row(of), markdown_row(verdict(of, [given(need) for need in of.needs]))
-    assert NUMBER.sub("", written) == NUMBER.sub("", now), "run scripts/document.sh --runs docs/verdicts.md"
+    assert NUMBER.sub("", written) == NUMBER.sub("", now), (
+        "run scripts/document.sh --runs docs/verdicts.md"
+    )
     numbers = [float(number) for number in NUMBER.findall(written)]
     assert numbers == pytest.approx([float(n) for n in NUMBER.findall(now)], rel=1e-3, abs=1e-9)

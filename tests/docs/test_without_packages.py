@@ -25,7 +25,17 @@ def ev_stack(left_out: str, *words: str) -> subprocess.CompletedProcess[str]:
 
 @pytest.mark.parametrize("left_out", ["ev_bench", "ev_study", "ev_doors", "ev_papers"])
 def test_what_remains_drives(left_out: str, tmp_path):
-    words = ("run", "step_steer", "--run", "left", "--duration", "1", "--offline", "--no-record", "--no-report")
+    words = (
+        "run",
+        "step_steer",
+        "--run",
+        "left",
+        "--duration",
+        "1",
+        "--offline",
+        "--no-record",
+        "--no-report",
+    )
     driven = ev_stack(left_out, *words, "--out", str(tmp_path))
     assert driven.returncode == 0, driven.stderr
     assert "signal hash" in driven.stdout
@@ -34,11 +44,26 @@ def test_what_remains_drives(left_out: str, tmp_path):
 def test_commands_of_what_is_left_out_are_not_known():
     refused = ev_stack("ev_doors", "fmu", "step_steer")
     assert refused.returncode == 2
-    assert refused.stderr.startswith("ev-stack: unknown command 'fmu'") and refused.stderr.count("\n") == 1
+    assert (
+        refused.stderr.startswith("ev-stack: unknown command 'fmu'")
+        and refused.stderr.count("\n") == 1
+    )
 
 
 def test_no_law_runs_on_another_processor_without_its_programs(tmp_path):
-    words = ("run", "shchur2019", "--offline", "--no-record", "--processor", "asr=cortex-m4", "--out", str(tmp_path))
+    words = (
+        "run",
+        "shchur2019",
+        "--offline",
+        "--no-record",
+        "--processor",
+        "asr=cortex-m4",
+        "--out",
+        str(tmp_path),
+    )
     refused = ev_stack("ev_doors", *words)
     assert refused.returncode == 1
-    assert refused.stderr == "error: --processor needs the package ev_doors, which is not installed here\n"
+    assert (
+        refused.stderr
+        == "error: --processor needs the package ev_doors, which is not installed here\n"
+    )

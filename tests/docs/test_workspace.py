@@ -24,19 +24,41 @@ SCRIPTS = sorted([*ROOT.glob("scripts/*.sh"), ROOT / ".ci" / "run"])
 
 def test_colcon_knows_every_package_as_ament_python():
     """A package.xml that is not valid silently makes a plain `python` package of it, which `ros2 run` cannot find."""
-    command = [sys.executable, "-m", "colcon", "--log-base", "/dev/null", "list", "--base-paths", str(ROOT / "src")]
+    command = [
+        sys.executable,
+        "-m",
+        "colcon",
+        "--log-base",
+        "/dev/null",
+        "list",
+        "--base-paths",
+        str(ROOT / "src"),
+    ]
     listed = subprocess.run(command, check=True, capture_output=True, text=True).stdout
-    types = {name: build_type for name, _, build_type in (line.split("\t") for line in listed.splitlines())}
+    types = {
+        name: build_type
+        for name, _, build_type in (line.split("\t") for line in listed.splitlines())
+    }
     assert types == dict.fromkeys(PACKAGES, "(ros.ament_python)")
 
 
 def test_versions_agree():
     """ROS reads that of each package in package.xml, and so does setup.py; the changelog names the latest one first."""
-    versions = {ElementTree.parse(ROOT / "src" / package / "package.xml").findtext("version") for package in PACKAGES}
-    versions.update(re.findall(r"^version: (.+)$", (ROOT / "CITATION.cff").read_text(), re.MULTILINE))
-    versions.update(re.findall(r"^## \[(\d.*)\]", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)[:1])
+    versions = {
+        ElementTree.parse(ROOT / "src" / package / "package.xml").findtext("version")
+        for package in PACKAGES
+    }
+    versions.update(
+        re.findall(r"^version: (.+)$", (ROOT / "CITATION.cff").read_text(), re.MULTILINE)
+    )
+    versions.update(
+        re.findall(r"^## \[(\d.*)\]", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)[:1]
+    )
     assert versions == {ev_stack.__version__}
-    assert not any(ev_stack.__version__ in (ROOT / "src" / package / "setup.py").read_text() for package in PACKAGES)
+    assert not any(
+        ev_stack.__version__ in (ROOT / "src" / package / "setup.py").read_text()
+        for package in PACKAGES
+    )
 
 
 def test_entries_of_the_changelog_are_short():
@@ -51,7 +73,9 @@ def test_a_release_moves_all_versions_and_gives_its_notes(tmp_path, capsys):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, tmp_path / name)
     changelog = tmp_path / release.CHANGELOG
-    before = changelog.read_text().replace("## [Unreleased]\n", "## [Unreleased]\n\n### Added\n\n- A law.\n", 1)
+    before = changelog.read_text().replace(
+        "## [Unreleased]\n", "## [Unreleased]\n\n### Added\n\n- A law.\n", 1
+    )
     changelog.write_text(before)
     for version in ("0.2", "0.0.9"):
         with pytest.raises(ValueError, match="is refused"):
@@ -81,16 +105,32 @@ def test_pixi_brings_every_message_package_that_the_packages_name(distribution):
     needed = set()
     for package in PACKAGES:
         tree = ElementTree.parse(ROOT / "src" / package / "package.xml")
-        required = [found.text for found in tree.iter("exec_depend") if found.get("condition") is None]
+        required = [
+            found.text for found in tree.iter("exec_depend") if found.get("condition") is None
+        ]
         needed |= {name for name in required if not name.startswith("python3-")}
     assert needed - set(PACKAGES) <= names
     assert all((ROOT / task.split()[0]).exists() for task in said["tasks"].values())
 
 
-# The keys of rosdep/python.yaml in ros/rosdistro (8468e88c, 2026-08-22) that the packages name, each looked up there.
+# The keys of rosdep/python.yaml in ros/rosdistro (8468e88c, 2026-08-22) that the packages name,
+# each looked up there.
 ROSDEP_KEYS = {
-    *("python3-can", "python3-cantools-pip", "python3-gymnasium-pip", "python3-jinja2", "python3-matplotlib"),
-    *("python3-msgpack", "python3-numba", "python3-numpy", "python3-pandas", "python3-pytest", "python3-rosbags-pip"),
+    *(
+        "python3-can",
+        "python3-cantools-pip",
+        "python3-gymnasium-pip",
+        "python3-jinja2",
+        "python3-matplotlib",
+    ),
+    *(
+        "python3-msgpack",
+        "python3-numba",
+        "python3-numpy",
+        "python3-pandas",
+        "python3-pytest",
+        "python3-rosbags-pip",
+    ),
     *("python3-scipy", "python3-tornado", "python3-tqdm", "python3-yaml"),
 }
 
@@ -101,7 +141,11 @@ def dependencies(**environment: str) -> set[str]:
     for package in PACKAGES:
         described = parse_package(ROOT / "src" / package / "package.xml")
         described.evaluate_conditions(environment)
-        found |= {each.name for each in described.exec_depends + described.test_depends if each.evaluated_condition}
+        found |= {
+            each.name
+            for each in described.exec_depends + described.test_depends
+            if each.evaluated_condition
+        }
     return found - set(PACKAGES)
 
 
@@ -111,17 +155,26 @@ def test_rosdep_finds_what_is_needed_and_on_demand_what_is_optional():
     optional = everything - needed
     assert {name for name in everything if name.startswith("python3-")} == ROSDEP_KEYS
     assert not [name for name in needed if name.endswith("-pip")]
-    assert {"simulation_interfaces", "autoware_vehicle_msgs", "ackermann_msgs", "nav_msgs", "tf2_msgs"} < optional
+    assert {
+        "simulation_interfaces",
+        "autoware_vehicle_msgs",
+        "ackermann_msgs",
+        "nav_msgs",
+        "tf2_msgs",
+    } < optional
     assert {"rclpy", "sensor_msgs", "python3-numba"} < needed
 
 
 def test_the_workflow_tries_every_distribution_that_installing_names():
     """Each by the digest of its image."""
     tried = re.findall(
-        r"- distribution: (\w+)\n +digest: sha256:[0-9a-f]{64}\n", (ROOT / ".github/workflows/ci.yml").read_text()
+        r"- distribution: (\w+)\n +digest: sha256:[0-9a-f]{64}\n",
+        (ROOT / ".github/workflows/ci.yml").read_text(),
     )
     table = (ROOT / "docs" / "installing.md").read_text()
-    named = {name.lower() for name in re.findall(r"^\| (\w+) \|[^|]*\| workflow \|", table, re.MULTILINE)}
+    named = {
+        name.lower() for name in re.findall(r"^\| (\w+) \|[^|]*\| workflow \|", table, re.MULTILINE)
+    }
     assert {*tried} == named
 
 
@@ -135,12 +188,17 @@ def test_hooks_before_a_commit_are_what_the_environment_has():
     assert {hook["language"] for hook in hooks} == {"system"}
 
 
-@pytest.mark.parametrize("form", sorted(ROOT.glob(".github/ISSUE_TEMPLATE/w*.yml")), ids=lambda form: form.stem)
+@pytest.mark.parametrize(
+    "form", sorted(ROOT.glob(".github/ISSUE_TEMPLATE/w*.yml")), ids=lambda form: form.stem
+)
 def test_a_form_for_issues_has_what_github_needs(form: Path):
     said = yaml.safe_load(form.read_text())
     assert said["name"] and said["description"]
     assert any(field.get("validations", {}).get("required") for field in said["body"])
-    assert all(field["type"] in ("input", "textarea") and field["attributes"]["label"] for field in said["body"])
+    assert all(
+        field["type"] in ("input", "textarea") and field["attributes"]["label"]
+        for field in said["body"]
+    )
 
 
 def test_the_readme_is_short():
@@ -154,8 +212,13 @@ def test_the_pages_of_the_repository_have_what_people_read():
 
 
 def test_requirements_are_pinned():
-    lines = [line.partition("#")[0].strip() for line in (ROOT / "requirements.txt").read_text().splitlines()]
-    loose = [line for line in lines if line and not re.fullmatch(r"[\w.-]+(\[\w+\])?==\d+(\.\d+)+", line)]
+    lines = [
+        line.partition("#")[0].strip()
+        for line in (ROOT / "requirements.txt").read_text().splitlines()
+    ]
+    loose = [
+        line for line in lines if line and not re.fullmatch(r"[\w.-]+(\[\w+\])?==\d+(\.\d+)+", line)
+    ]
     assert not loose
 
 
@@ -180,7 +243,9 @@ def test_the_lock_has_every_requirement_and_a_hash_for_every_package(lock, wante
     """scripts/lock.sh writes it; whoever changes requirements.txt alone would install what was there before."""
     locked = (ROOT / lock).read_text()
     packages = re.findall(
-        r"^([\w.-]+)(?:\[[\w,]+\])?==(\S+)(.*\n {4}--hash=sha256:[0-9a-f]{64})?", locked, re.MULTILINE
+        r"^([\w.-]+)(?:\[[\w,]+\])?==(\S+)(.*\n {4}--hash=sha256:[0-9a-f]{64})?",
+        locked,
+        re.MULTILINE,
     )
     assert wanted.items() <= {name: version for name, version, _ in packages}.items()
     assert [name for name, _, first_hash in packages if not first_hash] == []
@@ -205,12 +270,20 @@ def test_the_workflow_runs_the_suite_with_the_wheels_of_both():
 
 
 @pytest.mark.parametrize("distribution", ["foxy", "humble", "iron"])
-def test_a_distribution_with_an_older_python_is_refused_before_anything_is_made(distribution, tmp_path):
+def test_a_distribution_with_an_older_python_is_refused_before_anything_is_made(
+    distribution, tmp_path
+):
     command = tmp_path / "ros2"
     command.write_text("#!/bin/sh\n")
     command.chmod(0o755)
-    environment = {**os.environ, "ROS_DISTRO": distribution, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
-    done = subprocess.run([ROOT / "scripts/prepare.sh"], env=environment, capture_output=True, text=True)
+    environment = {
+        **os.environ,
+        "ROS_DISTRO": distribution,
+        "PATH": f"{tmp_path}:{os.environ['PATH']}",
+    }
+    done = subprocess.run(
+        [ROOT / "scripts/prepare.sh"], env=environment, capture_output=True, text=True
+    )
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
     assert distribution in done.stderr and "jazzy, kilted, lyrical or rolling" in done.stderr
 
@@ -239,7 +312,9 @@ def test_every_page_is_in_the_site():
 def test_the_python_of_the_environment_knows_the_packages_by_itself():
     """As the kernel of a notebook, which nobody has sourced anything for."""
     said = "import ev_stack, ev_control, ev_msgs_py; print(ev_stack.run.__name__)"
-    found = subprocess.run([sys.executable, "-E", "-c", said], cwd="/", check=True, capture_output=True, text=True)
+    found = subprocess.run(
+        [sys.executable, "-E", "-c", said], cwd="/", check=True, capture_output=True, text=True
+    )
     assert found.stdout == "run\n"
 
 
@@ -256,8 +331,20 @@ def test_a_package_names_what_it_imports_of_ros_and_the_compiler(package):
     described = parse_package(ROOT / "src" / package / "package.xml")
     named = {each.name.removeprefix("python3-") for each in described.exec_depends}
     texts = [path.read_text() for path in (ROOT / "src" / package).rglob("*.py")]
-    imported = {name for text in texts for name in re.findall(r"^ *(?:from|import) (\w+)", text, re.MULTILINE)}
-    looked_for = {"numba", "launch", "launch_ros", "ament_index_python", "rclpy", "std_msgs", "sensor_msgs"}
+    imported = {
+        name
+        for text in texts
+        for name in re.findall(r"^ *(?:from|import) (\w+)", text, re.MULTILINE)
+    }
+    looked_for = {
+        "numba",
+        "launch",
+        "launch_ros",
+        "ament_index_python",
+        "rclpy",
+        "std_msgs",
+        "sensor_msgs",
+    }
     assert imported & looked_for <= named
 
 
@@ -265,8 +352,13 @@ def test_a_package_without_its_config_is_not_built(tmp_path):
     """As from an archive of its folder alone, out of which its link to config leads."""
     alone = tmp_path / "ev_sim"
     shutil.copytree(
-        ROOT / "src" / "ev_sim", alone, symlinks=True, ignore=shutil.ignore_patterns("__pycache__", "*.egg-info")
+        ROOT / "src" / "ev_sim",
+        alone,
+        symlinks=True,
+        ignore=shutil.ignore_patterns("__pycache__", "*.egg-info"),
     )
-    done = subprocess.run([sys.executable, "setup.py", "--name"], cwd=alone, capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "setup.py", "--name"], cwd=alone, capture_output=True, text=True
+    )
     assert (done.returncode, done.stderr.count("\n")) == (1, 1)
     assert done.stderr.startswith("src/ev_sim alone lacks ev_sim/config")

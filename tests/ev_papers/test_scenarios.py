@@ -46,7 +46,9 @@ def test_rear_drive_spins_and_the_4x4_holds_with_and_without_the_law():
     names = ("rear_drive", "k05", "k1", "equality", "fixed_split")
     holds = {name: value("zhileykin2018", f"holds_{name}") for name in names}
     assert holds == {"rear_drive": 0.0, "k05": 0.0, "k1": 1.0, "equality": 1.0, "fixed_split": 1.0}
-    assert value("zhileykin2018", "peak_sideslip_fixed_split") < value("zhileykin2018", "peak_sideslip_k1")
+    assert value("zhileykin2018", "peak_sideslip_fixed_split") < value(
+        "zhileykin2018", "peak_sideslip_k1"
+    )
 
 
 def test_shares_of_the_law_do_not_oscillate_with_k_1():
@@ -79,7 +81,9 @@ def test_requests_stay_within_what_the_driver_asks_and_the_motors_can(scenario):
     for run in driven(scenario).scenario.runs:
         channels = driven(scenario).runs[run.name].channels
         law = run.configurations["electronic_differential"]
-        added = law.values().get("largest_correction", 0.0) if law.method.name == "slip_target" else 0.0
+        added = (
+            law.values().get("largest_correction", 0.0) if law.method.name == "slip_target" else 0.0
+        )
         asked = channels["driver.command.drive_torque"]
         total = sum(channels[f"torque_request.drive.{wheel}"] for wheel in WHEEL_NAMES)
         assert (total <= (1 + added) * asked + 1e-9 * np.abs(asked)).all(), run.name
@@ -88,7 +92,10 @@ def test_requests_stay_within_what_the_driver_asks_and_the_motors_can(scenario):
         limit = car.motor.peak_torque * car.gear_ratio * shared
         for wheel in WHEEL_NAMES:
             request = channels[f"torque_request.drive.{wheel}"]
-            assert (np.abs(request) <= (limit if wheel in car.driven_wheels else 0.0)).all(), (run.name, wheel)
+            assert (np.abs(request) <= (limit if wheel in car.driven_wheels else 0.0)).all(), (
+                run.name,
+                wheel,
+            )
 
 
 @pytest.mark.parametrize("scenario", SHORT)
@@ -96,4 +103,6 @@ def test_offline_and_over_dds_give_the_same_hash(scenario, tmp_path):
     run = short_run(scenario, duration=0.2)
     with graph(run, tmp_path) as nodes:
         nodes.run()
-    assert signal_hash(load(tmp_path / "signals.npz")) == signal_hash(run_offline(run.configurations, run.duration))
+    assert signal_hash(load(tmp_path / "signals.npz")) == signal_hash(
+        run_offline(run.configurations, run.duration)
+    )

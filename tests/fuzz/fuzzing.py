@@ -16,7 +16,8 @@ _ASKED = int(os.environ.get("EV_FUZZ_CASES", "0"))
 LONGEST_LINE = 4000  # characters: whoever is refused shall be able to read why
 
 seeds = st.integers(0, 2**32 - 1)
-damaged = st.tuples(st.sampled_from(sorted(DAMAGES)), seeds)  # of the content of a file, see `spoil`
+# of the content of a file, see `spoil`
+damaged = st.tuples(st.sampled_from(sorted(DAMAGES)), seeds)
 
 
 def fuzzed(few: int, weight: float = 1.0) -> Callable[[Any], Any]:

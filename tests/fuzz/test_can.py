@@ -18,7 +18,15 @@ from ev_bench.inverter_gateway.gateway import GatewayParameters
 from ev_bench.inverter_gateway.station import GatewayStation
 from ev_core.parameters.data_file import find_in_config
 from ev_msgs_py.can.frame_length import Frame
-from ev_msgs_py.can.payload import COUNTERS, are_words, extracted, inserted, joined, protected, words
+from ev_msgs_py.can.payload import (
+    COUNTERS,
+    are_words,
+    extracted,
+    inserted,
+    joined,
+    protected,
+    words,
+)
 from ev_msgs_py.refusal import ParameterError
 
 LAYOUTS = sorted(ours(), key=lambda frame: frame.name)
@@ -61,7 +69,12 @@ def test_numbers_that_are_no_words_are_no_frame(low, high, payload):
 
 
 @fuzzed(20)
-@given(st.lists(st.tuples(st.sampled_from(IDENTIFIERS) | st.integers(0, 2047), st.binary(max_size=8)), max_size=20))
+@given(
+    st.lists(
+        st.tuples(st.sampled_from(IDENTIFIERS) | st.integers(0, 2047), st.binary(max_size=8)),
+        max_size=20,
+    )
+)
 def test_a_gateway_that_hears_anything_stays_finite(frames):
     station = GatewayStation(ours(), GatewayParameters())
     for identifier, data in frames:
@@ -70,11 +83,20 @@ def test_a_gateway_that_hears_anything_stays_finite(frames):
         assert 0 < len(sent.data) <= 8
     for device in station.devices.values():
         known = (getattr(device.feedback, name) for name in device.feedback.__dataclass_fields__)
-        assert all(math.isfinite(number) for number in known if isinstance(number, float) and number != math.inf)
+        assert all(
+            math.isfinite(number)
+            for number in known
+            if isinstance(number, float) and number != math.inf
+        )
 
 
 @fuzzed(8, 0.5)
-@given(st.lists(st.binary(max_size=60) | st.sampled_from([b"< open a >", b"< rawmode >", b"< send 7FF 1 FF >"])))
+@given(
+    st.lists(
+        st.binary(max_size=60)
+        | st.sampled_from([b"< open a >", b"< rawmode >", b"< send 7FF 1 FF >"])
+    )
+)
 def test_the_hub_outlives_what_a_client_says(said):
     hub = SocketcandHub(0)
     try:

@@ -23,7 +23,18 @@ _values = st.sampled_from(
     [".nan", "1e999", "[", "{a: 1}", "", "-1", "front_left", "80 km/h", "&a [*a]", "0:1:1e9", "1:2"]
 )
 _names = st.sampled_from(
-    ["plant", "driver", "asr", "*", "drive", "method", "seed", "control_period", "vehicle.mass", "x"]
+    [
+        "plant",
+        "driver",
+        "asr",
+        "*",
+        "drive",
+        "method",
+        "seed",
+        "control_period",
+        "vehicle.mass",
+        "x",
+    ]
 )
 _pairs = st.builds("{}.{}={}".format, _names, _names, _values | _texts)
 _options = st.sampled_from(
@@ -70,10 +81,14 @@ def test_the_words_of_a_run(words, scenario):
 @fuzzed(6, 0.3)
 @given(words=_words)
 def test_the_words_of_a_sweep(words):
-    refused(lambda: study_cases(study_named("sweep"), study_arguments("sweep", ["coast_down", *words])))
+    refused(
+        lambda: study_cases(study_named("sweep"), study_arguments("sweep", ["coast_down", *words]))
+    )
 
 
 @fuzzed(12, 0.5)
-@given(words=st.lists(_texts.filter(lambda text: text not in offered_commands().commands), max_size=3))
+@given(
+    words=st.lists(_texts.filter(lambda text: text not in offered_commands().commands), max_size=3)
+)
 def test_unknown_commands(words):
     refused(lambda: program.perform(words))

@@ -21,10 +21,16 @@ from ev_stack.scenarios.parameter_file import ParameterFile
 from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 CONFIG = config_folders()[-1]
-YAML = sorted(path for kind in ("scenarios", "vehicles", "surfaces") for path in (CONFIG / kind).glob("*.yaml"))
+YAML = sorted(
+    path
+    for kind in ("scenarios", "vehicles", "surfaces")
+    for path in (CONFIG / kind).glob("*.yaml")
+)
 CYCLES = sorted((CONFIG / "cycles").glob("*.csv"))
 MAPS = sorted((CONFIG / "efficiency_maps").glob("*.csv"))
-anything = st.text(max_size=200).map(lambda text: text.encode(errors="replace")) | st.binary(max_size=200)
+anything = st.text(max_size=200).map(lambda text: text.encode(errors="replace")) | st.binary(
+    max_size=200
+)
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +79,9 @@ def test_a_damaged_scenario_vehicle_or_parameter_file(folder, path, damage):
         return
     for run in runs:
         assert 0.0 < run.duration < 1e5
-        assert all(math.isfinite(x) for c in run.configurations.values() for x in numbers(c.values()))
+        assert all(
+            math.isfinite(x) for c in run.configurations.values() for x in numbers(c.values())
+        )
 
 
 @fuzzed(20, 1.5)
@@ -109,7 +117,12 @@ def left_behind(tmp_path_factory) -> tuple[bytes, bytes]:
     """signals.npz and summary.json, as short as they get."""
     path = tmp_path_factory.mktemp("run") / "signals.npz"
     save(Recording(np.arange(3.0), {"pose.x": np.arange(3.0)}), path)
-    summary = {"scenario": "coast_down", "runs": {"coast_down": {}}, "vehicle": {"vehicle.mass": 1000.0}, "hash": "0"}
+    summary = {
+        "scenario": "coast_down",
+        "runs": {"coast_down": {}},
+        "vehicle": {"vehicle.mass": 1000.0},
+        "hash": "0",
+    }
     return path.read_bytes(), json.dumps(summary).encode()
 
 
@@ -125,7 +138,8 @@ def test_damaged_signals(folder, left_behind, damage):
         assert str(path) in str(error)
         return
     assert all(
-        values.dtype == np.float64 and len(values) == len(recording.time) for values in recording.channels.values()
+        values.dtype == np.float64 and len(values) == len(recording.time)
+        for values in recording.channels.values()
     )
 
 

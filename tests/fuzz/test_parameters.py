@@ -20,12 +20,18 @@ from ev_stack.measures.own_metrics import named_metric
 
 METHODS = [(role, name) for role, methods in all_methods().items() for name in methods]
 ENTRIES: dict[tuple[str, str], tuple[Entry, ...]] = {}
-numbers = st.floats() | st.integers() | st.sampled_from([0, -1, 1, 1e308, -1e308, 5e-324, 10**400, 2**63, True])
+numbers = (
+    st.floats()
+    | st.integers()
+    | st.sampled_from([0, -1, 1, 1e308, -1e308, 5e-324, 10**400, 2**63, True])
+)
 words = st.text(max_size=20) | st.sampled_from(
     ["80 km/h", "1e999 km/h", "nan", "-0", "1 \n m", "inf deg", "³ m", "١ m"]
 )
 leaves = numbers | words | st.none() | st.binary(max_size=5)
-anything = st.recursive(leaves, lambda inner: st.lists(inner, max_size=4) | st.dictionaries(words, inner, max_size=3))
+anything = st.recursive(
+    leaves, lambda inner: st.lists(inner, max_size=4) | st.dictionaries(words, inner, max_size=3)
+)
 
 
 def entries_of(role: str, name: str) -> tuple[Entry, ...]:
@@ -63,7 +69,8 @@ def test_several_values_at_once(method, data):
     known = {entry.name: entry for entry in entries_of(role, name)}
     chosen = data.draw(st.lists(st.sampled_from(sorted(known)), min_size=1, max_size=4))
     values = {
-        each: data.draw(anything | st.just(known[each].spec.low) | st.just(known[each].spec.high)) for each in chosen
+        each: data.draw(anything | st.just(known[each].spec.low) | st.just(known[each].spec.high))
+        for each in chosen
     }
     try:
         made = configure(role, {"method": name, **values})
@@ -108,7 +115,11 @@ def test_the_text_of_a_fault(text):
 
 
 @fuzzed(30)
-@given(st.lists(st.sampled_from(["peak", "=", "maximum", "(", ")", "imu.yaw_rate"]) | words, max_size=7).map(" ".join))
+@given(
+    st.lists(
+        st.sampled_from(["peak", "=", "maximum", "(", ")", "imu.yaw_rate"]) | words, max_size=7
+    ).map(" ".join)
+)
 def test_the_text_of_a_metric(text):
     try:
         assert named_metric(text).name

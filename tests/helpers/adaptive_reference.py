@@ -1,10 +1,11 @@
 """The planar plant as one system of differential equations, for a solver with error control.
 
-The physics is that of the plant's own functions: tyres, body, wheels, motor limits, driveline, battery, road. What the
-plant does once a step is here the differential equation behind it: the lags of motor torque, clutches and motor
-heat, the energies, the charge, the position. Coulomb friction at the wheels (brakes and rolling resistance) is solved
-by events: between them every wheel turns one way or is held, at them it stops, turns back or breaks loose. Taken from
-the run are its commands, which are held over a control period, and the road-wheel angle, which is linear within it.
+The physics is that of the plant's own functions: tyres, body, wheels, motor limits, driveline,
+battery, road. What the plant does once a step is here the differential equation behind it: the lags
+of motor torque, clutches and motor heat, the energies, the charge, the position. Coulomb friction
+at the wheels (brakes and rolling resistance) is solved by events: between them every wheel turns
+one way or is held, at them it stops, turns back or breaks loose. Taken from the run are its
+commands, which are held over a control period, and the road-wheel angle, which is linear within it.
 """
 
 from __future__ import annotations
@@ -31,26 +32,48 @@ from ev_sim.plant.guard import GuardState, guarded_steering, guarded_torques
 from ev_sim.plant.planar.body import rates, steer
 from ev_sim.plant.planar.contact import find_road
 from ev_sim.plant.planar.model import Mechanics, Plant
-from ev_sim.plant.planar.planar_state import HEADING, INTEGRATED_SIZE, VX, VY, WHEEL_SPEED, Step, index
+from ev_sim.plant.planar.planar_state import (
+    HEADING,
+    INTEGRATED_SIZE,
+    VX,
+    VY,
+    WHEEL_SPEED,
+    Step,
+    index,
+)
 from ev_sim.plant.planar.powertrain import account, apply_drives
 from ev_sim.plant.planar.prepare import Lags, prepare
 from ev_stack.recording.recording import Recording
 
 SIZE = index("drives.front_left.torque")  # what comes before is advanced by differential equations
 X, Y = index("x"), index("y")
-MOTOR_TORQUE, MOTOR_HEAT, TORQUE_SHARE = index("motor_torque"), index("motor_heat"), index("torque_share")
-STATE_OF_CHARGE, BATTERY_POWER, BATTERY_WORK = index("state_of_charge"), index("battery_power"), index("battery_work")
-MOTOR_LOSS, DRIVELINE_LOSS, DRIVE_WORK = index("motor_loss"), index("driveline_loss"), index("drive_work")
+MOTOR_TORQUE, MOTOR_HEAT, TORQUE_SHARE = (
+    index("motor_torque"),
+    index("motor_heat"),
+    index("torque_share"),
+)
+STATE_OF_CHARGE, BATTERY_POWER, BATTERY_WORK = (
+    index("state_of_charge"),
+    index("battery_power"),
+    index("battery_work"),
+)
+MOTOR_LOSS, DRIVELINE_LOSS, DRIVE_WORK = (
+    index("motor_loss"),
+    index("driveline_loss"),
+    index("drive_work"),
+)
 AUXILIARY_WORK = index("auxiliary_work")
-# Lags of a step that is long against all of them, with the torque at its beginning: the powertrain then applies the
-# torque of the state and leaves behind the values that its lagged quantities go for.
+# Lags of a step that is long against all of them, with the torque at its beginning: the powertrain
+# then applies the torque of the state and leaves behind the values that its lagged quantities go
+# for.
 NO_LAGS = Lags(torque=1.0, torque_mean=0.0, clutch=1.0, heat=1.0)
 RELATIVE_TOLERANCE = 1e-9
 # Nanometres, nanonewton metres and so on; of the carcasses' deflections, micronewtons.
 ABSOLUTE_TOLERANCE = np.full(SIZE, 1e-9)
 for _entry in ("longitudinal_deflection", "lateral_deflection"):
     ABSOLUTE_TOLERANCE[index(_entry) : index(_entry) + 4] = 1e-12
-# Wheel speed [rad/s] and torque [N m] that count as zero at an event: above rounding, below anything that matters.
+# Wheel speed [rad/s] and torque [N m] that count as zero at an event: above rounding, below
+# anything that matters.
 TOUCH = 1e-9
 
 
@@ -66,7 +89,9 @@ class Span(NamedTuple):
     def goes_on_as(self, other: Span) -> bool:
         """Whether the other span does as this one would."""
         there = self.angle + self.rate * self.duration
-        return self[1:3] == other[1:3] and self.rate == other.rate and abs(there - other.angle) < 1e-14
+        return (
+            self[1:3] == other[1:3] and self.rate == other.rate and abs(there - other.angle) < 1e-14
+        )
 
 
 class DrivenPlant:
@@ -80,16 +105,22 @@ class DrivenPlant:
         self.start = plant.state.copy()
         self.spans: list[Span] = []
         limits, guard = prepare(self.parameters, self.vehicle, self.period).limits, GuardState()
-        commands, columns = (_signals(recording, kind) for kind in (WheelTorqueCommand, SteeringColumnState))
+        commands, columns = (
+            _signals(recording, kind) for kind in (WheelTorqueCommand, SteeringColumnState)
+        )
         for command, column in zip(commands[:-1], columns[:-1], strict=True):
             plant.advance(command, column)
             torques = guarded_torques(limits, guard, command)
-            self._note(Span(self.period, *torques, *guarded_steering(limits, guard, column, self.period)))
+            self._note(
+                Span(self.period, *torques, *guarded_steering(limits, guard, column, self.period))
+            )
         self.state = plant.state
 
     def _note(self, span: Span) -> None:
         if self.spans and self.spans[-1].goes_on_as(span):
-            self.spans[-1] = self.spans[-1]._replace(duration=self.spans[-1].duration + span.duration)
+            self.spans[-1] = self.spans[-1]._replace(
+                duration=self.spans[-1].duration + span.duration
+            )
         else:
             self.spans.append(span)
 
@@ -101,7 +132,8 @@ def _signals(recording: Recording, kind: type) -> list:
 
 def end_of_run(plant: DrivenPlant) -> np.ndarray:
     """The state at the end of the run, shape (SIZE,), by DOP853 at a relative tolerance of 1e-9."""
-    assert plant.parameters.drive == "torque_controlled"  # commutation of brushless drives is no differential equation
+    # commutation of brushless drives is no differential equation
+    assert plant.parameters.drive == "torque_controlled"
     equations, state, width = _Equations(plant), plant.start[:SIZE].copy(), 1e-3
     for span in plant.spans:
         time = 0.0
@@ -164,7 +196,11 @@ class _Equations:
 @compilable
 def dry_friction(car, step, i, vx):
     """The torque of drive and tyre on wheel i, and the largest one of dry friction [N m]."""
-    rolling = car.rolling_resistance + car.rolling_resistance_growth * vx * vx + step.tyre[i].rolling_resistance
+    rolling = (
+        car.rolling_resistance
+        + car.rolling_resistance_growth * vx * vx
+        + step.tyre[i].rolling_resistance
+    )
     torque = step.drive[i] - car.wheel_radius * step.force_x[i]
     return torque, step.brake[i] + car.wheel_radius * step.load[i] * rolling
 
@@ -198,14 +234,24 @@ def slopes_of(p, car, c, s, state, slope, margins, angle, steps):
     apply_drives(plant)
     rates(state, slope, Mechanics(p, car, c.body, step), False)
     for i in range(4):
-        slope[MOTOR_TORQUE + i] = (s.motor_torque[i] - state[MOTOR_TORQUE + i]) / car.motor.torque_lag
+        slope[MOTOR_TORQUE + i] = (
+            s.motor_torque[i] - state[MOTOR_TORQUE + i]
+        ) / car.motor.torque_lag
         slope[MOTOR_HEAT + i] = (s.motor_heat[i] - state[MOTOR_HEAT + i]) / car.motor.overload_time
-        slope[TORQUE_SHARE + i] = (s.torque_share[i] - state[TORQUE_SHARE + i]) / car.driveline.clutch_lag
+        slope[TORQUE_SHARE + i] = (
+            s.torque_share[i] - state[TORQUE_SHARE + i]
+        ) / car.driveline.clutch_lag
         torque, dry = dry_friction(car, step, i, state[VX])
-        margins[i] = dry - abs(torque) if step.held[i] == 1.0 else step.motion[i] * state[WHEEL_SPEED + i]
+        margins[i] = (
+            dry - abs(torque) if step.held[i] == 1.0 else step.motion[i] * state[WHEEL_SPEED + i]
+        )
         step.turned[i] = state[WHEEL_SPEED + i]
     account(plant)
-    slope[BATTERY_WORK], slope[MOTOR_LOSS], slope[DRIVELINE_LOSS] = s.battery_work, s.motor_loss, s.driveline_loss
+    slope[BATTERY_WORK], slope[MOTOR_LOSS], slope[DRIVELINE_LOSS] = (
+        s.battery_work,
+        s.motor_loss,
+        s.driveline_loss,
+    )
     slope[AUXILIARY_WORK], slope[DRIVE_WORK] = s.auxiliary_work, s.drive_work
     slope[STATE_OF_CHARGE] = s.state_of_charge - state[STATE_OF_CHARGE]
     slope[BATTERY_POWER] = 0.0  # no state of its own: the mean over the last step
@@ -233,8 +279,16 @@ def bound(function: Callable[..., Any], given: Given) -> Callable[..., Any]:
     names = given_names(function)
     rest = list(inspect.signature(function).parameters)[len(names) :]
     c, states = given.values["c"], one_record(given.values["s"])
-    layout, row = constants_type(given.trees, c), constants_row(given.trees, c, given.values["period"])
+    layout, row = (
+        constants_type(given.trees, c),
+        constants_row(given.trees, c, given.values["period"]),
+    )
     unpacking = Unpacking(c, layout.itemsize // row.itemsize)
-    text = _BOUND.format(function=function.__qualname__, given=", ".join(names), rest=", ".join(rest), c=unpacking.text)
+    text = _BOUND.format(
+        function=function.__qualname__,
+        given=", ".join(names),
+        rest=", ".join(rest),
+        c=unpacking.text,
+    )
     step = compiled_function(function.__name__, text, {"function": function, **unpacking.names})
     return partial(step, row[: layout.itemsize // row.itemsize].view(layout), row, states)

@@ -57,7 +57,9 @@ class CompiledObject:
         self.state[:] = row
 
     def _said(self) -> tuple[Any, ...]:
-        return tuple([shape.signal_of(self._there[place].tolist()) for place, shape in self._writes])
+        return tuple(
+            [shape.signal_of(self._there[place].tolist()) for place, shape in self._writes]
+        )
 
 
 def _place(kind: type) -> slice:

@@ -96,7 +96,9 @@ class Motion:
 
     def steered(self, road_wheel_angle: float) -> Motion:
         """The same with road wheels turned by an angle [rad], at rest."""
-        return dataclasses.replace(self, column=SteeringColumnState(16 * road_wheel_angle, 0, 0, road_wheel_angle, 0))
+        return dataclasses.replace(
+            self, column=SteeringColumnState(16 * road_wheel_angle, 0, 0, road_wheel_angle, 0)
+        )
 
     def mirrored(self) -> Motion:
         """Left and right swapped."""
@@ -106,7 +108,9 @@ class Motion:
             if isinstance(value, Wheels)
         }
         column = SteeringColumnState(*(-value for value in self.column))
-        return dataclasses.replace(self, **swapped, column=column, v=-self.v, r=-self.r, a_y=-self.a_y)
+        return dataclasses.replace(
+            self, **swapped, column=column, v=-self.v, r=-self.r, a_y=-self.a_y
+        )
 
     def signals(self) -> dict[type, Any]:
         """The signals by their types."""
@@ -125,7 +129,9 @@ class Motion:
 class Differential:
     """A new object of an electronic differential; ParameterError if the car does not suit."""
 
-    def __init__(self, name: str, car: Vehicle = SHCHUR, period: float = 0.01, **changed: Any) -> None:
+    def __init__(
+        self, name: str, car: Vehicle = SHCHUR, period: float = 0.01, **changed: Any
+    ) -> None:
         self.method = find_method(ROLE, name)
         defaults = self.method.parameters()
         for parameter, value in changed.items():

@@ -43,7 +43,14 @@ class PointMass:
     def advance(self, command: DriverCommand) -> None:
         """One period further."""
         force = command.drive_torque / CAR.wheel_radius
-        drag = 0.5 * CAR.air_density * CAR.drag_coefficient * CAR.frontal_area * self.speed * abs(self.speed)
+        drag = (
+            0.5
+            * CAR.air_density
+            * CAR.drag_coefficient
+            * CAR.frontal_area
+            * self.speed
+            * abs(self.speed)
+        )
         dry = command.brake_torque / CAR.wheel_radius + CAR.rolling_resistance * CAR.mass * 9.81
         if self.speed == 0.0:
             net = math.copysign(max(abs(force) - dry, 0.0), force)

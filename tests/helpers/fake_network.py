@@ -28,7 +28,10 @@ class WatchedStepper(Stepper):
         self.writes = configuration.method.writes
         self.configuration = configuration  # what a run begins with
         super().__init__(
-            configuration.method, lambda: part_of(self.configuration, compiled=False), configuration.period, may_skip
+            configuration.method,
+            lambda: part_of(self.configuration, compiled=False),
+            configuration.period,
+            may_skip,
         )
 
     def change(self, configuration: Configuration) -> None:
@@ -59,17 +62,24 @@ class FakeNetwork:
     """A graph whose nodes speak to each other through faulty queues; its master is the plant."""
 
     def __init__(
-        self, configurations: Mapping[str, Configuration], steps: int, seed: int = 0, faults: Faults | None = None
+        self,
+        configurations: Mapping[str, Configuration],
+        steps: int,
+        seed: int = 0,
+        faults: Faults | None = None,
     ) -> None:
         self.configurations = configurations
         self.faults = faults or Faults()
         self._random = random.Random(seed)
         self._end = steps * configurations[MASTER].period
         self._queues: dict[tuple[str, type], deque] = defaultdict(deque)
-        self.steppers = {role: WatchedStepper(configuration) for role, configuration in configurations.items()}
+        self.steppers = {
+            role: WatchedStepper(configuration) for role, configuration in configurations.items()
+        }
         self.deaf: set[tuple[str, type]] = set()  # readers and topics that are not connected yet
         self.sent: dict[type, dict[int, Any]] = {}
-        self.forgives = False  # whether a node may contradict what it said, as one does that has lost its memory
+        # whether a node may contradict what it said, as one does that has lost its memory
+        self.forgives = False
         self.frozen = False  # whether the master stays where it is
         self.messages = 0
         self.silences = 0
@@ -124,7 +134,9 @@ class FakeNetwork:
             if self.now != stamp:
                 stamp, silences, turns = self.now, 0, 0
             if silences > patience or turns > 100 * patience:
-                waits = {r: [k.__name__ for k in s.inbox.missing()] for r, s in self.steppers.items()}
+                waits = {
+                    r: [k.__name__ for k in s.inbox.missing()] for r, s in self.steppers.items()
+                }
                 raise Stuck(f"at step {stamp // self.master.period}, waiting: {waits}")
 
     def drain(self, most: int = 10_000) -> int:
@@ -154,7 +166,9 @@ class FakeNetwork:
             numbers = answer.frame.numbers[PLACES[kind]].tolist()
             if answer.stamp % self.master.period == self.master.inbox.run:
                 said = self.sent[kind].setdefault(answer.stamp, numbers)
-                assert repr(said) == repr(numbers) or self.forgives, f"{role} changed its mind about {answer.stamp}"
+                assert repr(said) == repr(numbers) or self.forgives, (
+                    f"{role} changed its mind about {answer.stamp}"
+                )
             self.messages += 1
             for reader, stepper in self.steppers.items():
                 if kind in stepper.reads and (reader, kind) not in self.deaf:

@@ -41,8 +41,12 @@ def _find(id: str) -> Published:
 
 
 def _with(need: Need, changed: Sequence[Value]) -> Need:
-    assert not changed or isinstance(need, ScenarioNeed), f"{need.command} is a study: change its options instead"
-    return replace(need, values=(*need.values, *changed)) if isinstance(need, ScenarioNeed) else need
+    assert not changed or isinstance(need, ScenarioNeed), (
+        f"{need.command} is a study: change its options instead"
+    )
+    return (
+        replace(need, values=(*need.values, *changed)) if isinstance(need, ScenarioNeed) else need
+    )
 
 
 @cache

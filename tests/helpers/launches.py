@@ -29,14 +29,24 @@ def driven(duration: float, *values: tuple) -> Channels:
 
 
 def launch(
-    method: str, surfaces: tuple[str, ...], torque: float, ramp: float, duration: float, lengths=(), more=()
+    method: str,
+    surfaces: tuple[str, ...],
+    torque: float,
+    ramp: float,
+    duration: float,
+    lengths=(),
+    more=(),
 ) -> Channels:
     """Channels of a launch with a drive torque that rises from 0.5 s on."""
     return driven(
         duration,
         ("plant", "road.left", surfaces),
         ("plant", "road.right", surfaces),
-        *((("plant", "road.pattern", "segments"), ("plant", "road.length", lengths)) if lengths else ()),
+        *(
+            (("plant", "road.pattern", "segments"), ("plant", "road.length", lengths))
+            if lengths
+            else ()
+        ),
         ("driver", "pedals.time", (0.0, 0.5, 0.5 + ramp)),
         ("driver", "pedals.drive_torque", (0.0, 0.0, torque)),
         ("driver", "pedals.brake_torque", (0.0, 0.0, 0.0)),
@@ -72,7 +82,10 @@ def slip_of(channels: Channels, wheel: str = "front_left") -> np.ndarray:
 
 def friction_use(channels: Channels, wheel: str) -> np.ndarray:
     """Longitudinal force over what the road could carry [1]."""
-    carried = channels[f"tire_forces.load.{wheel}"] * channels[f"tire_forces.friction_coefficient.{wheel}"]
+    carried = (
+        channels[f"tire_forces.load.{wheel}"]
+        * channels[f"tire_forces.friction_coefficient.{wheel}"]
+    )
     return channels[f"tire_forces.longitudinal_force.{wheel}"] / carried
 
 

@@ -32,10 +32,14 @@ def drawn_texts(figure) -> list[tuple[str, Bbox]]:
 def flaws(figure, width: float) -> list[str]:
     """What an editor would send back."""
     wide, tall = figure.get_size_inches()
-    found = [] if wide == pytest.approx(width) and tall <= TALLEST else [f"{wide:.2f} x {tall:.2f} in"]
+    found = (
+        [] if wide == pytest.approx(width) and tall <= TALLEST else [f"{wide:.2f} x {tall:.2f} in"]
+    )
     page, texts = figure.bbox.padded(TOUCH), drawn_texts(figure)
     for text, box in texts:
-        if not (page.x0 <= box.x0 and box.x1 <= page.x1 and page.y0 <= box.y0 and box.y1 <= page.y1):
+        if not (
+            page.x0 <= box.x0 and box.x1 <= page.x1 and page.y0 <= box.y0 and box.y1 <= page.y1
+        ):
             found.append(f"{text!r} beyond the edge")
     for (one, box), (other, another) in combinations(texts, 2):
         common = Bbox.intersection(box, another)

@@ -17,7 +17,8 @@ from ev_msgs_py.contract.signals import WheelStates, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 
 PERIOD = 0.01
-CAR = Vehicle(driven_wheels=("front_left", "front_right"))  # the Audi A2: 150 N m for ever, behind a gear of 2.65
+# the Audi A2: 150 N m for ever, behind a gear of 2.65
+CAR = Vehicle(driven_wheels=("front_left", "front_right"))
 
 Fault = Callable[[float], float]  # what a motor gives [N m] instead of what it would
 
@@ -84,13 +85,17 @@ class Limping:
         self.motors = motors or Motors()
         method = find_method("asr", "limp_home")
         given = {f"plausibility.{name}": value for name, value in changed.items()}
-        self.law = create(method, build(method.parameters, given), self.motors.car, self.motors.period)
+        self.law = create(
+            method, build(method.parameters, given), self.motors.car, self.motors.period
+        )
         self._names = names(method.law.state())
         self.measured = NO_WHEELS
 
     def step(self, asked: Wheels, speed: Wheels, brake: Wheels = NO_WHEELS) -> Wheels:
         """What the drives are told [N m]; what that makes of them is measured by the next step."""
-        command = self.law.step(WheelTorqueRequest(asked, brake), WheelStates(NO_WHEELS, speed, self.measured))
+        command = self.law.step(
+            WheelTorqueRequest(asked, brake), WheelStates(NO_WHEELS, speed, self.measured)
+        )
         assert command.brake == brake
         self.measured = self.motors.measured(command.drive, speed)
         return command.drive

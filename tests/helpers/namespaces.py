@@ -13,7 +13,8 @@ from typing import Any
 
 from helpers.sockets_of_process import Socket
 
-HERE, THERE = "198.51.100.1", "198.51.100.2"  # for documentation (RFC 5737), within the namespaces alone
+# for documentation (RFC 5737), within the namespaces alone
+HERE, THERE = "198.51.100.1", "198.51.100.2"
 CABLE = "cable"
 
 
@@ -37,9 +38,18 @@ class Network:
         except subprocess.CalledProcessError as error:
             self.close()
             raise NoNamespaces(f"no network namespaces here: {error.stderr.strip()}") from None
-        subprocess.run([*self.inside, "sh", "-c", "echo 0 >/proc/sys/net/ipv4/icmp_ratelimit"], check=True)
+        subprocess.run(
+            [*self.inside, "sh", "-c", "echo 0 >/proc/sys/net/ipv4/icmp_ratelimit"], check=True
+        )
         self._stranger = subprocess.Popen(
-            ["ip", "netns", "exec", self.there, sys.executable, Path(__file__).with_name("stranger.py")],
+            [
+                "ip",
+                "netns",
+                "exec",
+                self.there,
+                sys.executable,
+                Path(__file__).with_name("stranger.py"),
+            ],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
@@ -70,14 +80,24 @@ class Network:
     def not_refused(self, sockets: Iterable[Socket]) -> list[str]:
         """At which of the ports of these sockets the stranger is not refused."""
         ports = {
-            kind: sorted({s.port for s in sockets if s.port and s.protocol.startswith(kind)}) for kind in ("tcp", "udp")
+            kind: sorted({s.port for s in sockets if s.port and s.protocol.startswith(kind)})
+            for kind in ("tcp", "udp")
         }
         return self.ask(HERE, ports["tcp"], ports["udp"])
 
     def groups(self) -> set[str]:
         """What is listened to on the cable by multicast, but for the group of all machines."""
-        shown = json.loads(subprocess.check_output(["ip", "-n", self.here, "-json", "maddress", "show", "dev", CABLE]))
-        found = {each["address"] for link in shown for each in link["maddr"] if each.get("family") == "inet"}
+        shown = json.loads(
+            subprocess.check_output(
+                ["ip", "-n", self.here, "-json", "maddress", "show", "dev", CABLE]
+            )
+        )
+        found = {
+            each["address"]
+            for link in shown
+            for each in link["maddr"]
+            if each.get("family") == "inet"
+        }
         return found - {"224.0.0.1"}
 
     def close(self) -> None:

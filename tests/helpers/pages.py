@@ -61,7 +61,10 @@ def summary_of(runs: dict[str, Recording]) -> Summary:
         parameters={"plant": {"drive": "ideal", "vehicle.mass": 1400.0}},
         vehicle=dataclasses.replace(CAR),
         runs=runs,
-        metrics={"speed": Metric(5.0, "m/s", reference), "nothing": Metric(None, "1", reason="never driven")},
+        metrics={
+            "speed": Metric(5.0, "m/s", reference),
+            "nothing": Metric(None, "1", reason="never driven"),
+        },
         wall_time=0.5,
         notes=(HOSTILE,),
         about="two circles",

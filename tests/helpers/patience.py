@@ -7,7 +7,9 @@ from collections.abc import Callable
 PATIENCE = 300.0
 
 
-def wait_until(holds: Callable[[], object], progress: Callable[[], object] = lambda: None, about: object = "") -> None:
+def wait_until(
+    holds: Callable[[], object], progress: Callable[[], object] = lambda: None, about: object = ""
+) -> None:
     """Look until something holds; fail where `progress` gives the same for so long, and show what it is `about`."""
     seen, since = progress(), time.monotonic()
     while not holds():

@@ -21,7 +21,13 @@ def equal_torques(free: bool = False, rear: float = 0.0) -> OdeSolution:
     """
     spin = paper.SPEED / (1.0 - paper.slip_of(paper.REAR_LOAD)) / paper.RADIUS
     start = [paper.SPEED, 0.0, 0.0, spin, spin]
-    options = {"method": "LSODA", "rtol": 1e-8, "atol": 1e-10, "max_step": 0.01, "dense_output": True}
+    options = {
+        "method": "LSODA",
+        "rtol": 1e-8,
+        "atol": 1e-10,
+        "max_step": 0.01,
+        "dense_output": True,
+    }
     return solve_ivp(_rates, (0.0, paper.INSTANT), start, args=(free, rear), **options).sol
 
 
@@ -37,17 +43,31 @@ def _rates(_: float, y: np.ndarray, free: bool, rear: float) -> list[float]:
         math.hypot(u + side * track * w / 2, ground) * math.cos(alpha)
         for side, ground, alpha in zip(SIDES, across, slip_angle, strict=True)
     ]
-    slip = [(w_i * paper.RADIUS - v_i) / (w_i * paper.RADIUS) for w_i, v_i in zip(spin, speed[2:], strict=True)]
+    slip = [
+        (w_i * paper.RADIUS - v_i) / (w_i * paper.RADIUS)
+        for w_i, v_i in zip(spin, speed[2:], strict=True)
+    ]
     centrifugal = mass * math.hypot(u, v) * w
     for _round in range(_ROUNDS):
         moved = a / paper.WHEELBASE * paper.HEIGHT * centrifugal / track
         load = (paper.REAR_LOAD - moved, paper.REAR_LOAD + moved)
         fx = [0.0, 0.0, *(paper.friction(lam) * n for lam, n in zip(slip, load, strict=True))]
-        x = [along * math.cos(d) - side * math.sin(d) for along, side, d in zip(fx, fy, angle, strict=True)]
-        y_force = [along * math.sin(d) + side * math.cos(d) for along, side, d in zip(fx, fy, angle, strict=True)]
+        x = [
+            along * math.cos(d) - side * math.sin(d)
+            for along, side, d in zip(fx, fy, angle, strict=True)
+        ]
+        y_force = [
+            along * math.sin(d) + side * math.cos(d)
+            for along, side, d in zip(fx, fy, angle, strict=True)
+        ]
         du = sum(x) / mass + v * w if free else 0.0
         dv = sum(y_force) / mass - u * w
         centrifugal = mass * math.hypot(u, v) * (w + (dv * u - v * du) / (u * u + v * v))
     couple = track / 2 * (x[1] + x[3] - x[0] - x[2])
     dw = (a * (y_force[0] + y_force[1]) - b * (y_force[2] + y_force[3]) + couple) / YAW_INERTIA
-    return [du, dv, dw, *((paper.TORQUE - paper.RADIUS * along) / WHEEL_INERTIA for along in fx[2:])]
+    return [
+        du,
+        dv,
+        dw,
+        *((paper.TORQUE - paper.RADIUS * along) / WHEEL_INERTIA for along in fx[2:]),
+    ]

@@ -11,13 +11,17 @@ from ev_papers.shchur2019.paper import CLOSED_LOOP
 
 def lowest_differential_torque() -> tuple[float, float]:
     """When after the step [s] the differential torque of fig. 1b is lowest, and how low [N m] (eqs 4 and 7)."""
-    steady = CLOSED_LOOP.steady_angle((1 + paper.GAMMA) * paper.I_RATIO * paper.HAND_TORQUE_CLOSED_LOOP)
+    steady = CLOSED_LOOP.steady_angle(
+        (1 + paper.GAMMA) * paper.I_RATIO * paper.HAND_TORQUE_CLOSED_LOOP
+    )
 
     def torque(time: float) -> float:
         angle, rate = steady * (1 + CLOSED_LOOP.deviation(time)), steady * CLOSED_LOOP.rate(time)
         return paper.differential_torque(paper.HAND_TORQUE_CLOSED_LOOP, angle, rate)
 
-    found = minimize_scalar(torque, bounds=(0.0, peak_time(CLOSED_LOOP)), method="bounded", options={"xatol": 1e-9})
+    found = minimize_scalar(
+        torque, bounds=(0.0, peak_time(CLOSED_LOOP)), method="bounded", options={"xatol": 1e-9}
+    )
     return float(found.x), float(found.fun)
 
 

@@ -1,7 +1,7 @@
 """Dense quadratic programs with bounds by daqp, what our solvers are held against.
 
-Arnström, Bemporad & Axehill (2022), A dual active-set solver for embedded quadratic programming using recursive LDL'
-updates, IEEE TAC 67(8).
+Arnström, Bemporad & Axehill (2022), A dual active-set solver for embedded quadratic programming
+using recursive LDL' updates, IEEE TAC 67(8).
 """
 
 from __future__ import annotations
@@ -12,7 +12,9 @@ import numpy as np
 _EQUALITY, _OPTIMAL = 5, 1
 
 
-def by_daqp(hessian: np.ndarray, slope: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+def by_daqp(
+    hessian: np.ndarray, slope: np.ndarray, low: np.ndarray, high: np.ndarray
+) -> np.ndarray:
     """Where x'Hx/2 + c'x is least within low <= x <= high; no unknown has a bound that is missed by more than 1e-12."""
     sense = np.where(low == high, _EQUALITY, 0).astype(np.intc)
     no_rows = np.zeros((0, len(slope)))

@@ -133,7 +133,9 @@ class Probe(Node):
 
     def message(self, seconds: float, signal: Any) -> Any:
         """A message object, for tests that spoil it."""
-        return deserialize_message(self.packed(seconds, signal), message_class(TOPICS[type(signal)].message_type))
+        return deserialize_message(
+            self.packed(seconds, signal), message_class(TOPICS[type(signal)].message_type)
+        )
 
     def publisher_of(self, signal: type) -> Any:
         """A publisher of a signal, of a node with the name of the role that writes it."""
@@ -156,7 +158,12 @@ class Graph:
     """Nodes of one context, run by one of the three ways there are."""
 
     def __init__(
-        self, context: Context, run: Run, directory: Path, names: Sequence[str] | None = None, bag: bool = False
+        self,
+        context: Context,
+        run: Run,
+        directory: Path,
+        names: Sequence[str] | None = None,
+        bag: bool = False,
     ) -> None:
         self.context = context
         self.directory = directory
@@ -219,12 +226,16 @@ class Graph:
         answer = self.probe.callers[service].call_async(Trigger.Request())
         self.run(answer.done)
         assert answer.result().success
-        assert RECORDER not in self.nodes or not self.nodes[RECORDER].done, "the run ended before the call"
+        assert RECORDER not in self.nodes or not self.nodes[RECORDER].done, (
+            "the run ended before the call"
+        )
         return answer.result().message
 
 
 @contextmanager
-def graph(run: Run, directory: Path, names: Sequence[str] | None = None, bag: bool = False) -> Iterator[Graph]:
+def graph(
+    run: Run, directory: Path, names: Sequence[str] | None = None, bag: bool = False
+) -> Iterator[Graph]:
     """A graph in a domain of its own."""
     with ros_domain() as context:
         yield Graph(context, run, directory, names, bag)

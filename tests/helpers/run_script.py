@@ -24,14 +24,20 @@ class Running:
         self.output = folder.with_suffix(".txt").open("w+")
         words = [RUN, *LONG, "--out", str(folder), *arguments]
         self.script = subprocess.Popen(
-            words, env=ENVIRONMENT, stdout=self.output, stderr=subprocess.STDOUT, start_new_session=True
+            words,
+            env=ENVIRONMENT,
+            stdout=self.output,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
         )
         bag = folder / "bag" / "metadata.yaml"
 
         def steps() -> bool:
             """Some hundred messages are in the bag, which exists as soon as the recorder does."""
             assert self.script.poll() is None, self.text()
-            return bag.exists() and int(re.search(r"message_count: (\d+)", bag.read_text())[1]) > 500
+            return (
+                bag.exists() and int(re.search(r"message_count: (\d+)", bag.read_text())[1]) > 500
+            )
 
         wait_until(steps, self.text, self.text)
         self.shared_memory = set().union(*map(_shared_memory_of, self.processes())) - before
@@ -50,7 +56,9 @@ class Running:
 
     def node(self, name: str) -> int:
         """Process id of a node."""
-        (found,) = [pid for pid, words in self.processes().items() if f"/{name} --ros-args" in words]
+        (found,) = [
+            pid for pid, words in self.processes().items() if f"/{name} --ros-args" in words
+        ]
         return found
 
     def end(self) -> int:
@@ -72,4 +80,7 @@ def _shared_memory_of(pid: int) -> set[str]:
     place = Path("/proc") / str(pid)
     mapped = re.findall(r"/dev/shm/(\S+)", (place / "maps").read_text())
     opened = (os.readlink(link) for link in (place / "fd").iterdir())
-    return {*mapped, *(name.removeprefix("/dev/shm/") for name in opened if name.startswith("/dev/shm/"))}
+    return {
+        *mapped,
+        *(name.removeprefix("/dev/shm/") for name in opened if name.startswith("/dev/shm/")),
+    }

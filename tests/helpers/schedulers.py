@@ -14,7 +14,10 @@ from pathlib import Path
 
 @contextmanager
 def process(*words: str, folder: Path | None = None) -> Iterator[subprocess.Popen]:
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[1]), *sys.path[1:]])}
+    environment = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[1]), *sys.path[1:]]),
+    }
     started = subprocess.Popen(
         [sys.executable, "-m", *words],
         env=environment,
@@ -45,11 +48,20 @@ def wait_for_listener(port: int) -> None:
 
 
 @contextmanager
-def scheduler_with_two_workers(folder: Path | None = None) -> Iterator[tuple[str, subprocess.Popen]]:
+def scheduler_with_two_workers(
+    folder: Path | None = None,
+) -> Iterator[tuple[str, subprocess.Popen]]:
     """The address of a scheduler, and one of its workers, which may be killed; they work in a folder."""
     address = f"tcp://127.0.0.1:{free_port()}"
     host, port = address.removeprefix("tcp://").split(":")
-    worker = ("distributed.cli.dask_worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard")
+    worker = (
+        "distributed.cli.dask_worker",
+        address,
+        "--nthreads",
+        "1",
+        "--no-nanny",
+        "--no-dashboard",
+    )
     with (
         process("distributed.cli.dask_scheduler", "--host", host, "--port", port, "--no-dashboard"),
         process(*worker, folder=folder),

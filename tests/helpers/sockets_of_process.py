@@ -22,7 +22,9 @@ class Socket(NamedTuple):
 def sockets_of(process: int | str = "self") -> list[Socket]:
     """The internet sockets of a process."""
     held = set(_inodes(process))
-    return [each for protocol in _LISTS for inode, each in _listed(process, protocol) if inode in held]
+    return [
+        each for protocol in _LISTS for inode, each in _listed(process, protocol) if inode in held
+    ]
 
 
 def _inodes(process: int | str) -> Iterator[str]:

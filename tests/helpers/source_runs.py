@@ -58,9 +58,15 @@ def mirrored(run: Recording) -> Recording:
     def sign(channel: str) -> float:
         return -1.0 if any(part in channel for part in ODD) else 1.0
 
-    return Recording(run.time, {name: sign(name) * run.channels[partner(name)] for name in run.channels})
+    return Recording(
+        run.time, {name: sign(name) * run.channels[partner(name)] for name in run.channels}
+    )
 
 
 def differing(one: Recording, other: Recording) -> list[str]:
     """Names of the channels that are not equal; a zero may have either sign."""
-    return [name for name in one.channels if not np.array_equal(one.channels[name], other.channels[name])]
+    return [
+        name
+        for name in one.channels
+        if not np.array_equal(one.channels[name], other.channels[name])
+    ]

@@ -10,7 +10,12 @@ from helpers.differentials import SHCHUR, Differential
 from ev_core.lockstep.finding import find_method
 from ev_core.methods.method_record import create
 from ev_core.parameters.record import names
-from ev_msgs_py.contract.signals import DriverCommand, SteeringColumnState, WheelStates, WheelTorqueRequest
+from ev_msgs_py.contract.signals import (
+    DriverCommand,
+    SteeringColumnState,
+    WheelStates,
+    WheelTorqueRequest,
+)
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 
 PERIOD = 0.001
@@ -34,7 +39,9 @@ class Column:
     def __init__(self, name: str, held: float | None = None, **changed: float) -> None:
         method = find_method("steering_column", name)
         self._names = names(method.law.state())
-        self._object = create(method, dataclasses.replace(method.parameters(), **changed), SHCHUR, PERIOD)
+        self._object = create(
+            method, dataclasses.replace(method.parameters(), **changed), SHCHUR, PERIOD
+        )
         if held is not None:
             self.hold(held)
         self._held = held
@@ -60,7 +67,13 @@ class Column:
             self.hold(self._held)
 
 
-def drive(column: Column, differential: Differential, hand_torque: float, duration: float, disturbance: float = 0.0):
+def drive(
+    column: Column,
+    differential: Differential,
+    hand_torque: float,
+    duration: float,
+    disturbance: float = 0.0,
+):
     """Road-wheel angles [rad] and torque differences [N m] over time.
 
     `disturbance` is a torque difference [N m] that the law does not know of.
@@ -73,5 +86,7 @@ def drive(column: Column, differential: Differential, hand_torque: float, durati
         angles.append(state.road_wheel_angle)
         differences.append(difference(request))
         left, right = request.drive.front_left, request.drive.front_right
-        column.advance(driver, WheelStates(NO_WHEELS, NO_WHEELS, Wheels.front(left, right + disturbance)))
+        column.advance(
+            driver, WheelStates(NO_WHEELS, NO_WHEELS, Wheels.front(left, right + disturbance))
+        )
     return np.array(angles), np.array(differences)

@@ -1,6 +1,7 @@
 """Somebody on another machine: tries the ports of an address, one JSON line after the other from standard input.
 
-[ADDRESS, TCP_PORTS, UDP_PORTS] is answered by the ports that do not refuse, [GROUP, PORT, HEX] by [] when it was sent.
+[ADDRESS, TCP_PORTS, UDP_PORTS] is answered by the ports that do not refuse, [GROUP, PORT, HEX] by
+[] when it was sent.
 """
 
 from __future__ import annotations
@@ -13,7 +14,8 @@ import sys
 import time
 
 PATIENCE = 3.0  # s without a refusal, which is not sent for every datagram
-OF_A_CONNECTION = 60.0  # s: on a busy machine a refusal is late, and none would look like an open port
+# s: on a busy machine a refusal is late, and none would look like an open port
+OF_A_CONNECTION = 60.0
 
 
 def is_open(address: str, port: int) -> bool:

@@ -31,8 +31,11 @@ from ev_msgs_py.contract.wheels import NO_WHEELS, WHEEL_NAMES, Wheels
 
 ROLE = "asr"
 PERIOD = 0.005
-_ALL = tuple(name for name in methods_of(ROLE) if name not in ("off", "limp_home", "limit", "blended_brakes"))
-SPEED_MODE = tuple(name for name in _ALL if find_method(ROLE, name).requires)  # they command the speeds of wheels
+_ALL = tuple(
+    name for name in methods_of(ROLE) if name not in ("off", "limp_home", "limit", "blended_brakes")
+)
+# they command the speeds of wheels
+SPEED_MODE = tuple(name for name in _ALL if find_method(ROLE, name).requires)
 METHODS = tuple(name for name in _ALL if name not in SPEED_MODE)
 LITERAL = ("held_torque", "least_squares_literal")
 CONTROLS = tuple(name for name in METHODS if name not in LITERAL)  # those that take torque away
@@ -44,7 +47,8 @@ CAR = Vehicle(
     wheel_inertia=1.658,
     motor=Motor(rotor_inertia=0.02, nominal_torque=250.0),
 )
-FASTEST = CAR.motor.maximum_speed / CAR.gear_ratio  # rad/s, the set-point of a wheel that is not limited
+# rad/s, the set-point of a wheel that is not limited
+FASTEST = CAR.motor.maximum_speed / CAR.gear_ratio
 INERTIA = 1.658 + 7.4**2 * 0.02  # kg m^2, J of a driven wheel
 
 
@@ -65,7 +69,11 @@ def on(driven: tuple[str, ...]) -> Vehicle:
 
 def in_regulator(name: str, parameter: str) -> str:
     """The full name of a parameter that some laws have in the group `regulator`."""
-    return f"regulator.{parameter}" if hasattr(find_method(ROLE, name).parameters(), "regulator") else parameter
+    return (
+        f"regulator.{parameter}"
+        if hasattr(find_method(ROLE, name).parameters(), "regulator")
+        else parameter
+    )
 
 
 def swapped(wheels: Wheels) -> Wheels:
@@ -86,17 +94,31 @@ class Measured:
     a_y: float = 0.0
 
     def mirrored(self) -> Measured:
-        sides = {name: swapped(getattr(self, name)) for name in ("drive", "brake", "speed", "torque")}
-        return Measured(**sides, angle=-self.angle, yaw_rate=-self.yaw_rate, a_x=self.a_x, a_y=-self.a_y)
+        sides = {
+            name: swapped(getattr(self, name)) for name in ("drive", "brake", "speed", "torque")
+        }
+        return Measured(
+            **sides, angle=-self.angle, yaw_rate=-self.yaw_rate, a_x=self.a_x, a_y=-self.a_y
+        )
 
     def reversed(self) -> Measured:
         """The same drive backwards: what turns, pushes or yaws changes its sign, what holds in the bend does not."""
-        turned = {name: Wheels(*(-x for x in getattr(self, name))) for name in ("drive", "speed", "torque")}
+        turned = {
+            name: Wheels(*(-x for x in getattr(self, name)))
+            for name in ("drive", "speed", "torque")
+        }
         return Measured(
-            **turned, brake=self.brake, angle=self.angle, yaw_rate=-self.yaw_rate, a_x=-self.a_x, a_y=self.a_y
+            **turned,
+            brake=self.brake,
+            angle=self.angle,
+            yaw_rate=-self.yaw_rate,
+            a_x=-self.a_x,
+            a_y=self.a_y,
         )
 
-    def signals(self) -> tuple[WheelTorqueRequest, SteeringColumnState, WheelStates, InertialMeasurement]:
+    def signals(
+        self,
+    ) -> tuple[WheelTorqueRequest, SteeringColumnState, WheelStates, InertialMeasurement]:
         return (
             WheelTorqueRequest(self.drive, self.brake),
             SteeringColumnState(0.0, 0.0, 0.0, self.angle, 0.0),
@@ -108,7 +130,9 @@ class Measured:
 class Control:
     """A traction control, interpreted."""
 
-    def __init__(self, name: str, car: Vehicle = CAR, period: float = PERIOD, **changed: Any) -> None:
+    def __init__(
+        self, name: str, car: Vehicle = CAR, period: float = PERIOD, **changed: Any
+    ) -> None:
         method = find_method(ROLE, name)
         self.law = create(method, build(method.parameters, changed), car, period)
         self.names = names(method.law.state())
@@ -129,7 +153,11 @@ class Control:
     def of_wheel(self, wheel: str = "front_left") -> dict[str, float]:
         """The state of one wheel."""
         begin = f"wheels.{wheel}."
-        return {name.removeprefix(begin): value for name, value in self.state().items() if name.startswith(begin)}
+        return {
+            name.removeprefix(begin): value
+            for name, value in self.state().items()
+            if name.startswith(begin)
+        }
 
     def limits(self) -> list[float]:
         state = self.state()
@@ -137,7 +165,10 @@ class Control:
 
 
 SPINNING = Measured(
-    Wheels.front(1500.0, 1500.0), speed=Wheels(30.0, 30.0, 10.0, 10.0), torque=Wheels.front(1500.0, 1500.0), a_x=1.0
+    Wheels.front(1500.0, 1500.0),
+    speed=Wheels(30.0, 30.0, 10.0, 10.0),
+    torque=Wheels.front(1500.0, 1500.0),
+    a_x=1.0,
 )
 
 

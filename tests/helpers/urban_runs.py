@@ -18,12 +18,17 @@ DURATION = 95.0  # s: stands, drives, slows down, stands, drives
 def scenario(driver: str = "pulse") -> Scenario:
     """The scenario with a driver, and the speed that he needs."""
     speed = "imposed" if driver == "imposed_speed" else "free"
-    return load_scenario("urban_mixed", Overrides((), [("driver", "method", driver), ("plant", "speed", speed)]))
+    return load_scenario(
+        "urban_mixed", Overrides((), [("driver", "method", driver), ("plant", "speed", speed)])
+    )
 
 
 def parameters_of(loaded: Scenario) -> dict[str, dict]:
     """All parameters of its only run, by role and name."""
-    return {role: configuration.values() for role, configuration in loaded.runs[0].configurations.items()}
+    return {
+        role: configuration.values()
+        for role, configuration in loaded.runs[0].configurations.items()
+    }
 
 
 PARAMETERS = parameters_of(scenario())

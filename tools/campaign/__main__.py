@@ -33,14 +33,21 @@ def main(argv: list[str] | None = None) -> None:
         prog="campaign.sh", description="Faults of all kinds, drawn by seed, and what came of them."
     )
     parser.add_argument("--count", type=int, default=1000, help="trials, default 1000")
-    parser.add_argument("--seed", type=int, default=1, help="of the first trial, default 1; each has one more")
+    parser.add_argument(
+        "--seed", type=int, default=1, help="of the first trial, default 1; each has one more"
+    )
     parser.add_argument("--minutes", type=float, help="begin no trial after so many")
     parser.add_argument("--only", type=int, nargs="+", metavar="SEED", help="repeat just these")
     parser.add_argument(
-        "--page", type=Path, help="write the table into its part of this page, as docs/campaign.md has them"
+        "--page",
+        type=Path,
+        help="write the table into its part of this page, as docs/campaign.md has them",
     )
     parser.add_argument(
-        "--keep", type=Path, metavar="DIR", help="keep what failed runs leave behind and say in this folder"
+        "--keep",
+        type=Path,
+        metavar="DIR",
+        help="keep what failed runs leave behind and say in this folder",
     )
     given = parser.parse_args(argv)
     seeds = given.only or range(given.seed, given.seed + given.count)
@@ -48,11 +55,15 @@ def main(argv: list[str] | None = None) -> None:
     if given.page and f"generated: {part} " not in given.page.read_text(encoding="utf-8"):
         parser.error(f"--page: {given.page} has no part 'generated: {part}' for the table")
     start = time.monotonic()
-    verdicts = campaign(seeds, None if given.minutes is None else start + 60 * given.minutes, given.keep)
+    verdicts = campaign(
+        seeds, None if given.minutes is None else start + 60 * given.minutes, given.keep
+    )
     text = result_text(verdicts, seeds[0], len(seeds), time.monotonic() - start)
     print(text)
     if given.page:
-        given.page.write_text(with_blocks(given.page.read_text(encoding="utf-8"), {part: text}), encoding="utf-8")
+        given.page.write_text(
+            with_blocks(given.page.read_text(encoding="utf-8"), {part: text}), encoding="utf-8"
+        )
     sys.exit(any(verdict.outcome == FAILED for verdict in verdicts))
 
 
@@ -63,7 +74,9 @@ def campaign(seeds: Sequence[int], deadline: float | None, keep: Path | None) ->
     def one(seed: int) -> Verdict | None:
         if deadline is not None and time.monotonic() > deadline:
             return None
-        with tempfile.TemporaryDirectory(prefix="ev_stack_campaign_", ignore_cleanup_errors=True) as folder:
+        with tempfile.TemporaryDirectory(
+            prefix="ev_stack_campaign_", ignore_cleanup_errors=True
+        ) as folder:
             verdict = driven(seed, Path(folder), keep)
         bar.update()
         if verdict.outcome == FAILED:

@@ -43,13 +43,17 @@ def _time_services(*calls: str) -> Callable[[Node, Callable[[], bool], float], N
             if not client.wait_for_service(timeout_sec=_PATIENCE):
                 return
             if goes_on() or client is clients[-1]:
-                rclpy.spin_until_future_complete(node, client.call_async(Trigger.Request()), timeout_sec=_PATIENCE)
+                rclpy.spin_until_future_complete(
+                    node, client.call_async(Trigger.Request()), timeout_sec=_PATIENCE
+                )
                 time.sleep(_MOMENT)
 
     return do
 
 
-def _asks(service: type, name: str, request: Callable[[], Any]) -> Callable[[Node, Callable[[], bool], float], None]:
+def _asks(
+    service: type, name: str, request: Callable[[], Any]
+) -> Callable[[Node, Callable[[], bool], float], None]:
     """A flood of questions to nodes of the run."""
 
     def do(node: Node, goes_on: Callable[[], bool], rate: float) -> None:
@@ -65,7 +69,9 @@ def _asks(service: type, name: str, request: Callable[[], Any]) -> Callable[[Nod
     return do
 
 
-def _offers(kind: type, role: str, names: Iterable[str]) -> Callable[[Node, Callable[[], bool], float], None]:
+def _offers(
+    kind: type, role: str, names: Iterable[str]
+) -> Callable[[Node, Callable[[], bool], float], None]:
     """The services of a node of the run, which answer what comes to mind."""
 
     def do(node: Node, goes_on: Callable[[], bool], rate: float) -> None:
@@ -79,7 +85,10 @@ def _offers(kind: type, role: str, names: Iterable[str]) -> Callable[[Node, Call
 
 def _publishers_come_and_go(node: Node, goes_on: Callable[[], bool], rate: float) -> None:
     while goes_on():
-        mouths = [node.create_publisher(format_of(s).message_class, t.name, QUALITY) for s, t in TOPICS.items()]
+        mouths = [
+            node.create_publisher(format_of(s).message_class, t.name, QUALITY)
+            for s, t in TOPICS.items()
+        ]
         time.sleep(1.0 / rate)
         for mouth in mouths:
             node.destroy_publisher(mouth)
@@ -87,7 +96,9 @@ def _publishers_come_and_go(node: Node, goes_on: Callable[[], bool], rate: float
 
 def _nodes_come_and_go(node: Node, goes_on: Callable[[], bool], rate: float) -> None:
     while goes_on():
-        nodes = [Node(name, namespace="/ev") for name in (*_ROLES, *(f"n{n}" for n in range(_DOZEN)))]
+        nodes = [
+            Node(name, namespace="/ev") for name in (*_ROLES, *(f"n{n}" for n in range(_DOZEN)))
+        ]
         time.sleep(1.0 / rate)
         for each in nodes:
             each.destroy_node()
@@ -108,7 +119,9 @@ def _contexts_come_and_go(node: Node, goes_on: Callable[[], bool], rate: float) 
 def _never_takes(node: Node, goes_on: Callable[[], bool], rate: float) -> None:
     topics = itertools.cycle(TOPICS.items())
     for signal, topic in itertools.islice(topics, _SUBSCRIBERS):
-        node.create_subscription(format_of(signal).message_class, topic.name, lambda _: None, QUALITY)
+        node.create_subscription(
+            format_of(signal).message_class, topic.name, lambda _: None, QUALITY
+        )
     while goes_on():
         time.sleep(1.0 / rate)
 
@@ -118,8 +131,14 @@ def _by_names(service: Any) -> Callable[[], Any]:
 
 
 def _unknown() -> SetParameters.Request:
-    parameters = [Parameter(name, value=value) for name in _NAMES[2:] for value in (float("nan"), True, INVENTED, [1])]
-    return SetParameters.Request(parameters=[parameter.to_parameter_msg() for parameter in parameters])
+    parameters = [
+        Parameter(name, value=value)
+        for name in _NAMES[2:]
+        for value in (float("nan"), True, INVENTED, [1])
+    ]
+    return SetParameters.Request(
+        parameters=[parameter.to_parameter_msg() for parameter in parameters]
+    )
 
 
 DOINGS = {

@@ -34,12 +34,16 @@ def main() -> None:
     format_ = format_of(topic.signal)
     rclpy.init()
     node = Node("forger", namespace="/ev")
-    ear = node.create_subscription(format_.message_class, topic.name, lambda _: None, QUALITY, raw=True)
+    ear = node.create_subscription(
+        format_.message_class, topic.name, lambda _: None, QUALITY, raw=True
+    )
     take = taker_of(ear.handle, format_.message_class)
     mouth = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     said, begun, before, count = Frame(), time.monotonic(), 0, 0
     where: list[int] = []
-    said.numbers[PLACES[topic.signal]] = numbers_of([number] * (PLACES[topic.signal].stop - PLACES[topic.signal].start))
+    said.numbers[PLACES[topic.signal]] = numbers_of(
+        [number] * (PLACES[topic.signal].stop - PLACES[topic.signal].start)
+    )
     print("here", flush=True)
     with StopRequest() as stop:
         while not stop.received and count < _MOST and time.monotonic() < begun + _SECONDS:
@@ -48,7 +52,9 @@ def main() -> None:
                 continue
             message, info = taken
             stamp = stamp_of(message)
-            if stamp <= before or format_.read(message)[1] == list(said.numbers[PLACES[topic.signal]]):
+            if stamp <= before or format_.read(message)[1] == list(
+                said.numbers[PLACES[topic.signal]]
+            ):
                 continue  # repeated, or of ourselves
             gid, sequence = info["publisher_gid"]["data"], info["publication_sequence_number"]
             payload = format_.pack(2 * stamp - before, said)
@@ -65,9 +71,16 @@ def _ports(node: Node, roles: Sequence[str]) -> list[int]:
     """Where the processes of roles listen, or all that are there without roles."""
     if not roles:
         return ports(lambda _: True)
-    topics = [topic.name for signal, topic in TOPICS.items() if WRITERS.get(signal, RECORDER) in roles]
-    gids = [bytes(end.endpoint_gid) for name in topics for end in node.get_publishers_info_by_topic(f"/ev/{name}")]
-    processes = {int.from_bytes(gid[4:6], "little") for gid in gids}  # as Fast DDS puts them into identities
+    topics = [
+        topic.name for signal, topic in TOPICS.items() if WRITERS.get(signal, RECORDER) in roles
+    ]
+    gids = [
+        bytes(end.endpoint_gid)
+        for name in topics
+        for end in node.get_publishers_info_by_topic(f"/ev/{name}")
+    ]
+    # as Fast DDS puts them into identities
+    processes = {int.from_bytes(gid[4:6], "little") for gid in gids}
     return ports(lambda process: process & 0xFFFF in processes)
 
 

@@ -13,7 +13,8 @@ from ev_msgs_py.wire import STAMP_AT
 _DATA, _HEARTBEAT, _ACKNACK, _GAP = 0x15, 0x07, 0x06, 0x08  # kinds of submessages
 _EVERYBODY = bytes(4)  # in the place of a reader
 _OTHER = struct.pack("<d", 7.0)  # a finite number that no run gives
-_OF_PROCESSES = b"\x00\x01\x00\xc2", b"\x00\x01\x00\xc7"  # built-in writer and reader of what is said of processes
+# built-in writer and reader of what is said of processes
+_OF_PROCESSES = b"\x00\x01\x00\xc2", b"\x00\x01\x00\xc7"
 _OF_PUBLISHERS = b"\x00\x00\x03\xc2", b"\x00\x00\x03\xc7"
 _PROCESS = b"\x00\x00\x01\xc1"
 _KEY_HASH, _STATUS, _PROCESS_KEY, _PUBLISHER_KEY, _END = 0x70, 0x71, 0x50, 0x5A, 1  # of parameters
@@ -43,7 +44,14 @@ def rtps(gid: bytes, *submessages: bytes) -> bytes:
 
 def data(writer: bytes, sequence: int, payload: bytes, reader: bytes = _EVERYBODY) -> bytes:
     """A DATA submessage."""
-    body = struct.pack("<HH", 0, 16) + reader + writer + _number(sequence) + payload + bytes(-len(payload) % 4)
+    body = (
+        struct.pack("<HH", 0, 16)
+        + reader
+        + writer
+        + _number(sequence)
+        + payload
+        + bytes(-len(payload) % 4)
+    )
     return _submessage(_DATA, 0x05, body)
 
 
@@ -55,7 +63,9 @@ def _submessage(kind: int, flags: int, body: bytes) -> bytes:
     return struct.pack("<BBH", kind, flags, len(body)) + body
 
 
-def _message(later: int, end: bytes = _OTHER, ahead: int = 1) -> Callable[[random.Random, Heard], Iterator[bytes]]:
+def _message(
+    later: int, end: bytes = _OTHER, ahead: int = 1
+) -> Callable[[random.Random, Heard], Iterator[bytes]]:
     """The next message of a publisher, before it says it itself, with another last number."""
 
     def forge(_: random.Random, heard: Heard) -> Iterator[bytes]:
@@ -63,7 +73,12 @@ def _message(later: int, end: bytes = _OTHER, ahead: int = 1) -> Callable[[rando
             seconds, nanoseconds = struct.unpack_from("<iI", heard.message, STAMP_AT)
             stamp = struct.pack("<iI", *divmod(seconds * SECOND + nanoseconds + later, SECOND))
             rest = heard.message[STAMP_AT + 8 :]
-            payload = heard.message[:STAMP_AT] + stamp + rest[: max(len(rest) - len(end), 0)] + end[: len(rest)]
+            payload = (
+                heard.message[:STAMP_AT]
+                + stamp
+                + rest[: max(len(rest) - len(end), 0)]
+                + end[: len(rest)]
+            )
             yield rtps(heard.gid, data(heard.gid[12:16], heard.sequence + ahead, payload))
 
     return forge
@@ -89,10 +104,14 @@ def _cut_off(chance: random.Random, heard: Heard) -> Iterator[bytes]:
 
 
 def _wrong_lengths(chance: random.Random, heard: Heard) -> Iterator[bytes]:
-    whole = bytearray(rtps(heard.gid, data(heard.gid[12:16], heard.sequence + chance.randrange(9), heard.message)))
-    struct.pack_into("<H", whole, 22, chance.choice((0, 1, 3, 19, 21, 40_000, 65_535)))  # of the submessage
+    whole = bytearray(
+        rtps(heard.gid, data(heard.gid[12:16], heard.sequence + chance.randrange(9), heard.message))
+    )
+    # of the submessage
+    struct.pack_into("<H", whole, 22, chance.choice((0, 1, 3, 19, 21, 40_000, 65_535)))
     if chance.random() < 0.5:
-        struct.pack_into("<H", whole, 26, chance.choice((0, 1, 15, 17, 60_000, 65_535)))  # to what it has inside
+        # to what it has inside
+        struct.pack_into("<H", whole, 26, chance.choice((0, 1, 15, 17, 60_000, 65_535)))
     yield bytes(whole)
 
 
@@ -106,10 +125,18 @@ def _heartbeats(chance: random.Random, heard: Heard) -> Iterator[bytes]:
 
 def _acknacks(chance: random.Random, heard: Heard) -> Iterator[bytes]:
     """All that is to come has been heard, or nothing at all, or a set of 2^32 numbers is missing."""
-    for base, bits in ((2**40, 0), (1, 256), (heard.sequence, 32), (0, 2**32 - 1), (2**63 - 1, 256)):
+    for base, bits in (
+        (2**40, 0),
+        (1, 256),
+        (heard.sequence, 32),
+        (0, 2**32 - 1),
+        (2**63 - 1, 256),
+    ):
         numbers = _number(base) + struct.pack("<I", bits) + b"\xff" * 32
         body = _EVERYBODY + heard.gid[12:16] + numbers + struct.pack("<I", chance.getrandbits(31))
-        yield rtps(heard.gid[:11] + bytes([chance.randrange(256)]), _submessage(_ACKNACK, 0x01, body))
+        yield rtps(
+            heard.gid[:11] + bytes([chance.randrange(256)]), _submessage(_ACKNACK, 0x01, body)
+        )
         yield rtps(heard.gid, _submessage(_ACKNACK, 0x03, body))
 
 
@@ -131,7 +158,9 @@ def _has_left(
         quality = _parameter(_STATUS, _GONE) + _parameter(_KEY_HASH, who) + _parameter(_END)
         payload = b"\x00\x03\x00\x00" + _parameter(key, who) + _parameter(_END)
         for sequence in (*range(1, 40), 2**31):
-            body = struct.pack("<HH", 0, 16) + reader + writer + _number(sequence) + quality + payload
+            body = (
+                struct.pack("<HH", 0, 16) + reader + writer + _number(sequence) + quality + payload
+            )
             yield rtps(heard.gid, _submessage(_DATA, 0x0B, body))
 
     return forge

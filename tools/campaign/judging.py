@@ -34,43 +34,76 @@ def judged(run: UnderWay, status: int | None) -> tuple[str, str]:
     trial, text = run.trial, run.text()
     if status is None:
         return FAILED, "no end"
-    tracebacks = [text, *(log.read_text(errors="replace") for log in trial.out.glob("**/log/*.log"))]
+    tracebacks = [
+        text,
+        *(log.read_text(errors="replace") for log in trial.out.glob("**/log/*.log")),
+    ]
     for said in tracebacks:
         if "Traceback (most recent" in said:
             return FAILED, f"a traceback: {said[said.index('Traceback') :]}"
     if found := _OBEYED.search(text):
-        return FAILED, f"what a terminal obeys is in {text[max(found.start() - 80, 0) : found.end() + 80]!r}"
+        return (
+            FAILED,
+            f"what a terminal obeys is in {text[max(found.start() - 80, 0) : found.end() + 80]!r}",
+        )
     if status == 0:
         return _right(trial, text)
     if status < 0:
         # A signal before the program could say anything; its status says all that there is to say.
-        ours = trial.kind in ("kill", "terminate", "interrupt") or (trial.kind, status) == ("stop for ever", -9)
+        ours = trial.kind in ("kill", "terminate", "interrupt") or (trial.kind, status) == (
+            "stop for ever",
+            -9,
+        )
         silent = status == -9 or not _LAST_WORD.search(text)
-        return (KILLED, "") if ours and run.struck and silent else (FAILED, f"ended by signal {-status}")
+        return (
+            (KILLED, "")
+            if ours and run.struck and silent
+            else (FAILED, f"ended by signal {-status}")
+        )
     words = _LAST_WORD.findall(text)
     if len(words) != 1:
         return FAILED, f"status {status} with {len(words)} last words: {words}"
     if run.interrupted:
-        return (INTERRUPTED, "") if words == ["stopped"] and status == 130 else (FAILED, f"{status}: {words[0]}")
+        return (
+            (INTERRUPTED, "")
+            if words == ["stopped"] and status == 130
+            else (FAILED, f"{status}: {words[0]}")
+        )
     if trial.names and (run.struck or trial.from_the_start):
-        return (NAMED, "") if re.search(trial.names, words[0]) else (FAILED, f"names something else: {words[0]}")
+        return (
+            (NAMED, "")
+            if re.search(trial.names, words[0])
+            else (FAILED, f"names something else: {words[0]}")
+        )
     if trial.kind in ("bad parameter", "bad file", "modelled faults"):
         expected = trial.expected()
-        return (NAMED, "") if expected.startswith("refused") else (FAILED, f"offline it is driven: {words[0]}")
+        return (
+            (NAMED, "")
+            if expected.startswith("refused")
+            else (FAILED, f"offline it is driven: {words[0]}")
+        )
     return FAILED, f"ended although nothing was wrong: {words[0]}"
 
 
 def _right(trial: Trial, text: str) -> tuple[str, str]:
     if trial.replaced:
         expected = "not reproducible" if trial.way == "real time" else trial.expected()
-        return (RIGHT, "") if expected in text else (FAILED, f"the terminal does not say {expected[:80]}")
+        return (
+            (RIGHT, "")
+            if expected in text
+            else (FAILED, f"the terminal does not say {expected[:80]}")
+        )
     if invented := re.search("^error: .*", text, re.MULTILINE):
         return FAILED, f"status 0 with an error: {invented[0]}"
     summary = json.loads((trial.out / "summary.json").read_text())
     if summary["simulated_time"] != trial.duration:
         return FAILED, f"{summary['simulated_time']} s were driven, not {trial.duration}"
     if trial.way == "real time":
-        return (RIGHT, "") if not summary["reproducible"] else (FAILED, "real time called itself reproducible")
+        return (
+            (RIGHT, "")
+            if not summary["reproducible"]
+            else (FAILED, "real time called itself reproducible")
+        )
     expected = trial.expected()
     if summary["signal_hash"] == expected:
         return RIGHT, ""

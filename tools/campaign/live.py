@@ -12,7 +12,19 @@ from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 
 _SECONDS = 5.0
-VALUES = (float("nan"), float("inf"), -1e308, 1e308, "", "no such thing", True, [1.0, float("nan")], ["a"], -1, 10**18)
+VALUES = (
+    float("nan"),
+    float("inf"),
+    -1e308,
+    1e308,
+    "",
+    "no such thing",
+    True,
+    [1.0, float("nan")],
+    ["a"],
+    -1,
+    10**18,
+)
 
 
 def main() -> None:
@@ -24,7 +36,9 @@ def main() -> None:
     client = node.create_client(SetParameters, f"/ev/{role}/set_parameters")
     if client.wait_for_service(timeout_sec=_SECONDS):
         for value in chance.sample(VALUES, 4):
-            asked = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
+            asked = SetParameters.Request(
+                parameters=[Parameter(name, value=value).to_parameter_msg()]
+            )
             rclpy.spin_until_future_complete(node, client.call_async(asked), timeout_sec=1.0)
     rclpy.try_shutdown()
 

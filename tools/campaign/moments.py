@@ -39,7 +39,9 @@ class Moment:
             if run.process.poll() is not None:
                 return None
             time.sleep(min(0.002, self.delay))
-        return run.pid_of(target) if run.wait_until(lambda: run.pid_of(target) is not None) else None
+        return (
+            run.pid_of(target) if run.wait_until(lambda: run.pid_of(target) is not None) else None
+        )
 
 
 def drawn(chance: random.Random, way: str, duration: float, of_a_node: bool) -> Moment:

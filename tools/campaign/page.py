@@ -25,16 +25,24 @@ def result_text(verdicts: Sequence[Verdict], first: int, asked: int, seconds: fl
         f"of {asked} asked for; seeds from {first} on, {seconds / 60:.0f} min of wall time."
     )
     columns = ("fault", *OUTCOMES, "struck", "median [s]", "longest [s]")
-    rows = [row for kind in KINDS if (row := _row(kind.name, [v for v in verdicts if v.trial.kind == kind.name]))]
+    rows = [
+        row
+        for kind in KINDS
+        if (row := _row(kind.name, [v for v in verdicts if v.trial.kind == kind.name]))
+    ]
     rows.append(_row("all", list(verdicts)))
-    reasons = sorted({f"Skipped, {v.trial.kind}: {v.remark}." for v in verdicts if v.outcome == SKIPPED})
+    reasons = sorted(
+        {f"Skipped, {v.trial.kind}: {v.remark}." for v in verdicts if v.outcome == SKIPPED}
+    )
     failures = [
         f"- seed {v.trial.seed}, {v.trial.kind}, {v.trial.way}: {' '.join(v.remark.split())}"
         for v in verdicts
         if v.outcome == FAILED
     ]
     return "\n\n".join(
-        part for part in (head, table(columns, rows).strip(), "\n".join(reasons), "\n".join(failures)) if part
+        part
+        for part in (head, table(columns, rows).strip(), "\n".join(reasons), "\n".join(failures))
+        if part
     )
 
 

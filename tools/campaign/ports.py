@@ -19,5 +19,7 @@ def ports(belongs: Callable[[int], bool]) -> list[int]:
                 sockets.add(entry.readlink().name)
     first = _FIRST + _OF_A_DOMAIN * int(os.environ.get("ROS_DOMAIN_ID", "0"))
     lines = [line.split() for line in Path("/proc/net/udp").read_text().splitlines()[1:]]
-    found = {int(line[1].partition(":")[2], 16) for line in lines if f"socket:[{line[9]}]" in sockets}
+    found = {
+        int(line[1].partition(":")[2], 16) for line in lines if f"socket:[{line[9]}]" in sockets
+    }
     return sorted(found & set(range(first, first + _OF_A_DOMAIN)))

@@ -50,7 +50,12 @@ class Saying(NamedTuple):
 
 
 def _signals(
-    later: int = 0, *, at: int | None = None, value: float = _OTHER, signals: tuple[type, ...] = _ALL, how: str = ""
+    later: int = 0,
+    *,
+    at: int | None = None,
+    value: float = _OTHER,
+    signals: tuple[type, ...] = _ALL,
+    how: str = "",
 ) -> Callable[[random.Random, int], Iterator[Said]]:
     """Signals in their own form, with another number, so much later than the run or `at` a stamp, or `spoilt`."""
 
@@ -83,7 +88,10 @@ def _stamped(seconds: int, nanoseconds: int) -> Callable[[random.Random, int], I
 
 
 def _status(
-    name: str = "/ev/plant", text: str = "I am nobody", values: dict[str, str] | None = None, count: int = 1
+    name: str = "/ev/plant",
+    text: str = "I am nobody",
+    values: dict[str, str] | None = None,
+    count: int = 1,
 ) -> Callable[[random.Random, int], Iterator[Said]]:
     """Diagnostics; {} in a name or a key becomes a number."""
 
@@ -93,7 +101,10 @@ def _status(
                 level=DiagnosticStatus.ERROR,
                 name=name.format(n := chance.randrange(10**6)),
                 message=text,
-                values=[KeyValue(key=key.format(n), value=value) for key, value in (values or {}).items()],
+                values=[
+                    KeyValue(key=key.format(n), value=value)
+                    for key, value in (values or {}).items()
+                ],
             )
             for _ in range(count)
         ]
@@ -109,7 +120,9 @@ def _timing(value: str) -> Callable[[random.Random, int], Iterator[Said]]:
 
 def _no_text(chance: random.Random, stamp: int) -> Iterator[Said]:
     for said in _status(text="?" * 40)(chance, stamp):
-        message = serialize_message(said.message).replace(b"?" * 40, chance.randbytes(20) + b"\xff\xc0\xed\xa0\x80" * 4)
+        message = serialize_message(said.message).replace(
+            b"?" * 40, chance.randbytes(20) + b"\xff\xc0\xed\xa0\x80" * 4
+        )
         yield said._replace(message=message)
 
 
@@ -122,7 +135,12 @@ def _joints(names: list[str], count: int) -> Callable[[random.Random, int], Iter
     """States of joints that are not those of a car; their arrays have `count` numbers."""
 
     def say(_: random.Random, stamp: int) -> Iterator[Said]:
-        message = JointState(name=names, position=[_OTHER] * count, velocity=[_OTHER] * count, effort=[_OTHER] * count)
+        message = JointState(
+            name=names,
+            position=[_OTHER] * count,
+            velocity=[_OTHER] * count,
+            effort=[_OTHER] * count,
+        )
         message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp, SECOND)
         message.header.frame_id = "base_link"
         for signal in (WheelTorqueCommand, *_of("plant")):
@@ -138,16 +156,26 @@ def _other_type(_: random.Random, stamp: int) -> Iterator[Said]:
 
 
 def _log(_: random.Random, __: int) -> Iterator[Said]:
-    yield Said("/rosout", Log, Log(level=50, name="ev.plant", msg=ESCAPES + INVENTED, file=ESCAPES, function=INVENTED))
+    yield Said(
+        "/rosout",
+        Log,
+        Log(level=50, name="ev.plant", msg=ESCAPES + INVENTED, file=ESCAPES, function=INVENTED),
+    )
 
 
 def _parameter_event(chance: random.Random, _: int) -> Iterator[Said]:
     value = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=float("nan"))
     changed = [Parameter(name=f"real_time_factor{INVENTED}{chance.randrange(100)}", value=value)]
-    yield Said("/parameter_events", ParameterEvent, ParameterEvent(node="/ev/plant", changed_parameters=changed))
+    yield Said(
+        "/parameter_events",
+        ParameterEvent,
+        ParameterEvent(node="/ev/plant", changed_parameters=changed),
+    )
 
 
-def _both(*parts: Callable[[random.Random, int], Iterator[Said]]) -> Callable[[random.Random, int], Iterator[Said]]:
+def _both(
+    *parts: Callable[[random.Random, int], Iterator[Said]],
+) -> Callable[[random.Random, int], Iterator[Said]]:
     def say(chance: random.Random, stamp: int) -> Iterator[Said]:
         for part in parts:
             yield from part(chance, stamp)

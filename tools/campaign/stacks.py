@@ -17,6 +17,11 @@ def keep_stacks(processes: Mapping[int, str], folder: Path) -> None:
     if debugger is None:
         return
     for process, name in processes.items():
-        with suppress(subprocess.TimeoutExpired), (folder / f"stacks_{name}_{process}.txt").open("w") as place:
+        with (
+            suppress(subprocess.TimeoutExpired),
+            (folder / f"stacks_{name}_{process}.txt").open("w") as place,
+        ):
             words = [debugger, "-p", str(process), "-batch", "-ex", "thread apply all backtrace"]
-            subprocess.run(words, stdout=place, stderr=subprocess.DEVNULL, timeout=_PATIENCE, check=False)
+            subprocess.run(
+                words, stdout=place, stderr=subprocess.DEVNULL, timeout=_PATIENCE, check=False
+            )

@@ -38,7 +38,9 @@ def main() -> None:
     act, rate, chance = sys.argv[1], float(sys.argv[2]), random.Random(int(sys.argv[3]))
     saying = SAYINGS.get(act)
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    node = Node(saying.node if saying else "stranger", namespace=saying.namespace if saying else "/ev")
+    node = Node(
+        saying.node if saying else "stranger", namespace=saying.namespace if saying else "/ev"
+    )
     end = time.monotonic() + _SECONDS
     with StopRequest() as stop:
 
@@ -54,7 +56,9 @@ def main() -> None:
     rclpy.try_shutdown()
 
 
-def _say(node: Node, saying: Saying, chance: random.Random, goes_on: Callable[[], bool], rate: float) -> None:
+def _say(
+    node: Node, saying: Saying, chance: random.Random, goes_on: Callable[[], bool], rate: float
+) -> None:
     hears = node.create_subscription(Clock, "/clock", lambda _: None, QUALITY, raw=True).handle
     mouths: dict[str, Publisher] = {}
     stamp = count = 0
@@ -70,7 +74,9 @@ def _say(node: Node, saying: Saying, chance: random.Random, goes_on: Callable[[]
         time.sleep(1.0 / rate)
 
 
-def _forge(node: Node, forgery: Forgery, chance: random.Random, goes_on: Callable[[], bool], rate: float) -> None:
+def _forge(
+    node: Node, forgery: Forgery, chance: random.Random, goes_on: Callable[[], bool], rate: float
+) -> None:
     """Forge once for each message that is heard, and some times a second without one."""
     topic = forgery.topic if forgery.topic.startswith("/") else f"/ev/{forgery.topic}"
     kind = CLASSES[forgery.topic]
@@ -81,14 +87,20 @@ def _forge(node: Node, forgery: Forgery, chance: random.Random, goes_on: Callabl
         while goes_on() and count < _DATAGRAMS:
             if (taken := take()) is not None:
                 message, info = taken
-                heard = Heard(bytes(info["publisher_gid"]["data"]), info["publication_sequence_number"], message)
+                heard = Heard(
+                    bytes(info["publisher_gid"]["data"]),
+                    info["publication_sequence_number"],
+                    message,
+                )
             elif (now := time.monotonic()) < due:
                 time.sleep(_MOMENT)
                 continue
             else:
                 due = now + 1.0 / min(rate, _LOOKS)
                 where = ports(lambda process: process != os.getpid())
-                ends = [bytes(each.endpoint_gid) for each in node.get_publishers_info_by_topic(topic)]
+                ends = [
+                    bytes(each.endpoint_gid) for each in node.get_publishers_info_by_topic(topic)
+                ]
                 if heard.gid not in ends:
                     heard = heard._replace(gid=chance.choice(ends or [bytes(16)]))
             for datagram in forgery.forge(chance, heard):

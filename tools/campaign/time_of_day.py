@@ -20,7 +20,9 @@ class TimeOfDay:
         if compiler is None:
             raise Skipped("no C compiler is there for the library that moves the time of day")
         self._library, self._place = folder / "time_of_day.so", folder / "time_of_day"
-        subprocess.run([compiler, "-shared", "-fPIC", "-O2", "-o", self._library, _SOURCE], check=True)
+        subprocess.run(
+            [compiler, "-shared", "-fPIC", "-O2", "-o", self._library, _SOURCE], check=True
+        )
         self.jump(0)
 
     @property

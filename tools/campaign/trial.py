@@ -21,11 +21,17 @@ from ev_stack.scenarios.scenario import Run, load_scenario
 if TYPE_CHECKING:
     from campaign.under_way import UnderWay
 
-WAYS = {"processes": (), "in one process": ("--in-process",), "real time": ("--realtime",), "offline": ("--offline",)}
+WAYS = {
+    "processes": (),
+    "in one process": ("--in-process",),
+    "real time": ("--realtime",),
+    "offline": ("--offline",),
+}
 SCENARIOS = ("shchur2019", "double_lane_change", "coast_down", "bench_fault")
 DURATIONS = (0.5, 1.0, 2.0)  # s
 RUNNER = "runner"
-_LOCK = Lock()  # trials are driven by threads, and the scenarios' modules are loaded by the first one
+# trials are driven by threads, and the scenarios' modules are loaded by the first one
+_LOCK = Lock()
 
 
 class Skipped(Exception):
@@ -36,9 +42,10 @@ class Skipped(Exception):
 class Trial:
     """What a seed makes, before its kind of fault has filled it in, and after.
 
-    `words` are those of scripts/run.sh, `before` what stands in front of them. `disturb` is called when the run has
-    begun. `names` is what the line of a safe stop must say, as a regular expression. A run that comes to its end must
-    have the signals of the same words offline, in real time signals that are finite.
+    `words` are those of scripts/run.sh, `before` what stands in front of them. `disturb` is called
+    when the run has begun. `names` is what the line of a safe stop must say, as a regular
+    expression. A run that comes to its end must have the signals of the same words offline, in real
+    time signals that are finite.
     """
 
     seed: int
@@ -56,8 +63,10 @@ class Trial:
     names: str = ""
     from_the_start: bool = False  # whether the fault is there before anything strikes
     must_end: bool = False  # whether what strikes ends the run, so that its end must come soon
-    replaced: bool = False  # whether another run has put its results in the place of those of this one
-    forged: bool = False  # whether somebody speaks in the name of nodes, so that what nodes take may be another's
+    # whether another run has put its results in the place of those of this one
+    replaced: bool = False
+    # whether somebody speaks in the name of nodes, so that what nodes take may be another's
+    forged: bool = False
     make_room: Callable[[], object] = lambda: None  # for the next run
     turn: int = 0  # how many trials of this kind have lower seeds
     about: str = ""
@@ -81,7 +90,9 @@ class Trial:
 
     def expected(self) -> str:
         """The hash of the same words offline, or how they are refused."""
-        return _offline(tuple(word for word in self.words if word not in ("--in-process", "--offline")))
+        return _offline(
+            tuple(word for word in self.words if word not in ("--in-process", "--offline"))
+        )
 
 
 @lru_cache(maxsize=200)
@@ -98,9 +109,14 @@ def _offline(words: tuple[str, ...]) -> str:
 def begun(seed: int, kind: str, ways: tuple[str, ...], folder: Path) -> Trial:
     """A trial of this kind, without a fault yet."""
     chance = random.Random(f"{seed} {kind}")
-    way, scenario, duration = chance.choice(ways), chance.choice(SCENARIOS), chance.choice(DURATIONS)
+    way, scenario, duration = (
+        chance.choice(ways),
+        chance.choice(SCENARIOS),
+        chance.choice(DURATIONS),
+    )
     trial = Trial(seed, kind, way, scenario, duration, folder, chance)
     trial.words = [scenario, "--duration", str(duration), *WAYS[way], "--no-report"]
-    if way in ("processes", "in one process") and chance.random() < 0.6:  # else it is driven before anything strikes
+    # else it is driven before anything strikes
+    if way in ("processes", "in one process") and chance.random() < 0.6:
         trial.words += ["--set", "plant.real_time_factor=1"]
     return trial

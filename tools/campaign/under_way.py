@@ -17,8 +17,10 @@ from ev_stack.recording.recording import BAG, PARAMETERS
 from ev_stack.running.children import ends_with_us
 
 ROOT = Path(__file__).parents[2]
-PATIENCE = 150.0  # s of wall time for a run that nothing keeps from its end, on a machine with much other work
-AFTER_STRIKE = 60.0  # s until a run has ended that cannot go on; a node stops in order when it is loaded
+# s of wall time for a run that nothing keeps from its end, on a machine with much other work
+PATIENCE = 150.0
+# s until a run has ended that cannot go on; a node stops in order when it is loaded
+AFTER_STRIKE = 60.0
 _MARK = "EV_CAMPAIGN"
 _LOOK = 0.01  # s between looks at what is there
 _NODE = re.compile(r"[/ ](\w+) --ros-args")
@@ -35,7 +37,13 @@ class UnderWay:
         environment.pop("ROS_DOMAIN_ID", None)
         self.environment = environment
         self._output = trial.folder / "said.txt"
-        words = [*trial.before, str(ROOT / "scripts" / "run.sh"), *trial.words, "--out", str(trial.out)]
+        words = [
+            *trial.before,
+            str(ROOT / "scripts" / "run.sh"),
+            *trial.words,
+            "--out",
+            str(trial.out),
+        ]
         self.began = self.struck_at = time.monotonic()
         self.struck = False
         self.interrupted = False  # whether we have ended it, because it stood still as it should
@@ -73,7 +81,12 @@ class UnderWay:
         for place in Path("/proc").glob("[0-9]*"):
             try:
                 if self.mark.encode() in (place / "environ").read_bytes().split(b"\0"):
-                    words = (place / "cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace")
+                    words = (
+                        (place / "cmdline")
+                        .read_bytes()
+                        .replace(b"\0", b" ")
+                        .decode(errors="replace")
+                    )
                     if words:  # nothing: it has ended already
                         node = _NODE.search(words)
                         found[int(place.name)] = node[1] if node else RUNNER

@@ -39,12 +39,15 @@ class Surroundings:
 def drawn(trial: int, seed: int) -> Surroundings:
     """Those of a trial; ways, compilers, C libraries and load take turns, so that a few trials meet all of them.
 
-    Two of three trials keep the compiler of this machine: another one has to compile all methods of a scenario first.
+    Two of three trials keep the compiler of this machine: another one has to compile all methods of
+    a scenario first.
     """
     chance = random.Random(f"{seed} {trial}")
     own, *foreign = COMPILERS
     c_libraries = list(C_LIBRARIES)
-    compiler = foreign[trial // len(WAYS) % len(foreign)] if (trial + trial // len(WAYS)) % 3 == 2 else own
+    compiler = (
+        foreign[trial // len(WAYS) % len(foreign)] if (trial + trial // len(WAYS)) % 3 == 2 else own
+    )
     variables = {
         "PYTHONHASHSEED": str(chance.randrange(2**32)),
         "LC_ALL": chance.choice(LOCALES),

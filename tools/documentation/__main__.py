@@ -30,7 +30,8 @@ from ev_msgs_py.refusal import unknown_name
 def main(argv: list[str] | None = None) -> None:
     """Write the generated parts of docs/ anew, and all pages whole; exit status 1 if --check finds a stale part."""
     parser = argparse.ArgumentParser(
-        prog="document.sh", description="Write the generated parts of the pages, and all pages whole."
+        prog="document.sh",
+        description="Write the generated parts of the pages, and all pages whole.",
     )
     parser.add_argument("root", type=Path, help="top of the repository")
     way = parser.add_mutually_exclusive_group()
@@ -41,9 +42,14 @@ def main(argv: list[str] | None = None) -> None:
         help="also drive the scenarios and studies for the results and the images, of all pages or of these",
     )
     way.add_argument(
-        "--full", type=Path, metavar="DIR", help="also keep what `run.sh benchmark full --out DIR` has left"
+        "--full",
+        type=Path,
+        metavar="DIR",
+        help="also keep what `run.sh benchmark full --out DIR` has left",
     )
-    way.add_argument("--pages", action="store_true", help=f"only write all pages, whole, to {BUILT}")
+    way.add_argument(
+        "--pages", action="store_true", help=f"only write all pages, whole, to {BUILT}"
+    )
     way.add_argument("--check", action="store_true", help="change nothing, name the stale pages")
     given = parser.parse_args(argv)
     if given.pages:
@@ -100,7 +106,10 @@ def _write_results(root: Path, chosen: Sequence[str]) -> None:
         _write(root / NATIVE, {LAW_COSTS: law_table()})
     if SHCHUR in wanted:
         driven = results.drive_all()
-        texts = {RESULTS: results.result_table(driven), CONTROL_PERIODS: results.control_period_table()}
+        texts = {
+            RESULTS: results.result_table(driven),
+            CONTROL_PERIODS: results.control_period_table(),
+        }
         _write(root / SHCHUR, texts)
         results.save_images(driven, images)
     if BENCHMARK in wanted:
@@ -120,7 +129,9 @@ def _write_results(root: Path, chosen: Sequence[str]) -> None:
             _write(root / name, {**texts, **_studied(root, page.studies, images)})
     for name, studies in scenario_results.STUDY_PAGES.items():
         if name in wanted:
-            further = {part: table() for part, table in scenario_results.STUDY_TABLES.get(name, {}).items()}
+            further = {
+                part: table() for part, table in scenario_results.STUDY_TABLES.get(name, {}).items()
+            }
             _write(root / name, {**_studied(root, studies, images), **further})
 
 
@@ -134,7 +145,9 @@ def _keep_full(root: Path, folder: Path) -> None:
         kept = kept_board(folder, read_board("full"))
         save_image(folder / "board.png", root / "docs" / "images" / f"{IMAGE}.png")
     except (OSError, EOFError, LookupError, ValueError) as problem:
-        sys.exit(f"--full {folder}: {problem}, expected what `scripts/run.sh benchmark full --out DIR` leaves in DIR")
+        sys.exit(
+            f"--full {folder}: {problem}, expected what `scripts/run.sh benchmark full --out DIR` leaves in DIR"
+        )
     write_kept(root / FILE, kept)
 
 

@@ -15,7 +15,8 @@ from documentation.markdown import code, codes, table
 DECLARATION = Path(__file__).parents[2] / ".importlinter"
 _PACKAGES = "packages"  # id of the contract that puts these into layers
 
-Layers = tuple[tuple[str, ...], ...]  # the upper ones first; names without the package that holds them
+# the upper ones first; names without the package that holds them
+Layers = tuple[tuple[str, ...], ...]
 
 
 def package_table() -> str:
@@ -50,7 +51,9 @@ def layers(package: str = "") -> Layers:
     """The layers of a package, or those of the packages; all its rooms are one layer where none are declared."""
     for contract in read_configuration(str(DECLARATION))["contracts_options"]:
         if contract.get("containers") == package or (not package and contract["id"] == _PACKAGES):
-            return tuple(filter(None, (tuple(_there(line, package)) for line in contract["layers"])))
+            return tuple(
+                filter(None, (tuple(_there(line, package)) for line in contract["layers"]))
+            )
     return (tuple(name.removeprefix(f"{package}.") for name in _rooms_within(package, 1)),)
 
 
@@ -82,7 +85,10 @@ def arrows() -> list[tuple[str, str]]:
     graph = grimp.build_graph(*packages, cache_dir=None)
     for package in packages:
         graph.squash_module(package)
-    imports = {name: sorted(graph.find_modules_directly_imported_by(name) & {*packages} - {name}) for name in packages}
+    imports = {
+        name: sorted(graph.find_modules_directly_imported_by(name) & {*packages} - {name})
+        for name in packages
+    }
     return [
         (package, each)
         for package in packages

@@ -31,7 +31,9 @@ def seed_tables(roads: tuple[str, ...] = ROADS, controls: tuple[str, ...] = ()) 
             if road == "dry" and name in names:
                 tuned = f"{name}, target {dry_target():.2f}"
                 rows.setdefault(tuned, {})[road] = _over_seeds(road, name, dry_target())
-    return "\n".join(_table(quantity, digits, k, rows, roads) for k, (quantity, digits) in enumerate(QUANTITIES))
+    return "\n".join(
+        _table(quantity, digits, k, rows, roads) for k, (quantity, digits) in enumerate(QUANTITIES)
+    )
 
 
 QUANTITIES = (("distance [m]", 1), ("mean slip", 3))
@@ -56,10 +58,20 @@ def _over_seeds(road: str, control: str, target: float = 0.0) -> tuple[np.ndarra
 
 
 def _table(
-    quantity: str, digits: int, k: int, rows: Mapping[str, Mapping[str, tuple[np.ndarray, ...]]], roads: tuple[str, ...]
+    quantity: str,
+    digits: int,
+    k: int,
+    rows: Mapping[str, Mapping[str, tuple[np.ndarray, ...]]],
+    roads: tuple[str, ...],
 ) -> str:
     def cell(of: Mapping[str, tuple[np.ndarray, ...]], road: str) -> str:
-        return f"{of[road][k].mean():.{digits}f} ± {of[road][k].std(ddof=1):.{digits}f}" if road in of else "–"
+        return (
+            f"{of[road][k].mean():.{digits}f} ± {of[road][k].std(ddof=1):.{digits}f}"
+            if road in of
+            else "–"
+        )
 
     header = (quantity, *roads)
-    return table(header, [(code(name), *(cell(of, road) for road in roads)) for name, of in rows.items()])
+    return table(
+        header, [(code(name), *(cell(of, road) for road in roads)) for name, of in rows.items()]
+    )

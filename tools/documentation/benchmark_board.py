@@ -39,8 +39,12 @@ HELD_OUT, HELD_OUT_DRAWS = 70613, 5  # a seed that was drawn after the laws had 
 
 def board_tables(result: BoardResult) -> dict[str, str]:
     """The generated parts of the page, by name."""
-    driven = f"{len(result.cells)} cells, {result.board.draws} draws, hash of all runs `{result.hash}`."
-    closed, laws = (score_rows(result, division) for division in (closed_division(result), result.laws))
+    driven = (
+        f"{len(result.cells)} cells, {result.board.draws} draws, hash of all runs `{result.hash}`."
+    )
+    closed, laws = (
+        score_rows(result, division) for division in (closed_division(result), result.laws)
+    )
     return {
         "closed": table(SCORE_COLUMNS, [[code(law), *of] for law, *of in closed]),
         "open": f"{table(SCORE_COLUMNS, [[code(law), *of] for law, *of in laws])}\n{driven}\n",
@@ -51,7 +55,10 @@ def board_tables(result: BoardResult) -> dict[str, str]:
 
 def cell_table(result: BoardResult) -> str:
     """A row for each cell."""
-    rows = [[code(cell), *of, code(signals), code(command)] for cell, *of, signals, command in cell_rows(result)]
+    rows = [
+        [code(cell), *of, code(signals), code(command)]
+        for cell, *of, signals, command in cell_rows(result)
+    ]
     return table(CELL_COLUMNS, rows)
 
 
@@ -85,13 +92,15 @@ def held_out_table() -> str:
             less, low, high = difference(of[new], of[old], statistic, board.seed)
             sign = "better" if high < 0.0 else "worse" if low > 0.0 else "tied"
             before, after = (float(statistic(of[i].ravel())) for i in (old, new))
-            cells += [f"{before:.3f}", f"{after:.3f}", f"{less:+.3f} [{low:+.3f}, {high:+.3f}] {sign}"]
+            cells += [
+                f"{before:.3f}",
+                f"{after:.3f}",
+                f"{less:+.3f} [{low:+.3f}, {high:+.3f}] {sign}",
+            ]
         unstable = [f"{100.0 * result.unstable[i].mean():.1f}" for i in (old, new)]
         rows.append([code(law), *cells, *unstable])
     columns = ["law"]
     for of in ("handling", "worst tenth", "energy"):
         columns += [of, "tuned", "difference"]
-    driven = (
-        f"{len(result.cells)} held-out cells of seed {HELD_OUT}, {board.draws} draws, hash of all runs `{result.hash}`."
-    )
+    driven = f"{len(result.cells)} held-out cells of seed {HELD_OUT}, {board.draws} draws, hash of all runs `{result.hash}`."
     return f"{table([*columns, 'unstable [%]', 'tuned'], rows)}\n{driven}\n"

@@ -15,7 +15,9 @@ BIT_RATE = 1e6  # bit/s
 
 def frame_table() -> str:
     """The frames of one circuit, with the longest time until they have arrived."""
-    layouts = [frame for frame in load_database() if "11" in frame.name or "Heartbeat" in frame.name]
+    layouts = [
+        frame for frame in load_database() if "11" in frame.name or "Heartbeat" in frame.name
+    ]
     longest = of_layouts(layouts, BIT_RATE)
     rows = [
         (
@@ -29,7 +31,15 @@ def frame_table() -> str:
         )
         for frame in sorted(layouts, key=lambda frame: frame.identifier)
     ]
-    columns = ("frame", "identifier", "of the left circuit", "cycle", "bytes", "E2E data id", "longest response time")
+    columns = (
+        "frame",
+        "identifier",
+        "of the left circuit",
+        "cycle",
+        "bytes",
+        "E2E data id",
+        "longest response time",
+    )
     load = f"Bus load with every frame as long as it can be: {100 * bus_load(layouts, BIT_RATE):.1f} % of 1 Mbit/s.\n"
     return f"{table(columns, rows)}\n{load}"
 
@@ -37,7 +47,14 @@ def frame_table() -> str:
 def signal_table() -> str:
     """The signals of the frames of one device, and of the controller."""
     rows = [
-        (code(_kind(frame)), code(name), _bits(field), frame.units[name], f"{field.scale:g}", _range(field))
+        (
+            code(_kind(frame)),
+            code(name),
+            _bits(field),
+            frame.units[name],
+            f"{field.scale:g}",
+            _range(field),
+        )
         for frame in load_database()
         if frame.name.startswith((DEVICE, "Ecu")) and not frame.name.endswith("Faults")
         for name, field in frame.signals.items()
@@ -48,7 +65,12 @@ def signal_table() -> str:
 def fault_table() -> str:
     """The faults in the order of their bits."""
     rows = [
-        (code(fault.name), f"byte {4 + place // 8} bit {place % 8}", f"{fault.code:04X}h", fault.about)
+        (
+            code(fault.name),
+            f"byte {4 + place // 8} bit {place % 8}",
+            f"{fault.code:04X}h",
+            fault.about,
+        )
         for place, fault in enumerate(FAULTS)
     ]
     return table(("signal", "place", "`ErrorCode`", "meaning"), rows)

@@ -27,7 +27,8 @@ def overshoot(system: SecondOrder) -> float:
 def settling_time(system: SecondOrder, band: float) -> float:
     """Time from the step to the last entry into +-band around the final value [s]."""
     swing = next(n for n in range(1000) if extreme(system, n + 1) <= band)
-    # The deviation falls monotonically from this extreme, the last outside the band, to the next one.
+    # The deviation falls monotonically from this extreme, the last outside the band, to the next
+    # one.
     outside, inside = swing * peak_time(system), (swing + 1) * peak_time(system)
     edge = math.copysign(band, system.deviation(outside))
     return float(brentq(lambda time: system.deviation(time) - edge, outside, inside, xtol=1e-12))

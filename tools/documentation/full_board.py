@@ -1,8 +1,8 @@
 """The full board, hours of driving, as the repository keeps it: docs/measured/benchmark_full.json.
 
-`scripts/document.sh --full DIR` writes that file from the folder of `scripts/run.sh benchmark full --out DIR`. It has
-scores, middle costs and medians of each law in each cell, and the first digits of a signal hash, by which tests drive
-some of its runs again.
+`scripts/document.sh --full DIR` writes that file from the folder of `scripts/run.sh benchmark full
+--out DIR`. It has scores, middle costs and medians of each law in each cell, and the first digits
+of a signal hash, by which tests drive some of its runs again.
 """
 
 from __future__ import annotations
@@ -28,7 +28,16 @@ from ev_study.benchmark.ranking.varied import differences_by_variation
 
 FILE = "docs/measured/benchmark_full.json"
 ABOUT = ("board", "version", "draws", "runs_driven", "hash", "versions")
-_NO_METRICS = ("cell", "law", "draw", "unstable", "demand_met", "signal_hash", "command", "once_more")
+_NO_METRICS = (
+    "cell",
+    "law",
+    "draw",
+    "unstable",
+    "demand_met",
+    "signal_hash",
+    "command",
+    "once_more",
+)
 _NO_METRICS += tuple(f"{cost}_cost" for cost in COSTS)
 _FIGURES = 4  # that a number is kept with
 
@@ -36,7 +45,8 @@ _FIGURES = 4  # that a number is kept with
 def kept_board(folder: Path, declared: Board) -> dict[str, Any]:
     """What the repository keeps of a board that was driven: numbers of each law, in the order of `laws`.
 
-    ValueError unless it was driven whole, with what is declared and drawn, and the runs are those of the scores.
+    ValueError unless it was driven whole, with what is declared and drawn, and the runs are those
+    of the scores.
     """
     board = json.loads((folder / "board.json").read_text(encoding="utf-8"))
     laws, cells = list(board["scores"]), {}
@@ -46,7 +56,9 @@ def kept_board(folder: Path, declared: Board) -> dict[str, Any]:
     for cell, runs in _runs_of_cells(folder / "runs.jsonl.gz", declared.cells()):
         of_laws = {law: list(of) for law, of in groupby(runs, key=lambda run: run["law"])}
         if list(of_laws) != laws or any(len(of) != board["draws"] for of in of_laws.values()):
-            raise ValueError(f"{cell.id('*')} has not {board['draws']} runs of each law of board.json")
+            raise ValueError(
+                f"{cell.id('*')} has not {board['draws']} runs of each law of board.json"
+            )
         _hold_draws(declared, cell, runs)
         for cost, of_cost in costs.items():
             of_cost.append(_of_runs(of_laws, f"{cost}_cost"))
@@ -55,7 +67,11 @@ def kept_board(folder: Path, declared: Board) -> dict[str, Any]:
             **{cost: _kept(interquartile_mean(of_cost[-1])) for cost, of_cost in costs.items()},
             "unstable": _kept(unstable[-1].mean(axis=-1)),
             "demand_met": _kept(_of_runs(of_laws, "demand_met").mean(axis=-1)),
-            "medians": {name: _kept(medians(_of_runs(of_laws, name))) for name in runs[0] if name not in _NO_METRICS},
+            "medians": {
+                name: _kept(medians(_of_runs(of_laws, name)))
+                for name in runs[0]
+                if name not in _NO_METRICS
+            },
             "hashes": [of[0]["signal_hash"][:DIGITS] for of in of_laws.values()],
         }
     return {
@@ -88,21 +104,29 @@ def hold_against(kept: Mapping[str, Any], board: Board) -> None:
 def write_kept(path: Path, kept: dict[str, Any]) -> None:
     """With a line for each cell, so that a change is seen where it is."""
     others = _lines({name: of for name, of in kept.items() if name != "cells"})
-    path.write_text(f'{{\n{others},\n"cells": {{\n{_lines(kept["cells"])}\n}}\n}}\n', encoding="utf-8")
+    path.write_text(
+        f'{{\n{others},\n"cells": {{\n{_lines(kept["cells"])}\n}}\n}}\n', encoding="utf-8"
+    )
 
 
 @cache
 def kept() -> dict[str, Any]:
     """The full board as the repository has it."""
-    found: dict[str, Any] = json.loads((Path(__file__).parents[2] / FILE).read_text(encoding="utf-8"))
+    found: dict[str, Any] = json.loads(
+        (Path(__file__).parents[2] / FILE).read_text(encoding="utf-8")
+    )
     return found
 
 
 def _lines(of: dict[str, Any]) -> str:
-    return ",\n".join(f"{json.dumps(name)}: {json.dumps(each, allow_nan=False)}" for name, each in of.items())
+    return ",\n".join(
+        f"{json.dumps(name)}: {json.dumps(each, allow_nan=False)}" for name, each in of.items()
+    )
 
 
-def _runs_of_cells(path: Path, cells: Sequence[Cell]) -> Iterator[tuple[Cell, list[dict[str, Any]]]]:
+def _runs_of_cells(
+    path: Path, cells: Sequence[Cell]
+) -> Iterator[tuple[Cell, list[dict[str, Any]]]]:
     """Cell by cell what a file has of them; ValueError unless it has these cells in this order."""
     with gzip.open(path, "rt", encoding="utf-8") as lines:
         found = groupby(map(json.loads, lines), key=lambda run: run["cell"])
@@ -126,7 +150,8 @@ def _by_group(
         for name in dict.fromkeys(of_cells):
             places = [n for n, of in enumerate(of_cells) if of == name]
             handling, energy, lost = (
-                np.concatenate([of[n] for n in places], axis=1) for of in (*costs.values(), unstable)
+                np.concatenate([of[n] for n in places], axis=1)
+                for of in (*costs.values(), unstable)
             )
             yield name, _scored(handling, energy, lost)
 
@@ -138,7 +163,10 @@ def _by_variation(
     counted = {name: np.stack(of, axis=1) for name, of in {**costs, "unstable": unstable}.items()}
     return {
         name: {"drawn": [of.least, of.most]}
-        | {counts: [_rounded(list(each)) for each in laws] for counts, laws in of.differences.items()}
+        | {
+            counts: [_rounded(list(each)) for each in laws]
+            for counts, laws in of.differences.items()
+        }
         for name, of in differences_by_variation(board, board.cells(), counted).items()
     }
 
@@ -151,13 +179,18 @@ def _hold_draws(board: Board, cell: Cell, runs: Sequence[dict[str, Any]]) -> Non
         words = shlex.split(run["command"])
         for name, values in vary.items():
             if f"{name}={json.dumps(values[run['draw']])}" not in words:
-                raise ValueError(f"{run['cell']} was not driven with the {name} that the board draws")
+                raise ValueError(
+                    f"{run['cell']} was not driven with the {name} that the board draws"
+                )
 
 
-def _best_of_each_run(costs: dict[str, list[np.ndarray]], unstable: list[np.ndarray]) -> dict[str, Any]:
+def _best_of_each_run(
+    costs: dict[str, list[np.ndarray]], unstable: list[np.ndarray]
+) -> dict[str, Any]:
     """What no choice among the laws beats: scores with the least cost of each run, of handling and energy apart."""
     handling, energy, lost = (
-        np.concatenate([of.min(axis=0) for of in of_cells]) for of_cells in (*costs.values(), unstable)
+        np.concatenate([of.min(axis=0) for of in of_cells])
+        for of_cells in (*costs.values(), unstable)
     )
     return _scored(handling, energy, lost)
 

@@ -26,7 +26,12 @@ def scores() -> str:
         found = [of[name] for name in ("handling", "worst tenth", "energy")]
         texts = [text for each in found for text in in_words(Score(**each))]
         place = found[0]["rank"], found[0]["value"]
-        rows.append((place, [code(law), *texts, *(f"{100.0 * of[name]:.1f}" for name in SHARES if name in of)]))
+        rows.append(
+            (
+                place,
+                [code(law), *texts, *(f"{100.0 * of[name]:.1f}" for name in SHARES if name in of)],
+            )
+        )
     rows.sort(key=lambda row: row[0])
     count = len(kept()["cells"]) * len(kept()["laws"]) * kept()["draws"]
     driven = (
@@ -45,7 +50,10 @@ def scores() -> str:
 def recorded() -> str:
     """Medians of what counts in no cost."""
     names = list(next(iter(kept()["recorded"].values())))
-    rows = [[code(law), *(_shown(of[name], ".3g") for name in names)] for law, of in kept()["recorded"].items()]
+    rows = [
+        [code(law), *(_shown(of[name], ".3g") for name in names)]
+        for law, of in kept()["recorded"].items()
+    ]
     return table(("law", *names), rows)
 
 
@@ -61,7 +69,11 @@ def handling_by_manoeuvre() -> str:
 
 def energy_by_manoeuvre() -> str:
     """Of each law the middle cost of energy, of the manoeuvres that have one."""
-    counted = [name for name in _parts_of_cells(slice(2, 3)) if set(kept()["where"][name]["energy"]) != {1.0}]
+    counted = [
+        name
+        for name in _parts_of_cells(slice(2, 3))
+        if set(kept()["where"][name]["energy"]) != {1.0}
+    ]
     return _by("energy", counted)
 
 
@@ -85,7 +97,8 @@ def ends() -> str:
         if i != reference:
             pairs = lost[[i, reference]].T
             unstable = [
-                f"; unstable {one:.0f} for {other:.0f} %" if max(one, other) >= 0.5 else "" for one, other in pairs
+                f"; unstable {one:.0f} for {other:.0f} %" if max(one, other) >= 0.5 else ""
+                for one, other in pairs
             ]
             rows.append([code(law), *ends_in_words(names, middle[i], middle[reference], unstable)])
     return table(("law", "wins most in", "breaks most in"), rows)
@@ -112,9 +125,13 @@ def cells() -> str:
     for cell, of in kept()["cells"].items():
         best = [int(np.argmin(of[cost])) for cost in COSTS]
         numbers = [
-            text for cost, i in zip(COSTS, best, strict=True) for text in (kept()["laws"][i], f"{of[cost][i]:.2f}")
+            text
+            for cost, i in zip(COSTS, best, strict=True)
+            for text in (kept()["laws"][i], f"{of[cost][i]:.2f}")
         ]
-        again = f"scripts/run.sh benchmark full --cells '{cell}' --drive {kept()['laws'][best[0]]}:0"
+        again = (
+            f"scripts/run.sh benchmark full --cells '{cell}' --drive {kept()['laws'][best[0]]}:0"
+        )
         rows.append([code(cell), *numbers, code(of["hashes"][best[0]]), code(again)])
     return table(CELL_COLUMNS, rows)
 
@@ -128,7 +145,10 @@ def _by(cost: str, names: Sequence[str], with_unstable: bool = False) -> str:
     for i, law in enumerate(kept()["laws"]):
         texts = [f"{where[name][cost][i]:.2f}" for name in names]
         if with_unstable:
-            texts = [f"{text}; {100.0 * where[n]['unstable'][i]:.1f} %" for text, n in zip(texts, names, strict=True)]
+            texts = [
+                f"{text}; {100.0 * where[n]['unstable'][i]:.1f} %"
+                for text, n in zip(texts, names, strict=True)
+            ]
         rows.append([code(law), *texts])
     return table(("law", *names), rows)
 
@@ -151,7 +171,10 @@ def _medians_by_car(manoeuvre: str, metric: str, form: str) -> str:
         if cell.split(":")[2] == manoeuvre:
             found.setdefault(car, {})[road] = of["medians"][metric]
     rows = [
-        [code(law), *(" / ".join(_shown(of[i], form) for of in roads.values()) for roads in found.values())]
+        [
+            code(law),
+            *(" / ".join(_shown(of[i], form) for of in roads.values()) for roads in found.values()),
+        ]
         for i, law in enumerate(kept()["laws"])
     ]
     roads = " / ".join(next(iter(found.values())))

@@ -20,7 +20,11 @@ def graph_diagram() -> str:
     """
     lines = ["```mermaid", "flowchart LR"]
     for name in (*sequence(ROLES), RECORDER):
-        where = f"{package_of(name)}, optional" if name in ROLES and ROLES[name].optional else package_of(name)
+        where = (
+            f"{package_of(name)}, optional"
+            if name in ROLES and ROLES[name].optional
+            else package_of(name)
+        )
         lines.append(f'    {name}["<b>{name}</b><br/>{where}"]')
     for (writer, arrow, topics), readers in _edges().items():
         lines.append(f'    {writer} {arrow}|"{"<br/>".join(topics)}"| {" & ".join(readers)}')

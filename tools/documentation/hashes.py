@@ -14,7 +14,8 @@ HASHES = "docs/signal_hashes.md"
 _ROW = re.compile(r"^\| `(\w+)` \| `(\w+)` \| `([0-9a-f]+)` \|$", re.MULTILINE)
 _DIGITS = 12
 
-Hashes = Mapping[tuple[str, str], str]  # (scenario, run) -> the first digits of the hash of its signals
+# (scenario, run) -> the first digits of the hash of its signals
+Hashes = Mapping[tuple[str, str], str]
 
 
 def published_hashes(page: str) -> dict[tuple[str, str], str]:
@@ -32,12 +33,16 @@ def scenario_hashes(scenario: str) -> dict[tuple[str, str], str]:
 
 def all_hashes() -> dict[tuple[str, str], str]:
     """Those of all scenarios."""
-    return {key: digits for name in scenario_names() for key, digits in scenario_hashes(name).items()}
+    return {
+        key: digits for name in scenario_names() for key, digits in scenario_hashes(name).items()
+    }
 
 
 def hash_table(hashes: Hashes) -> str:
     """One row per run."""
-    return table(("scenario", "run", "hash"), (map(code, (*key, digits)) for key, digits in hashes.items()))
+    return table(
+        ("scenario", "run", "hash"), (map(code, (*key, digits)) for key, digits in hashes.items())
+    )
 
 
 def changes(before: Hashes, now: Hashes) -> list[str]:

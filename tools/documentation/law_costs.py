@@ -1,6 +1,7 @@
 """The table of docs/native.md: what each law needs on several processors: code, constants, stack, instructions.
 
-A law answers to the inputs that were recorded in a run with it, as the program of a processor in the loop.
+A law answers to the inputs that were recorded in a run with it, as the program of a processor in
+the loop.
 """
 
 from __future__ import annotations
@@ -41,7 +42,9 @@ COUNTING = {  # words of the emulators that count
 
 def law_table() -> str:
     """A row for each law of ours."""
-    refuse_missing(COUNTING["x86_64-linux"][0], TARGETS["thumbv7em"].compiler, COUNTING["thumbv7em"][0])
+    refuse_missing(
+        COUNTING["x86_64-linux"][0], TARGETS["thumbv7em"].compiler, COUNTING["thumbv7em"][0]
+    )
     rows = []
     for role in ROLES:
         for name in own_methods(role):
@@ -52,7 +55,9 @@ def law_table() -> str:
                 " / ".join(str(getattr(each, what)) for each in costs)
                 for what in ("code", "stack", "instructions_a_step")
             )
-            where = code(scenario) if run.name == scenario else f"{code(scenario)}, {code(run.name)}"
+            where = (
+                code(scenario) if run.name == scenario else f"{code(scenario)}, {code(run.name)}"
+            )
             rows.append((code(name), where, str(costs[0].constants), *cells))
             print(" ".join(rows[-1]), file=sys.stderr, flush=True)
     return table(("law", "run", "constants, state", "code", "stack", "instructions a step"), rows)
@@ -62,7 +67,9 @@ def driven(role: str, name: str) -> tuple[str, Run, Recording]:
     """The scenario and the first run with a law that there is, and its begin as recorded."""
     methods = {role: name, **own_methods(role)[name].requires}
     for scenario, run in _candidates(role, name):
-        changed = overrides(method=methods, duration=min(SECONDS, load_scenario(scenario).parameters.duration))
+        changed = overrides(
+            method=methods, duration=min(SECONDS, load_scenario(scenario).parameters.duration)
+        )
         try:
             chosen = only_run(scenario, run, changed)
             return scenario, chosen, run_offline(chosen.configurations, chosen.duration)
@@ -83,7 +90,9 @@ def _in_scenarios() -> dict[tuple[str, str], list[tuple[str, str]]]:
     for scenario in scenario_names():
         for run in load_scenario(scenario).runs:
             for role in {*ROLES} & {*run.configurations}:
-                found.setdefault((role, run.configurations[role].method.name), []).append((scenario, run.name))
+                found.setdefault((role, run.configurations[role].method.name), []).append(
+                    (scenario, run.name)
+                )
     return found
 
 
@@ -92,15 +101,23 @@ def cost(content: Content, recording: Recording, target_name: str) -> Measured:
     rest = np.zeros(len(recording.time))
     rows = np.array([recording.channels.get(channel.name, rest) for channel in content.inputs]).T
     with tempfile.TemporaryDirectory() as made:
-        words = [*COUNTING[target_name], build_program(content, TARGETS[target_name], Path(made))[-1]]
+        words = [
+            *COUNTING[target_name],
+            build_program(content, TARGETS[target_name], Path(made))[-1],
+        ]
         if not TARGETS[target_name].board:  # which counts by itself
             words = counted(words, Path(made))
         with Program(content, words) as running:
             running.create()
             answers = np.array([running.step(row)[1] for row in rows])
             measured = running.measured
-    if answers.tobytes() != np.array([recording.channels[channel.name] for channel in content.outputs]).T.tobytes():
-        raise RuntimeError(f"{content.run.name}: {content.roles[0]} answers otherwise on {target_name}")
+    if (
+        answers.tobytes()
+        != np.array([recording.channels[channel.name] for channel in content.outputs]).T.tobytes()
+    ):
+        raise RuntimeError(
+            f"{content.run.name}: {content.roles[0]} answers otherwise on {target_name}"
+        )
     if measured.error:
         raise RuntimeError(f"{target_name}: {measured.why_not_counted}")
     return measured

@@ -12,12 +12,18 @@ from ev_study.studies.study import study_named, study_names
 
 def scenario_table() -> str:
     """Every scenario with what it says about itself."""
-    return table(("scenario", "what it shows"), ((code(name), describe_scenario(name)) for name in scenario_names()))
+    return table(
+        ("scenario", "what it shows"),
+        ((code(name), describe_scenario(name)) for name in scenario_names()),
+    )
 
 
 def study_list() -> str:
     """Every study with what it says about itself."""
-    return table(("study", "what it shows"), ((code(name), study_named(name).ABOUT) for name in study_names()))
+    return table(
+        ("study", "what it shows"),
+        ((code(name), study_named(name).ABOUT) for name in study_names()),
+    )
 
 
 def method_table() -> str:

@@ -5,15 +5,20 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 
-# A part that the repository does not keep: a mark, and the line that stands there until the page is built.
+# A part that the repository does not keep: a mark, and the line that stands there until the page is
+# built.
 _BUILT = re.compile(r"<!-- built: (?P<name>[\w ]+) -->\n[^\n]*\n")
-_BLOCK = re.compile(r"<!-- generated: (?P<name>[\w ]+) -->\n(?P<text>.*?)<!-- end of generated -->", re.DOTALL)
+_BLOCK = re.compile(
+    r"<!-- generated: (?P<name>[\w ]+) -->\n(?P<text>.*?)<!-- end of generated -->", re.DOTALL
+)
 
 
 def table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """A Markdown table; cells are taken as they are, except that bars in them are escaped."""
     lines = [columns, ["---"] * len(columns), *rows]
-    return "".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |\n" for line in lines)
+    return "".join(
+        f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |\n" for line in lines
+    )
 
 
 def code(text: str) -> str:

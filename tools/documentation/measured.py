@@ -1,7 +1,7 @@
 """What long studies have measured, kept beside docs/verdicts.md: tests hold its rows against all cases and drive few.
 
-docs/measured/STUDY.json has all numbers of every case. A test computes the verdicts from them, and drives some of the
-cases anew, whose numbers must be those of the file.
+docs/measured/STUDY.json has all numbers of every case. A test computes the verdicts from them, and
+drives some of the cases anew, whose numbers must be those of the file.
 """
 
 from __future__ import annotations
@@ -35,7 +35,10 @@ def write_measured(root: Path, need: StudyNeed, driven: StudyCases) -> None:
     path = _path(root, need)
     path.parent.mkdir(exist_ok=True)
     cases = {name: _numbers(result.measured) for name, result in driven.results.items()}
-    lines = ",\n".join(f"{json.dumps(name)}: {json.dumps(numbers, allow_nan=False)}" for name, numbers in cases.items())
+    lines = ",\n".join(
+        f"{json.dumps(name)}: {json.dumps(numbers, allow_nan=False)}"
+        for name, numbers in cases.items()
+    )
     path.write_text(f"{{\n{lines}\n}}\n", encoding="utf-8")
 
 
@@ -53,7 +56,11 @@ def sample(need: StudyNeed) -> list[Case]:
 
 
 def _numbers(measured: Mapping[str, Any]) -> dict[str, Any]:
-    return {name: value for name, value in measured.items() if isinstance(value, str | int | float | bool | None)}
+    return {
+        name: value
+        for name, value in measured.items()
+        if isinstance(value, str | int | float | bool | None)
+    }
 
 
 def _path(root: Path, need: StudyNeed) -> Path:

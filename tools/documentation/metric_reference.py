@@ -39,7 +39,9 @@ def functions_of_expressions() -> str:
 
 def series_of_expressions() -> str:
     """The series that an expression knows besides the channels."""
-    rows = ((code(name), each.unit, each.formula, codes(each.needs)) for name, each in SERIES.items())
+    rows = (
+        (code(name), each.unit, each.formula, codes(each.needs)) for name, each in SERIES.items()
+    )
     return table(("series", "unit", "what it is", "channels"), rows)
 
 
@@ -56,9 +58,17 @@ def _section(report: str, scenarios: Sequence[str]) -> str:
     loaded = load_scenario(report or scenarios[0])
     runs = sorted((run.name for run in loaded.runs), key=len, reverse=True)
     own = named_metrics(loaded.parameters.metrics)
-    found = {_general(name, runs): metric for name, metric in known_metrics(loaded.runs).items() if name not in own}
+    found = {
+        _general(name, runs): metric
+        for name, metric in known_metrics(loaded.runs).items()
+        if name not in own
+    }
     rows = list(_rows((name, metric) for name, metric in found.items() if "." not in name))
-    judged = "" if len(rows) == len(found) else f"\n{'Besides these, w' if rows else 'W'}hat its source is judged by"
+    judged = (
+        ""
+        if len(rows) == len(found)
+        else f"\n{'Besides these, w' if rows else 'W'}hat its source is judged by"
+    )
     head = f"### {report or 'scenarios without a report'}\n\n{'That' if report else 'Those'} of {codes(scenarios)}.\n"
     columns = ("metric", "unit", "what is computed", "better")
     link = f"{judged} ([verdicts](verdicts.md)).\n" if judged else ""

@@ -31,7 +31,13 @@ def neutral_steer_table() -> str:
     car = vehicle_of("zhileykin_4x4")
     on_the_road = dataclasses.replace(car, centre_of_mass_height=0.0)
     rows = [
-        (f"{share:g}", *(f"{round(value, 4) + 0.0:.4f}".replace("-", "−") for value in _row(car, on_the_road, share)))
+        (
+            f"{share:g}",
+            *(
+                f"{round(value, 4) + 0.0:.4f}".replace("-", "−")
+                for value in _row(car, on_the_road, share)
+            ),
+        )
         for share in SHARES
     ]
     return table(COLUMNS, rows)

@@ -1,8 +1,8 @@
 """Which page has which generated parts, and which of them only the built page has.
 
-How it works: a part that somebody needs while reading the repository, or that only a run gives, is kept in the page
-between its marks. All others, most of the words, follow from the code or from the numbers in docs/measured: the
-repository has a mark in their place, and building the pages fills it.
+How it works: a part that somebody needs while reading the repository, or that only a run gives, is
+kept in the page between its marks. All others, most of the words, follow from the code or from the
+numbers in docs/measured: the repository has a mark in their place, and building the pages fills it.
 """
 
 from __future__ import annotations
@@ -26,7 +26,13 @@ from documentation.graph_diagram import graph_diagram
 from documentation.hashes import HASHES
 from documentation.lists import method_table, scenario_table, study_list
 from documentation.markdown import block_names, built, built_names, with_blocks
-from documentation.scenario_results import LONG_TABLES, SCENARIO_PAGES, STUDY_PAGES, STUDY_TABLES, kept_study_table
+from documentation.scenario_results import (
+    LONG_TABLES,
+    SCENARIO_PAGES,
+    STUDY_PAGES,
+    STUDY_TABLES,
+    kept_study_table,
+)
 from ev_study.verdicts.sources import sources
 
 SHCHUR = "docs/shchur2019.md"
@@ -69,10 +75,14 @@ BUILT: dict[str, dict[str, Callable[[], str]]] = {  # page -> parts that it has 
         "can inverter": parameter_reference.inverter_parameters,
     },
     verdict_tables.PAGE: {
-        f"verdicts of {source}": partial(verdict_tables.source_table, source) for source in sources()
+        f"verdicts of {source}": partial(verdict_tables.source_table, source)
+        for source in sources()
     },
     full_board_tables.PAGE: full_board_tables.BUILT,
-    **{page: {study: partial(kept_study_table, study) for study in studies} for page, studies in LONG_TABLES.items()},
+    **{
+        page: {study: partial(kept_study_table, study) for study in studies}
+        for page, studies in LONG_TABLES.items()
+    },
 }
 
 README = "README.md"
@@ -91,7 +101,11 @@ PAGES: dict[str, tuple[str, ...]] = {
     full_board_tables.PAGE: (full_board_tables.SCORES,),
     **{name: (RESULTS, *page.studies, *page.tables) for name, page in SCENARIO_PAGES.items()},
     **{
-        name: tuple(each for each in (*studies, *STUDY_TABLES.get(name, {})) if each not in LONG_TABLES.get(name, ()))
+        name: tuple(
+            each
+            for each in (*studies, *STUDY_TABLES.get(name, {}))
+            if each not in LONG_TABLES.get(name, ())
+        )
         for name, studies in STUDY_PAGES.items()
     },
 }
@@ -112,9 +126,13 @@ def stale_pages(root: Path) -> dict[Path, str]:
         page = root / name
         text = page.read_text(encoding="utf-8")
         if sorted(block_names(text)) != sorted(parts):
-            raise ValueError(f"{name} has the generated parts {block_names(text)}, expected {list(parts)}")
+            raise ValueError(
+                f"{name} has the generated parts {block_names(text)}, expected {list(parts)}"
+            )
         if sorted(built_names(text)) != sorted(BUILT.get(name, ())):
-            raise ValueError(f"{name} has marks of {built_names(text)}, expected {list(BUILT.get(name, ()))}")
+            raise ValueError(
+                f"{name} has marks of {built_names(text)}, expected {list(BUILT.get(name, ()))}"
+            )
         new = with_blocks(text, {part: PARTS[part]() for part in parts if part in PARTS})
         if new != text:
             stale[page] = new

@@ -25,7 +25,9 @@ _ANY = {float: "any number", int: "any whole number", bool: "true, false", str: 
 
 def common_parameters() -> str:
     """What every node has, besides the vehicle and its method."""
-    return _table([entry for entry in entries(CommonParameters) if not entry.name.startswith("vehicle.")])
+    return _table(
+        [entry for entry in entries(CommonParameters) if not entry.name.startswith("vehicle.")]
+    )
 
 
 def vehicle_parameters() -> str:
@@ -64,7 +66,9 @@ def method_parameters() -> str:
     for role in ROLES.values():
         for name, method in own_methods(role.name).items():
             default = " (default)" if name == role.default_method else ""
-            sections.append(f"### {role.name}: {name}{default}\n\n{method.about}\n\n{_of_method(method.parameters)}")
+            sections.append(
+                f"### {role.name}: {name}{default}\n\n{method.about}\n\n{_of_method(method.parameters)}"
+            )
     return "\n".join(sections)
 
 
@@ -91,7 +95,10 @@ def _error_row(entry: Entry) -> tuple[str, ...]:
     spec = entry.spec
     unit, allowed = spec.unit, _allowed(entry)
     if unit == QUANTITIES[0].unit:
-        unit, allowed = "of the sensor", "largest error either way" if spec.low else "0 to largest error"
+        unit, allowed = (
+            "of the sensor",
+            "largest error either way" if spec.low else "0 to largest error",
+        )
     return code(entry.name), _default(entry), unit, allowed, spec.about
 
 

@@ -51,6 +51,8 @@ def processor_table(published: Hashes) -> str:
 
 def refuse_missing(*words: str) -> None:
     """End with a line if a compiler, an emulator or one of these words is not installed."""
-    needed = [word for name in DRIVEN for word in (TARGETS[name].compiler, *TARGETS[name].emulator[:1])]
+    needed = [
+        word for name in DRIVEN for word in (TARGETS[name].compiler, *TARGETS[name].emulator[:1])
+    ]
     if lacking := [word for word in (*needed, *words) if not shutil.which(word)]:
         sys.exit(f"not installed: {', '.join(lacking)} (docs/native.md)")

@@ -1,7 +1,7 @@
 """How long cyclic frames of fixed priority wait on a CAN bus: the longest time from release to arrival.
 
-Davis, Burns, Bril, Lukkien (2007): Controller Area Network (CAN) schedulability analysis: refuted, revisited and
-revised. Real-Time Systems 35, 239-272. No jitter of release.
+Davis, Burns, Bril, Lukkien (2007): Controller Area Network (CAN) schedulability analysis: refuted,
+revisited and revised. Real-Time Systems 35, 239-272. No jitter of release.
 """
 
 from __future__ import annotations
@@ -30,12 +30,18 @@ def response_times(frames: Sequence[Cyclic], bit_time: float) -> list[float]:
 
 def bus_load(frames: Iterable[FrameLayout], bit_rate: float) -> float:
     """Share of time that cyclic frames of the greatest length take [1]."""
-    return sum(longest_frame(frame.length) / (bit_rate * frame.cycle) for frame in frames if frame.cycle > 0.0)
+    return sum(
+        longest_frame(frame.length) / (bit_rate * frame.cycle)
+        for frame in frames
+        if frame.cycle > 0.0
+    )
 
 
 def of_layouts(layouts: Sequence[FrameLayout], bit_rate: float) -> dict[str, float]:
     """The longest response times [s] by name, for cyclic frames of the greatest length. ValueError as above."""
-    ordered = sorted((layout for layout in layouts if layout.cycle > 0.0), key=lambda layout: layout.identifier)
+    ordered = sorted(
+        (layout for layout in layouts if layout.cycle > 0.0), key=lambda layout: layout.identifier
+    )
     frames = [Cyclic(layout.cycle, longest_frame(layout.length) / bit_rate) for layout in ordered]
     times = response_times(frames, 1.0 / bit_rate)
     return {layout.name: time for layout, time in zip(ordered, times, strict=True)}
@@ -56,7 +62,9 @@ def _response(frames: Sequence[Cyclic], place: int, bit_time: float) -> float:
 
 def _fixed_point(guess: float, others: Sequence[Cyclic], fixed: float, ahead: float) -> float:
     while True:
-        interference = sum(ceil((guess + ahead) / other.cycle - 1e-9) * other.duration for other in others)
+        interference = sum(
+            ceil((guess + ahead) / other.cycle - 1e-9) * other.duration for other in others
+        )
         better = fixed + interference
         if better <= guess * (1.0 + 1e-12):
             return better

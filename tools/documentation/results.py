@@ -53,13 +53,18 @@ class Driven:
 
     @property
     def _parameters(self) -> Parameters:
-        return {role: configuration.values() for role, configuration in self.scenario.runs[0].configurations.items()}
+        return {
+            role: configuration.values()
+            for role, configuration in self.scenario.runs[0].configurations.items()
+        }
 
 
 def drive(scenario: str, values: Sequence[tuple[str, str, object]] = ()) -> Driven:
     """Run a scenario offline with some parameters (node, name, value) changed."""
     loaded = load_scenario(scenario, Overrides(values=values))
-    return Driven(loaded, {run.name: run_offline(run.configurations, run.duration) for run in loaded.runs})
+    return Driven(
+        loaded, {run.name: run_offline(run.configurations, run.duration) for run in loaded.runs}
+    )
 
 
 def drive_all() -> dict[str, dict[str, Driven]]:
@@ -73,7 +78,12 @@ def drive_all() -> dict[str, dict[str, Driven]]:
 def control_period_table() -> str:
     """Overshoot and settling time of the closed loop of eq 7, continuous and sampled."""
     rows = [
-        ("eq 7, continuous", f"{overshoot(paper.CLOSED_LOOP):.2f}", f"{settling_time(paper.CLOSED_LOOP, 0.05):.3f}", "")
+        (
+            "eq 7, continuous",
+            f"{overshoot(paper.CLOSED_LOOP):.2f}",
+            f"{settling_time(paper.CLOSED_LOOP, 0.05):.3f}",
+            "",
+        )
     ]
     for period in CONTROL_PERIODS:
         metrics = drive("shchur2019_steps", [("*", "control_period", period)]).metrics
@@ -95,7 +105,15 @@ def result_table(driven: Mapping[str, Mapping[str, Driven]]) -> str:
             printed = "" if reference is None else f"{reference.value:.5g}"
             rows.append((code(scenario), code(name), first.unit, printed, *cells, first.judgement))
     return table(
-        ("scenario", "metric", "unit", "paper", *(f"{model} drives" for model in DRIVE_MODELS), "verdict"), rows
+        (
+            "scenario",
+            "metric",
+            "unit",
+            "paper",
+            *(f"{model} drives" for model in DRIVE_MODELS),
+            "verdict",
+        ),
+        rows,
     )
 
 

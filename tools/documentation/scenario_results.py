@@ -23,9 +23,9 @@ from ev_study.verdicts.sources import published
 class Page:
     """Whose results a page shows: one table for each group of names with which metrics end, and figures.
 
-    `studies` are those whose tables stand on the page as parts of their names, `tables` make further parts, and
-    `images` draw into a folder. Judged numbers whose names end with one of the `cases` stand side by side, each case
-    (its ending and its heading) in a column.
+    `studies` are those whose tables stand on the page as parts of their names, `tables` make
+    further parts, and `images` draw into a folder. Judged numbers whose names end with one of the
+    `cases` stand side by side, each case (its ending and its heading) in a column.
     """
 
     scenario: str
@@ -53,7 +53,9 @@ def sums_table(name: str, results: Results, *options: str) -> str:
     study, given = study_named(name), arguments(name, options)
     found = study.metrics(given, results).items()
     sums = [
-        (code(key), _number(metric), metric.unit) for key, metric in found if key.startswith(getattr(study, "SUMS", ()))
+        (code(key), _number(metric), metric.unit)
+        for key, metric in found
+        if key.startswith(getattr(study, "SUMS", ()))
     ]
     return table(("metric", "value", "unit"), sums) if sums else ""
 
@@ -73,22 +75,37 @@ SCENARIO_PAGES = {
             (*_CONTROLS, "increment_estimated", "equal_torque_rear_steered", "rate_rear_steered"),
             *(tuple(f"{name}{case}" for name in _CONTROLS) for case in CASES if case),
             tuple(f"{name}_switched" for name in _CONTROLS[1:]),
-            tuple(f"{name}_lower_target{layer}" for name in _CONTROLS[1:3] for layer in ("", "_switched")),
+            tuple(
+                f"{name}_lower_target{layer}"
+                for name in _CONTROLS[1:3]
+                for layer in ("", "_switched")
+            ),
         ),
         ("fig3_fig4", "fig3_fig4_free_speed", "boundary_layer"),
         studies=("ge_ni2005_periods",),
         cases=tuple(
-            zip(CASES, ("the source's car, u held", "u free", "full car, u held", "full car, u free"), strict=True)
+            zip(
+                CASES,
+                ("the source's car, u held", "u free", "full car, u held", "full car, u free"),
+                strict=True,
+            )
         ),
     ),
     "docs/tatar_chudzik.md": Page(
         "tatar_chudzik",
-        (tuple(f"{layout}_{control}" for layout in ("front", "rear", "all") for control in ("equal", "corrected")),),
+        (
+            tuple(
+                f"{layout}_{control}"
+                for layout in ("front", "rear", "all")
+                for control in ("equal", "corrected")
+            ),
+        ),
         ("forces_y", "fig3_to_fig11", "fig12_to_fig14"),
         cases=(
             *(
                 (f".{check.name.replace(' ', '_')}", check.name)
-                for check in published("tatar_chudzik")["tatar.fig12.FL"].checks  # as all signs: at some speeds
+                # as all signs: at some speeds
+                for check in published("tatar_chudzik")["tatar.fig12.FL"].checks
                 if check.is_judged
             ),
             ("", "at 8.5 m/s alone"),
@@ -118,7 +135,8 @@ LONG_TABLES = {  # by page the studies of which only the built page has the tabl
     "docs/faults.md": ("faults",),
     "docs/outside_checks.md": ("outside_laws",),
 }
-STUDY_TABLES: dict[str, dict[str, Callable[[], str]]] = {"docs/asr.md": {"seeds": seed_tables}}  # further parts
+# further parts
+STUDY_TABLES: dict[str, dict[str, Callable[[], str]]] = {"docs/asr.md": {"seeds": seed_tables}}
 
 
 def results_of(page: Page, driven: Driven) -> str:
@@ -164,12 +182,17 @@ def _by_run(metrics: Mapping[str, Metric], columns: tuple[tuple[str, ...], ...])
     cells: dict[str, dict[str, Metric]] = {}
     for key, metric in metrics.items():
         ending = next((name for name in names if key.endswith(f"_{name}")), None)
-        if ending and "." not in key and not key.startswith("claim_"):  # ids of what is judged have dots
+        # ids of what is judged have dots
+        if ending and "." not in key and not key.startswith("claim_"):
             cells.setdefault(key.removesuffix(f"_{ending}"), {})[ending] = metric
     tables = []
     for group in columns:
         rows = [
-            (code(quantity), next(iter(of.values())).unit, *(_number(of.get(name)) for name in group))
+            (
+                code(quantity),
+                next(iter(of.values())).unit,
+                *(_number(of.get(name)) for name in group),
+            )
             for quantity, of in cells.items()
             if any(name in of for name in group)
         ]
@@ -179,7 +202,12 @@ def _by_run(metrics: Mapping[str, Metric], columns: tuple[tuple[str, ...], ...])
 
 def _compared(metrics: Mapping[str, Metric]) -> str:
     rows = [
-        (code(name), f"{_number(metric)} {metric.unit}".removesuffix(" 1"), metric.reference.source, metric.verdict)
+        (
+            code(name),
+            f"{_number(metric)} {metric.unit}".removesuffix(" 1"),
+            metric.reference.source,
+            metric.verdict,
+        )
         for name, metric in metrics.items()
         if metric.reference
     ]
@@ -191,11 +219,16 @@ def _side_by_side(metrics: Mapping[str, Metric], cases: Sequence[tuple[str, str]
     rows: dict[str, dict[str, str]] = {}
     for name, metric in metrics.items():
         if metric.reference:
-            ending = max((ending for ending, _ in cases if name.endswith(ending)), key=len, default="")
+            ending = max(
+                (ending for ending, _ in cases if name.endswith(ending)), key=len, default=""
+            )
             cell = f"{_number(metric)} {metric.unit}".removesuffix(" 1")
             rows.setdefault(name.removesuffix(ending), {})[ending] = f"{cell}, {metric.judgement}"
     header = ("metric", *(heading for _, heading in cases))
-    return table(header, [(code(name), *(of.get(ending, "") for ending, _ in cases)) for name, of in rows.items()])
+    return table(
+        header,
+        [(code(name), *(of.get(ending, "") for ending, _ in cases)) for name, of in rows.items()],
+    )
 
 
 def _number(metric: Metric | None) -> str:

@@ -11,21 +11,30 @@ from pathlib import Path
 from documentation.pages import whole_page
 
 BUILT = "build/pages"
-TOP = {"README": "index", "CONTRIBUTING": "contributing", "CHANGELOG": "changelog", "SECURITY": "reporting"}
+TOP = {
+    "README": "index",
+    "CONTRIBUTING": "contributing",
+    "CHANGELOG": "changelog",
+    "SECURITY": "reporting",
+}
 PLACES = {
     **{f"]({name}.md": f"]({there}.md" for name, there in TOP.items()},
     **{f"](../{name}.md": f"]({there}.md" for name, there in TOP.items()},
     "](docs/": "](",
     "](LICENSE": "](LICENSE.txt",
 }
-OUTSIDE = re.compile(r"\[([^\]\n]+)\]\((?:\.\./|measured/)[^)\n]+\)")  # a file of the repository that no page shows
+# a file of the repository that no page shows
+OUTSIDE = re.compile(r"\[([^\]\n]+)\]\((?:\.\./|measured/)[^)\n]+\)")
 CODE = re.compile(r"(^```.*?^```$|`[^`\n]+`)", re.MULTILINE | re.DOTALL)
 NAMED = re.compile(r"\[[\w/]*?\w+\.md\]\((\w+\.md)(#[\w-]*)?\)|(?<![\w/])docs/(\w+\.md)\b")
 
 # What a user imports, by heading; of the doors for authors of laws all that they import.
 REFERENCE = {
     "Runs from Python": ("ev_stack",),
-    "What a run gives": ("ev_stack.recording.recording.Recording", "ev_stack.measures.metric.Metric"),
+    "What a run gives": (
+        "ev_stack.recording.recording.Recording",
+        "ev_stack.measures.metric.Metric",
+    ),
     "Metrics of a batch": ("ev_stack.batches.observer.Reduction",),
     "Gymnasium": ("ev_doors.learning.environment", "ev_doors.learning.limits.Limit"),
     "Laws": ("ev_core.law",),
@@ -42,7 +51,10 @@ def gather(root: Path, to: Path) -> None:
     for name, there in TOP.items():
         shutil.copy(root / f"{name}.md", to / f"{there}.md")
     shutil.copy(root / "LICENSE", to / "LICENSE.txt")
-    pages = {page.name: whole_page(f"docs/{page.name}", page.read_text(encoding="utf-8")) for page in to.glob("*.md")}
+    pages = {
+        page.name: whole_page(f"docs/{page.name}", page.read_text(encoding="utf-8"))
+        for page in to.glob("*.md")
+    }
     titles = {name: text.partition("\n")[0].removeprefix("# ") for name, text in pages.items()}
     for name, text in pages.items():
         for link, there in PLACES.items():
@@ -80,5 +92,7 @@ def imported(root: Path, door: str) -> Iterator[str]:
         for node in ast.parse(file.read_text(encoding="utf-8")).body:
             if isinstance(node, ast.ImportFrom):
                 yield from (
-                    f"{node.module}.{each.name}" for each in node.names if not (each.name == "*" or each.name.isupper())
+                    f"{node.module}.{each.name}"
+                    for each in node.names
+                    if not (each.name == "*" or each.name.isupper())
                 )

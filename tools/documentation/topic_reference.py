@@ -20,7 +20,9 @@ _WHEEL = "WHEEL"
 def topic_table() -> str:
     """One line per topic."""
     columns = ("topic", "message", "frame", "written by", "may be read by")
-    return table(columns, ((code(t.name), code(t.message_type), t.frame, *_ends(t)) for t in TOPICS.values()))
+    return table(
+        columns, ((code(t.name), code(t.message_type), t.frame, *_ends(t)) for t in TOPICS.values())
+    )
 
 
 def field_tables() -> str:
@@ -54,7 +56,10 @@ def _section(topic: Topic) -> str:
         return head
     names = joint_names(topic)
     joints = f"\n`name`: {codes(names)}\n" if names else ""
-    rows = [(code(name), code(_place(field, names)), field.unit, field.about) for name, field in fields.items()]
+    rows = [
+        (code(name), code(_place(field, names)), field.unit, field.about)
+        for name, field in fields.items()
+    ]
     return f"{head}{joints}\n{table(('field', 'in the message', 'unit', 'meaning'), rows)}"
 
 

@@ -1,9 +1,10 @@
 """The tables of docs/verdicts.md, from what the repository keeps of the verdicts: docs/measured/verdicts.csv.
 
-How it works: a row of the table is what a source published and what came out. The first is in the list of the source.
-Of the second the file keeps a line for each id: the sort of the verdict and our numbers, and the texts of tolerance and
-note if numbers of runs are filled into them. Tests hold the rows that follow against the runs. The repository's page
-has the counts, the built page has the rows too.
+How it works: a row of the table is what a source published and what came out. The first is in the
+list of the source. Of the second the file keeps a line for each id: the sort of the verdict and our
+numbers, and the texts of tolerance and note if numbers of runs are filled into them. Tests hold the
+rows that follow against the runs. The repository's page has the counts, the built page has the rows
+too.
 """
 
 from __future__ import annotations
@@ -19,7 +20,14 @@ from documentation.markdown import table, with_blocks
 from documentation.measured import FOLDER, ROOT, is_long, write_measured
 from ev_stack.measures.metric import FROM_INPUTS, NOT_MEASURED, REPRODUCED
 from ev_study.verdicts.sources import IN_PART, KINDS, NO_VERDICT, Published, published, sources
-from ev_study.verdicts.verdict import SORTS, WITH_ASSUMPTION, Verdict, markdown_row, markdown_table, sort_of
+from ev_study.verdicts.verdict import (
+    SORTS,
+    WITH_ASSUMPTION,
+    Verdict,
+    markdown_row,
+    markdown_table,
+    sort_of,
+)
 
 PAGE = "docs/verdicts.md"
 FILE = f"{FOLDER}/verdicts.csv"
@@ -28,7 +36,10 @@ NAMES = (PAGE, *(f"{PAGE}#{source}" for source in sources()))  # that document.s
 COLUMNS = ("id", "verdict", "ours", "tolerance", "note")
 _HOLD = (REPRODUCED, WITH_ASSUMPTION, IN_PART)
 _WITH_NUMBERS = ("printed", "follows", "axes")  # the kinds of which the source has numbers
-_BEFORE_NOTE = {WITH_ASSUMPTION: " ", **dict.fromkeys((FROM_INPUTS, IN_PART, *NO_VERDICT, NOT_MEASURED), ": ")}
+_BEFORE_NOTE = {
+    WITH_ASSUMPTION: " ",
+    **dict.fromkeys((FROM_INPUTS, IN_PART, *NO_VERDICT, NOT_MEASURED), ": "),
+}
 
 Line = Mapping[str, str]  # of the file, by column
 
@@ -90,7 +101,9 @@ def write_kept(root: Path, lines: Mapping[str, Line]) -> None:
     with (root / FILE).open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
         writer.writeheader()
-        writer.writerows(lines[id] for source in sources() for id in published(source) if id in lines)
+        writer.writerows(
+            lines[id] for source in sources() for id in published(source) if id in lines
+        )
     kept.cache_clear()
 
 
@@ -108,13 +121,17 @@ def write_verdicts(root: Path, wanted: Sequence[str]) -> None:
                     write_measured(root, need, cases)
     write_kept(root, lines)
     page = root / PAGE
-    page.write_text(with_blocks(page.read_text(encoding="utf-8"), {COUNTS: count_table()}), encoding="utf-8")
+    page.write_text(
+        with_blocks(page.read_text(encoding="utf-8"), {COUNTS: count_table()}), encoding="utf-8"
+    )
     print(f"written: {FILE}, {page.name}")
 
 
 def source_table(source: str) -> str:
     """The rows of a source."""
-    return markdown_table([KeptVerdict.of(each, kept()[id]) for id, each in published(source).items()])
+    return markdown_table(
+        [KeptVerdict.of(each, kept()[id]) for id, each in published(source).items()]
+    )
 
 
 def row(of: Published) -> str:
@@ -125,10 +142,16 @@ def row(of: Published) -> str:
 def count_table() -> str:
     """Verdicts of each sort and source, and their sums."""
     sorts = {id: line["verdict"] for id, line in kept().items()}
-    lines = [(source, Counter(sorts[id] for id in published(source) if id in sorts)) for source in sources()]
+    lines = [
+        (source, Counter(sorts[id] for id in published(source) if id in sorts))
+        for source in sources()
+    ]
     lines.append(("all", Counter(sorts.values())))
     used = [sort for sort in SORTS if lines[-1][1][sort]]
-    cells = [(source, str(found.total()), *(str(found[sort]) for sort in used)) for source, found in lines]
+    cells = [
+        (source, str(found.total()), *(str(found[sort]) for sort in used))
+        for source, found in lines
+    ]
     return "\n".join((table(("source", "ids", *used), cells), _table_of_kinds(sorts)))
 
 
@@ -139,7 +162,12 @@ def _table_of_kinds(sorts: Mapping[str, str]) -> str:
     """
     cells = []
     for kind in KINDS:
-        of_kind = [(source, each) for source in sources() for each in published(source).values() if each.kind == kind]
+        of_kind = [
+            (source, each)
+            for source in sources()
+            for each in published(source).values()
+            if each.kind == kind
+        ]
         counts = [sum(sorts.get(each.id) == sort for _, each in of_kind) for sort in _HOLD]
         numbers = {
             (source, check.value, check.unit)
@@ -148,5 +176,12 @@ def _table_of_kinds(sorts: Mapping[str, str]) -> str:
             for check in each.checks
             if check.value is not None
         }
-        cells.append((kind, str(len(of_kind)), *map(str, counts), str(len(numbers)) if kind in _WITH_NUMBERS else "–"))
+        cells.append(
+            (
+                kind,
+                str(len(of_kind)),
+                *map(str, counts),
+                str(len(numbers)) if kind in _WITH_NUMBERS else "–",
+            )
+        )
     return table(("kind", "ids", *_HOLD, "different numbers of these"), cells)

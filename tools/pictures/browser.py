@@ -56,14 +56,22 @@ class Browser:
         self.complaints: list[str] = []
         self.requests: list[str] = []
         target = self._send("Target.createTarget", url="about:blank")["targetId"]
-        self._session = self._send("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        self._session = self._send("Target.attachToTarget", targetId=target, flatten=True)[
+            "sessionId"
+        ]
         for domain in ("Page", "Runtime", "Log", "Network"):
             self._send(f"{domain}.enable")
         self.resize(width, height)
 
     def resize(self, width: int, height: int) -> None:
         """Another size of the page [px]."""
-        self._send("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+        self._send(
+            "Emulation.setDeviceMetricsOverride",
+            width=width,
+            height=height,
+            deviceScaleFactor=1,
+            mobile=False,
+        )
 
     def open(self, page: Path | str) -> None:
         """Go to a file, or to an address."""
@@ -71,23 +79,31 @@ class Browser:
 
     def run(self, script: str) -> Any:
         """The value of an expression, awaited if it is a promise; AssertionError if it throws."""
-        answer = self._send("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
+        answer = self._send(
+            "Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True
+        )
         assert "exceptionDetails" not in answer, answer["exceptionDetails"]
         return answer["result"].get("value")
 
     def wait_for(self, condition: str) -> None:
         """Wait until a condition holds; the time limit of the test ends what never does."""
-        self.run(f"new Promise(done => (function look() {{ ({condition}) ? done() : setTimeout(look, 10) }})())")
+        self.run(
+            f"new Promise(done => (function look() {{ ({condition}) ? done() : setTimeout(look, 10) }})())"
+        )
 
     def press(self, key: str, code: int) -> None:
         for kind in ("keyDown", "keyUp"):
-            self._send("Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=code)
+            self._send(
+                "Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=code
+            )
 
     def mouse(self, kind: str, x: float, y: float, **more: Any) -> None:
         self._send("Input.dispatchMouseEvent", type=kind, x=x, y=y, **more)
 
     def screenshot(self, path: Path) -> None:
-        path.write_bytes(base64.b64decode(self._send("Page.captureScreenshot", format="png")["data"]))
+        path.write_bytes(
+            base64.b64decode(self._send("Page.captureScreenshot", format="png")["data"])
+        )
 
     def close(self) -> None:
         self._process.kill()
@@ -120,9 +136,16 @@ class Browser:
         said = event.get("params", {})
         if event.get("method") == "Runtime.exceptionThrown":
             self.complaints.append(str(said["exceptionDetails"]))
-        elif event.get("method") == "Runtime.consoleAPICalled" and said["type"] in ("error", "warning", "assert"):
+        elif event.get("method") == "Runtime.consoleAPICalled" and said["type"] in (
+            "error",
+            "warning",
+            "assert",
+        ):
             self.complaints.append(str(said["args"]))
-        elif event.get("method") == "Log.entryAdded" and said["entry"]["level"] in ("error", "warning"):
+        elif event.get("method") == "Log.entryAdded" and said["entry"]["level"] in (
+            "error",
+            "warning",
+        ):
             self.complaints.append(said["entry"]["text"])
         elif event.get("method") == "Network.requestWillBeSent":
             self.requests.append(said["request"]["url"])

@@ -27,7 +27,9 @@ class FedPage:
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever)
         self._thread.start()
-        self.pages: Pages = self._in_loop(lambda: Pages("a page", listening(0), self.wishes.append, list))
+        self.pages: Pages = self._in_loop(
+            lambda: Pages("a page", listening(0), self.wishes.append, list)
+        )
 
     def _in_loop(self, call: Callable[[], Any]) -> Any:
         async def called() -> Any:
@@ -38,7 +40,9 @@ class FedPage:
     def begin(self, run: Run, recording: Recording, title_text: str) -> None:
         """Another graph under a title, with the first half of what it drives."""
         messages = [
-            node_message(name, [descriptor(entry) for entry in each.entries()], each.values().values())
+            node_message(
+                name, [descriptor(entry) for entry in each.entries()], each.values().values()
+            )
             for name, each in run.configurations.items()
         ]
         car = run.configurations[MASTER].common.vehicle
@@ -58,7 +62,8 @@ class FedPage:
         def send() -> None:
             for row in rows:
                 for page in self.pages.open:
-                    page.write_message(row, binary=True)  # a page that is slow would miss some, as it may
+                    # a page that is slow would miss some, as it may
+                    page.write_message(row, binary=True)
 
         self._in_loop(send)
 

@@ -1,9 +1,9 @@
 """Moving picture of the README: braking with ice under the left wheels, without a law and with one.
 
-How it works: two runs of one scenario are driven offline. Each frame has one strip of road for each run, seen from
-above by one camera, which moves with the mean of both cars: so the difference of their ways is seen. A wheel that
-slides leaves its track. Frames are drawn at twice their size and reduced, which smooths the edges, and share one
-palette of few colours, which keeps the file small.
+How it works: two runs of one scenario are driven offline. Each frame has one strip of road for each
+run, seen from above by one camera, which moves with the mean of both cars: so the difference of
+their ways is seen. A wheel that slides leaves its track. Frames are drawn at twice their size and
+reduced, which smooths the edges, and share one palette of few colours, which keeps the file small.
 """
 
 from __future__ import annotations
@@ -24,7 +24,8 @@ from ev_stack.views.car import PREFIX, Wheel, view_channels, wheels_of
 
 NAME = "split_friction.gif"
 SCENARIO = "blended_brakes"
-STRIPS = {"off": "without a law", "stability": "blended brakes, with stability control"}  # by run, from above
+# by run, from above
+STRIPS = {"off": "without a law", "stability": "blended brakes, with stability control"}
 BEGIN = 0.5  # s, half a second before the brakes
 PERIOD = 0.08  # s between frames, shown in real time
 HOLD = 2.5  # s that the last frame stays
@@ -72,7 +73,9 @@ class Driven:
 def drive() -> list[Driven]:
     """Drive the runs of the picture."""
     result = run(SCENARIO, runs=tuple(STRIPS))
-    vehicles = {each.name: each.configurations["plant"].common.vehicle for each in result.scenario.runs}
+    vehicles = {
+        each.name: each.configurations["plant"].common.vehicle for each in result.scenario.runs
+    }
     return [_driven(result.runs[name], vehicles[name]) for name in STRIPS]
 
 
@@ -86,7 +89,14 @@ def save_moving_picture(folder: Path, times: Sequence[float] = ()) -> None:
     first, *others = (each.quantize(palette=palette, dither=Image.Dither.NONE) for each in drawn)
     milliseconds = [round(1000 * PERIOD)] * len(drawn)
     milliseconds[-1] = round(1000 * HOLD)
-    first.save(folder / NAME, save_all=True, append_images=others, duration=milliseconds, loop=0, optimize=True)
+    first.save(
+        folder / NAME,
+        save_all=True,
+        append_images=others,
+        duration=milliseconds,
+        loop=0,
+        optimize=True,
+    )
 
 
 def _driven(recording: Recording, vehicle: Vehicle) -> Driven:
@@ -95,7 +105,9 @@ def _driven(recording: Recording, vehicle: Vehicle) -> Driven:
     speed = np.hypot(channels["twist.longitudinal"], channels["twist.lateral"])
     wheels = wheels_of(vehicle)
     seen = view_channels(recording, vehicle)
-    rolling = [np.abs(channels[f"wheel_states.velocity.{wheel.name}"]) * wheel.radius for wheel in wheels]
+    rolling = [
+        np.abs(channels[f"wheel_states.velocity.{wheel.name}"]) * wheel.radius for wheel in wheels
+    ]
     return Driven(
         time=recording.time,
         x=channels["pose.x"] - channels["pose.x"][begin],
@@ -119,7 +131,9 @@ def _frame(driven: Sequence[Driven], time: float) -> Image.Image:
     return image.resize(SIZE, Image.Resampling.LANCZOS)
 
 
-def _strip(car: Driven, time: float, camera: float, label: str, colour: str, size: tuple[int, int]) -> Image.Image:
+def _strip(
+    car: Driven, time: float, camera: float, label: str, colour: str, size: tuple[int, int]
+) -> Image.Image:
     """The road of one run: ice above, which is on the left of the car, asphalt below."""
     width, height = size
     image = Image.new("RGB", size, _ICE)
@@ -145,7 +159,9 @@ def _strip(car: Driven, time: float, camera: float, label: str, colour: str, siz
     right = width - 10 * _FINE
     draw.text((right, 6 * _FINE), state, fill=_TEXT, font=_font(15), anchor="ra")
     draw.text((right, height / 2 - 4 * _FINE), "ice", fill=_TEXT, font=_font(12), anchor="rs")
-    draw.text((right, height / 2 + 4 * _FINE), "dry asphalt", fill=_GAP, font=_font(12), anchor="ra")
+    draw.text(
+        (right, height / 2 + 4 * _FINE), "dry asphalt", fill=_GAP, font=_font(12), anchor="ra"
+    )
     return image
 
 
@@ -157,7 +173,9 @@ def _draw_posts(draw: ImageDraw.ImageDraw, camera: float, size: tuple[int, int])
         at = width / 2 + (post - camera) * _SCALE
         draw.line((at, height - 8 * _FINE, at, height), fill=_GAP, width=2 * _FINE)
         text = "brakes" if post == 0 else f"{post} m"
-        draw.text((at + 5 * _FINE, height - 3 * _FINE), text, fill=_GAP, font=_font(12), anchor="ls")
+        draw.text(
+            (at + 5 * _FINE, height - 3 * _FINE), text, fill=_GAP, font=_font(12), anchor="ls"
+        )
 
 
 def _shapes(car: Driven, now: int, colour: str) -> Iterator[tuple[list[tuple[float, float]], str]]:
@@ -171,7 +189,13 @@ def _shapes(car: Driven, now: int, colour: str) -> Iterator[tuple[list[tuple[flo
     for wheel, angles in zip(car.wheels, car.angles, strict=True):
         cosine, sine = np.cos(angles[now]), np.sin(angles[now])
         corners = [(wheel.radius * a, 0.11 * b) for a, b in ((1, 1), (1, -1), (-1, -1), (-1, 1))]
-        yield [(wheel.x + a * cosine - b * sine, wheel.y + a * sine + b * cosine) for a, b in corners], _TYRE
+        yield (
+            [
+                (wheel.x + a * cosine - b * sine, wheel.y + a * sine + b * cosine)
+                for a, b in corners
+            ],
+            _TYRE,
+        )
 
 
 def _on_road(car: Driven, i: int, forward: float, left: float) -> tuple[float, float]:

@@ -23,7 +23,9 @@ INSTANT = 4.0  # s, in the second lane
 def save_pictures(folder: Path) -> None:
     """Drive the scenario and write both pictures; SystemExit, in one line, without a Chromium."""
     if FOUND is None:
-        raise SystemExit("error: pictures of pages need a Chromium on the PATH: apt install chromium")
+        raise SystemExit(
+            "error: pictures of pages need a Chromium on the PATH: apt install chromium"
+        )
     driven = run(SCENARIO)
     for name, save in (("live_page", _save_live_page), ("report_page", _save_report)):
         with closing(Browser(*SIZE[name])) as browser:
@@ -35,10 +37,14 @@ def _save_live_page(browser: Browser, driven: Result, path: Path) -> None:
     (of_scenario,) = (each for each in driven.scenario.runs if each.name == name)
     with closing(FedPage()) as fed:
         browser.open(fed.pages.url)
-        browser.wait_for("document.readyState === 'complete' && socket.readyState === WebSocket.OPEN")
+        browser.wait_for(
+            "document.readyState === 'complete' && socket.readyState === WebSocket.OPEN"
+        )
         fed.begin(of_scenario, recording, f"EV Control Stack {of_scenario.namespace}")
         last = recording.time[len(recording.time) // 2 - 1]
-        browser.wait_for(f"live.times.at(-1) >= {last} && drawn().length === 3 && views[0]?.ready && !waiting")
+        browser.wait_for(
+            f"live.times.at(-1) >= {last} && drawn().length === 3 && views[0]?.ready && !waiting"
+        )
         browser.run("came = performance.now(); tellState()")
         _photograph(browser, path)
 

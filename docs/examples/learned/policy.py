@@ -29,10 +29,18 @@ class PolicyParameters:
     """What was learned, and how much of it acts."""
 
     weights: tuple[float, ...] = parameter(
-        (0.0,) * WEIGHTS, unit="1", low=-100.0, high=100.0, about="of the network, node by node, its output last"
+        (0.0,) * WEIGHTS,
+        unit="1",
+        low=-100.0,
+        high=100.0,
+        about="of the network, node by node, its output last",
     )
-    largest: float = parameter(4000.0, unit="N m", low=0.0, high=1e5, about="largest moment on the car")
-    slowest: float = parameter(3.0, unit="m/s", low=0.1, high=50.0, about="below it no moment is asked for")
+    largest: float = parameter(
+        4000.0, unit="N m", low=0.0, high=1e5, about="largest moment on the car"
+    )
+    slowest: float = parameter(
+        3.0, unit="m/s", low=0.1, high=50.0, about="below it no moment is asked for"
+    )
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
     def __post_init__(self) -> None:
@@ -58,7 +66,9 @@ def bent(value: float) -> float:
 
 
 @compilable
-def share_of_moment(weights: tuple[float, ...], error: float, turning: float, across: float, steered: float) -> float:
+def share_of_moment(
+    weights: tuple[float, ...], error: float, turning: float, across: float, steered: float
+) -> float:
     """The output of the network, between -1 and 1: w_h f(w_h1 x_1 + ... + w_h4 x_4) over all nodes h, through f.
 
     Without offsets it is odd: a mirrored car in mirrored motion gets the mirrored moment.
@@ -74,11 +84,16 @@ def share_of_moment(weights: tuple[float, ...], error: float, turning: float, ac
 
 
 @compilable
-def inputs(car: Car, speed: float, angle: float, yaw_rate: float, lateral_acceleration: float) -> Wheels:
+def inputs(
+    car: Car, speed: float, angle: float, yaw_rate: float, lateral_acceleration: float
+) -> Wheels:
     """What the network is given, each about 1: error to a neutral car, turning, acceleration across, steering."""
     turning = speed * yaw_rate
     return Wheels(
-        (speed * speed * angle / car.wheelbase - turning) / 5.0, turning / 5.0, lateral_acceleration / 5.0, angle / 0.1
+        (speed * speed * angle / car.wheelbase - turning) / 5.0,
+        turning / 5.0,
+        lateral_acceleration / 5.0,
+        angle / 0.1,
     )
 
 

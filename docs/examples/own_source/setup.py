@@ -9,9 +9,12 @@ setup(
     package_data={"own_source": ["published.csv", "config/*/*.yaml"]},
     install_requires=["ev_control", "ev_study"],
     entry_points={
-        "ev_stack.methods": ["electronic_differential = own_source.law"],  # the node, and the module with its laws
+        # the node, and the module with its laws
+        "ev_stack.methods": ["electronic_differential = own_source.law"],
         "ev_stack.config": ["own_source = own_source"],  # the package with the folder config
-        "ev_stack.sources": ["own_source = own_source.source"],  # PANELS, ORDER; published.csv beside it
-        "ev_stack.reports": ["own_source = own_source.report"],  # metrics and figures of the scenario of this name
+        # PANELS, ORDER; published.csv beside it
+        "ev_stack.sources": ["own_source = own_source.source"],
+        # metrics and figures of the scenario of this name
+        "ev_stack.reports": ["own_source = own_source.report"],
     },
 )

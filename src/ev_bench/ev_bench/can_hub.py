@@ -14,12 +14,18 @@ _PATIENCE = 0.2  # s between looks whether it shall end
 
 def main(argv: list[str] | None = None) -> None:
     """ros2 run ev_bench can_hub --port 29536"""
-    parser = Parser(prog="can_hub", description=f"{__doc__} socketcand's raw mode over TCP on {HOST}.")
-    parser.add_argument("--port", type=PORT, default=29536, help="default 29536; 0 takes any free one")
+    parser = Parser(
+        prog="can_hub", description=f"{__doc__} socketcand's raw mode over TCP on {HOST}."
+    )
+    parser.add_argument(
+        "--port", type=PORT, default=29536, help="default 29536; 0 takes any free one"
+    )
     given = parser.parse_args(argv)
     with StopRequest(patient=True) as stop:
         try:
-            hub = SocketcandHub(given.port, lambda text: print(f"can_hub: {text}", file=sys.stderr, flush=True))
+            hub = SocketcandHub(
+                given.port, lambda text: print(f"can_hub: {text}", file=sys.stderr, flush=True)
+            )
         except OSError as error:
             refuse(f"can_hub: port {given.port}: {error.strerror}")
         print(f"can_hub: {HOST}:{hub.port}", flush=True)

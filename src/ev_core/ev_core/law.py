@@ -12,8 +12,8 @@
 - signals, from `DriverCommand` to `BenchEnergy` (docs/topics.md), and `Instant`, the time of a step
 - elementary functions, from `sin` to `hypot` (docs/elementary_functions.md)
 
-What traction controls and differentials share, such as `traction_control` and `split`, is in `ev_control.law`.
-Nothing in ev_core imports this module: it is a door from outside.
+What traction controls and differentials share, such as `traction_control` and `split`, is in
+`ev_control.law`. Nothing in ev_core imports this module: it is a door from outside.
 """
 
 from ev_core.elementary import *  # as its __all__ lists them
@@ -75,7 +75,15 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueCommand,
     WheelTorqueRequest,
 )
-from ev_msgs_py.contract.wheels import FRONT_LEFT, FRONT_RIGHT, NO_WHEELS, REAR_LEFT, REAR_RIGHT, WHEEL_NAMES, Wheels
+from ev_msgs_py.contract.wheels import (
+    FRONT_LEFT,
+    FRONT_RIGHT,
+    NO_WHEELS,
+    REAR_LEFT,
+    REAR_RIGHT,
+    WHEEL_NAMES,
+    Wheels,
+)
 from ev_msgs_py.refusal import ParameterError
 
 __all__ = [name for name in globals() if not name.startswith("_")]

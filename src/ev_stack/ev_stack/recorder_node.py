@@ -29,33 +29,48 @@ from ev_stack.scenarios.parameter_file import ParameterFile
 from ev_stack.views.messages import CarViews, views_of_nodes
 
 _Add = Callable[[list[bytes], list[int]], None]  # takes messages, and when they came [ns]
-POLL_PERIOD = 0.01  # s; several steps are taken in one go, which costs less than waking up for each message
+# s; several steps are taken in one go, which costs less than waking up for each message
+POLL_PERIOD = 0.01
 
 
 class RecorderInput:
     """Gives serialized messages to a recorder; with `beside` also those that are no signals of the contract.
 
-    `reports` gets a line on nodes that publish where they may not, and on messages that cannot be kept.
+    `reports` gets a line on nodes that publish where they may not, and on messages that cannot be
+    kept.
     """
 
     def __init__(
-        self, node: Node, topics: Sequence[Topic], recorder: RunRecorder, beside: bool, reports: Reports
+        self,
+        node: Node,
+        topics: Sequence[Topic],
+        recorder: RunRecorder,
+        beside: bool,
+        reports: Reports,
     ) -> None:
         self._recorder, self._reports = recorder, reports
         self._clock_stamp = -1
-        self._early: list[tuple[int, bytes, int]] = []  # of /clock, for a run whose first state has yet to be taken
+        # of /clock, for a run whose first state has yet to be taken
+        self._early: list[tuple[int, bytes, int]] = []
         self._next_poll = 0.0
         self.refused = 0
-        # The master's first: nobody answers an instant before the master sends it, so nothing seems to be ahead of it.
-        masters_first = sorted(enumerate(topics), key=lambda place: place[1].signal not in ROLES[MASTER].writes)
+        # The master's first: nobody answers an instant before the master sends it, so nothing seems
+        # to be ahead of it.
+        masters_first = sorted(
+            enumerate(topics), key=lambda place: place[1].signal not in ROLES[MASTER].writes
+        )
         self._readers: list[tuple[Reader, _Add]] = []
         for index, topic in masters_first:
             add = partial(recorder.add, index, refuse=partial(self._refuse, topic))
             self._readers.append((SignalReader(node, topic, _one(add), reports.note), add))
         if beside:
             speaker = Speaker(node, "/clock", MASTER, reports.note)
-            self._readers.append((Reader(node, Clock, "/clock", _one(self._add_clock), speaker), self._add_clock))
-            everybody = Reader(node, DiagnosticArray, "/diagnostics", _one(self._add_diagnostics), None)
+            self._readers.append(
+                (Reader(node, Clock, "/clock", _one(self._add_clock), speaker), self._add_clock)
+            )
+            everybody = Reader(
+                node, DiagnosticArray, "/diagnostics", _one(self._add_diagnostics), None
+            )
             self._readers.append((everybody, self._add_diagnostics))
 
     def _refuse(self, topic: Topic, error: MessageError) -> None:
@@ -65,11 +80,14 @@ class RecorderInput:
     def _add_clock(self, messages: list[bytes], came: list[int]) -> None:
         for message, time_of_arrival in zip(messages, came, strict=True):
             stamp = stamp_of(message)
-            if stamp != self._clock_stamp:  # the master repeats the stamp where it repeats the state
+            # the master repeats the stamp where it repeats the state
+            if stamp != self._clock_stamp:
                 self._clock_stamp = stamp
                 self._early.append((stamp, message, time_of_arrival))
         kind = "rosgraph_msgs/msg/Clock"
-        self._early = [each for each in self._early if not self._recorder.add_beside("/clock", kind, *each)]
+        self._early = [
+            each for each in self._early if not self._recorder.add_beside("/clock", kind, *each)
+        ]
 
     def _add_diagnostics(self, messages: list[bytes], came: list[int]) -> None:
         kind, stamp = "diagnostic_msgs/msg/DiagnosticArray", self._recorder.held_stamp
@@ -106,7 +124,9 @@ class RecorderNode(Spinnable, Node):
     _recorder: RunRecorder | None = None  # until there is something to write
 
     def __init__(self, **node_arguments: Any) -> None:
-        super().__init__("recorder", automatically_declare_parameters_from_overrides=True, **node_arguments)
+        super().__init__(
+            "recorder", automatically_declare_parameters_from_overrides=True, **node_arguments
+        )
         p = build(RecorderParameters, ros_parameters.overrides(self))
         ros_parameters.declare(self, entries(p))
         topics = [topic for topic in TOPICS.values() if topic.name in p.topics]
@@ -114,7 +134,8 @@ class RecorderNode(Spinnable, Node):
         self._recorder = RunRecorder(p, topics, names, self._views(p))
         try:
             self._begin(p, topics)
-        except BaseException:  # nobody has this node, to close it: its bag would be written on after the last word
+        # nobody has this node, to close it: its bag would be written on after the last word
+        except BaseException:
             self._recorder.close()
             raise
 
@@ -122,7 +143,9 @@ class RecorderNode(Spinnable, Node):
         if not (p.bag and p.parameter_file):
             return None
         file, space = ParameterFile(Path(p.parameter_file)), self.get_namespace()
-        named = {role: file.values_for(f"{space.rstrip('/')}/{role}") for role in (*ROLES, RECORDER)}
+        named = {
+            role: file.values_for(f"{space.rstrip('/')}/{role}") for role in (*ROLES, RECORDER)
+        }
         return views_of_nodes(space, {role: values for role, values in named.items() if values})
 
     def _begin(self, p: RecorderParameters, topics: list[Topic]) -> None:

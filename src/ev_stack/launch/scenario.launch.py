@@ -14,7 +14,10 @@ from launch_ros.actions import Node
 
 ARGUMENTS = {
     "scenario": ("shchur2019", "name or path of a scenario"),
-    "options": ("", "what `ev-stack parameters --help` knows besides: --run, --method, --set, --realtime ..."),
+    "options": (
+        "",
+        "what `ev-stack parameters --help` knows besides: --run, --method, --set, --realtime ...",
+    ),
     "out": ("results/launched", "folder for bag and signals"),
     "rviz": ("false", "whether RViz shows the car"),
 }

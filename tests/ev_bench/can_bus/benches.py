@@ -16,7 +16,14 @@ from ev_msgs_py.can.payload import next_counter
 
 TICK = 0.001
 TORQUE_MODE, SPEED_MODE = 1.0, 2.0
-NOTHING = {"Mode": 0.0, "Direction": 0.0, "Controlword": 0.0, "Torque": 0.0, "Speed": 0.0, "TorqueLimit": 0.0}
+NOTHING = {
+    "Mode": 0.0,
+    "Direction": 0.0,
+    "Controlword": 0.0,
+    "Torque": 0.0,
+    "Speed": 0.0,
+    "TorqueLimit": 0.0,
+}
 TORQUE = NOTHING | {"Mode": TORQUE_MODE, "Speed": 7500.0, "TorqueLimit": 400.0}
 SPEED = NOTHING | {"Mode": SPEED_MODE, "TorqueLimit": 400.0}
 
@@ -29,7 +36,8 @@ class Bench:
         self.circuit = self.station.s
         self.told: dict[str, dict[str, float]] = {}
         self.counters: dict[str, int] = {}
-        self.kept: dict[str, dict[str, float]] = {}  # set-points that are repeated in every cycle, by device
+        # set-points that are repeated in every cycle, by device
+        self.kept: dict[str, dict[str, float]] = {}
         self._by_identifier = {layout.identifier: layout for layout in ours()}
 
     def inverter(self, device: str) -> Any:

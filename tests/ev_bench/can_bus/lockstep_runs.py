@@ -19,5 +19,7 @@ HEALTHY = (
 
 def driven(duration: float, *values: tuple[str, str, Any]) -> Mapping[str, np.ndarray]:
     """The channels of bench_fault without its fault."""
-    (run,) = load_scenario("bench_fault", Overrides(values=[*HEALTHY, *values], duration=duration)).runs
+    (run,) = load_scenario(
+        "bench_fault", Overrides(values=[*HEALTHY, *values], duration=duration)
+    ).runs
     return run_offline(run.configurations, duration).channels

@@ -82,13 +82,18 @@ def test_the_log_is_the_modelled_bus(lossy):
         others = busy - sum(1e-6 * exact_frame(frame.identifier, frame.data) for frame in own)
         assert others / 135e-6 == pytest.approx(round(others / 135e-6), abs=1e-6)
         assert others == pytest.approx(0.3 * 0.1, abs=4 * 135e-6)  # from the second tick on
-        counters = [frame.data[1] & 0xF for frame in own if frame.identifier == 0x20B + (circuit == "12")]
+        counters = [
+            frame.data[1] & 0xF for frame in own if frame.identifier == 0x20B + (circuit == "12")
+        ]
         assert all((b - a) % 15 == 1 for a, b in pairwise(counters))
 
 
 def test_the_log_ends_where_the_bench_was_another_one(lossy):
     run, recording = lossy
-    channels = {**recording.channels, "can.bus.load_11": recording.channels["can.bus.load_11"].copy()}
+    channels = {
+        **recording.channels,
+        "can.bus.load_11": recording.channels["can.bus.load_11"].copy(),
+    }
     channels["can.bus.load_11"][40] += 0.001
     bench = run.configurations["test_bench"]
     assert logged_frames(Recording(recording.time, channels), bench)[1] == recording.time[39]
@@ -126,7 +131,9 @@ def faulty():
     return run, run_offline(run.configurations, run.duration)
 
 
-@pytest.mark.parametrize("way", [run_in_process, pytest.param(run_in_processes, marks=pytest.mark.weekly)])
+@pytest.mark.parametrize(
+    "way", [run_in_process, pytest.param(run_in_processes, marks=pytest.mark.weekly)]
+)
 def test_bench_and_bus_give_the_same_bits_in_all_ways_of_running(faulty, way, tmp_path):
     run, offline = faulty
     assert offline.channels["can.bus.lost_11"][-1] > 5.0
@@ -148,7 +155,9 @@ def test_a_wheel_that_grips_again_is_no_fault():
     values = [("test_bench", "method", "circuits_on_can")]
     (run,) = load_scenario("urban_mixed_bench", Overrides(values=values, duration=33.0)).runs
     noted: list[str] = []
-    channels = run_offline(run.configurations, run.duration, note=lambda _, text: noted.append(text)).channels
+    channels = run_offline(
+        run.configurations, run.duration, note=lambda _, text: noted.append(text)
+    ).channels
     speed = channels["bench.shafts.speed.front_right"]
     assert np.diff(speed).min() < -0.005 * 1500.0
     assert noted == []
@@ -165,8 +174,14 @@ def test_the_load_machine_is_held_against_the_gear_ratio_that_is_driven():
     """With 7.4, that of the scenario's car, its fault seemed to begin before it was there."""
     what = "load machine at its limit"
     case = trial(what, 1)
-    other_gear = (*case.values, ("*", "vehicle.gear_ratio", 8.0), ("inverter_gateway", "gear_ratio", 8.0))
-    assert not bench_faults.wrong(what, drive_case(replace(case, values=other_gear), bench_faults.measure))
+    other_gear = (
+        *case.values,
+        ("*", "vehicle.gear_ratio", 8.0),
+        ("inverter_gateway", "gear_ratio", 8.0),
+    )
+    assert not bench_faults.wrong(
+        what, drive_case(replace(case, values=other_gear), bench_faults.measure)
+    )
 
 
 def test_a_trial_without_a_fault_fails():

@@ -29,7 +29,9 @@ from ev_core.parameters.record import numbers
 from ev_msgs_py.can.frame_length import wire_bits
 from ev_msgs_py.can.payload import NO_FRAME, joined, words
 
-LAYOUTS = sorted((f for f in ours() if "11" in f.name or "Ecu" in f.name), key=lambda f: f.identifier)
+LAYOUTS = sorted(
+    (f for f in ours() if "11" in f.name or "Ecu" in f.name), key=lambda f: f.identifier
+)
 FRAMES = channel_frames(LAYOUTS)
 TICK = 1000.0  # bits
 LONGEST = 135.0  # bits of a frame of others
@@ -86,7 +88,8 @@ def test_what_has_not_arrived_yet_is_taken_in_a_later_tick():
 def test_what_has_arrived_waits_until_it_is_taken_though_the_next_one_is_on_its_way():
     """A reader that looks at 500 bits gets the frame that came at 600 a tick later, while the next one is on the wire.
 
-    Before, that one took its place as soon as it began, and a bus with 40 % of other traffic passed no set-point.
+    Before, that one took its place as soon as it began, and a bus with 40 % of other traffic passed
+    no set-point.
     """
     s, heard = ChannelState(), []
     for tick in range(4):
@@ -176,7 +179,10 @@ def test_compiled_code_gives_the_same_bits():
 
 
 ACTS = st.lists(
-    st.tuples(st.sampled_from(["release", "take"]), st.integers(0, PLACES - 1), st.integers(0, 999)), max_size=30
+    st.tuples(
+        st.sampled_from(["release", "take"]), st.integers(0, PLACES - 1), st.integers(0, 999)
+    ),
+    max_size=30,
 )
 
 

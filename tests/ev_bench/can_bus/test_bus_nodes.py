@@ -22,13 +22,19 @@ from std_srvs.srv import SetBool, Trigger
 from ev_bench.bus.channel import Channel
 from ev_bench.nodes.gateway import InverterGatewayNode
 from ev_bench.nodes.inverter import InverterNode
-from ev_msgs_py.can.drive_states import ENABLE_COMMAND, FAULT, FAULT_REACTION_ACTIVE, OPERATION_ENABLED
+from ev_msgs_py.can.drive_states import (
+    ENABLE_COMMAND,
+    FAULT,
+    FAULT_REACTION_ACTIVE,
+    OPERATION_ENABLED,
+)
 from ev_msgs_py.refusal import ParameterError
 from ev_nodes.stepping.spinning import spin
 from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 QUICK_CHARGE = {f"{machine}.dc_link.precharge_resistance": 10.0 for machine in ("drive", "load")}
-# A loaded machine may hold a node up for longer than the time-outs of a real bus: here they are no subject.
+# A loaded machine may hold a node up for longer than the time-outs of a real bus: here they are no
+# subject.
 PATIENT = {"drive.command_timeout": 1.0, "load.command_timeout": 1.0}
 WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
 
@@ -58,7 +64,10 @@ class World(Node):
         self.torques.publish(JointState(name=names, effort=[left, right] + [0.0] * 6))
 
     def _on_states(self, message: JointState) -> None:
-        self.states = {n: (v, e) for n, v, e in zip(message.name, message.velocity, message.effort, strict=True)}
+        self.states = {
+            n: (v, e)
+            for n, v, e in zip(message.name, message.velocity, message.effort, strict=True)
+        }
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
@@ -69,8 +78,14 @@ class World(Node):
 class Rig:
     """Both nodes and the world."""
 
-    def __init__(self, context: Any, name: str, gateway: dict[str, Any], inverter: dict[str, Any]) -> None:
-        bus = {"bus.interface": "virtual", "bus.channel_11": f"{name}_11", "bus.channel_12": f"{name}_12"}
+    def __init__(
+        self, context: Any, name: str, gateway: dict[str, Any], inverter: dict[str, Any]
+    ) -> None:
+        bus = {
+            "bus.interface": "virtual",
+            "bus.channel_11": f"{name}_11",
+            "bus.channel_12": f"{name}_12",
+        }
         self.world = World(context)
         patient = {"feedback_timeout": 1.0, "command_timeout": 10.0, "reset_timeout": 10.0}
         self.gateway = made(InverterGatewayNode, context, {**bus, **patient, **gateway})
@@ -108,7 +123,10 @@ class Rig:
         return answer.result()
 
     def states(self, *names: str) -> set[float]:
-        return {self.gateway.station.devices[name].feedback.state for name in names or ("Drive11", "Drive12")}
+        return {
+            self.gateway.station.devices[name].feedback.state
+            for name in names or ("Drive11", "Drive12")
+        }
 
     def drive(self, circuit: str) -> Any:
         return self.inverter.circuits[circuit].s.drive
@@ -120,7 +138,9 @@ def made(kind: type, context: Any, values: dict[str, Any]) -> Any:
 
 
 @contextmanager
-def rig(name: str, gateway: dict[str, Any] | None = None, inverter: dict[str, Any] | None = None) -> Iterator[Rig]:
+def rig(
+    name: str, gateway: dict[str, Any] | None = None, inverter: dict[str, Any] | None = None
+) -> Iterator[Rig]:
     with ros_domain() as context:
         found = Rig(context, name, gateway or {}, inverter or {})
         try:
@@ -134,15 +154,25 @@ def test_torque_goes_from_the_graph_to_the_machines_and_feedback_comes_back():
     """74 N m at the wheel behind 7.4 are 10 N m at the shaft; right is circuit 11."""
     with rig("through") as r:
         assert "is silent" in r.gateway.station.enable(("Drive11",))
-        r.run(lambda: r.gateway.station.devices["Drive12"].command_age < 1.0 and r.states() == {1.0})
-        assert r.call(r.world.enable, SetBool.Request(data=True)).message == "being enabled: Drive11, Drive12"
+        r.run(
+            lambda: r.gateway.station.devices["Drive12"].command_age < 1.0 and r.states() == {1.0}
+        )
+        assert (
+            r.call(r.world.enable, SetBool.Request(data=True)).message
+            == "being enabled: Drive11, Drive12"
+        )
         r.run(lambda: r.states() == {float(OPERATION_ENABLED)})
         r.torque = (74.0, -148.0)
         r.run(lambda: abs(r.world.states.get("left_drive", (0.0, 0.0))[1] - 10.0) < 0.05)
         r.run(lambda: abs(r.world.states["right_drive"][1] + 20.0) < 0.05)
         assert r.world.states["left_drive"][0] > 0.0 > r.world.states["right_drive"][0]
-        r.run(lambda: bool(r.world.links) and r.world.links[-1].voltage == 329.625)  # 329.6 V in steps of 0.125 V
-        r.run(lambda: r.world.diagnoses.get("left_drive") == (DiagnosticStatus.OK, "operation enabled"))
+        # 329.6 V in steps of 0.125 V
+        r.run(lambda: bool(r.world.links) and r.world.links[-1].voltage == 329.625)
+        r.run(
+            lambda: (
+                r.world.diagnoses.get("left_drive") == (DiagnosticStatus.OK, "operation enabled")
+            )
+        )
         assert r.call(r.world.enable, SetBool.Request(data=False)).success
         r.run(lambda: r.drive("11").torque == r.drive("12").torque == 0.0)
 
@@ -160,7 +190,10 @@ def test_a_fault_is_named_in_diagnostics_and_cleared_by_the_reset_service_alone(
         assert r.drive("12").torque > 5.0
         r.inverter.set_parameters([Parameter("inject.drive_11", Parameter.Type.STRING_ARRAY, [])])
         answer = r.call(r.world.enable, SetBool.Request(data=True))
-        assert (answer.success, answer.message) == (False, "Drive11 has a latched fault: reset it first")
+        assert (answer.success, answer.message) == (
+            False,
+            "Drive11 has a latched fault: reset it first",
+        )
         assert r.call(r.world.reset, Trigger.Request()).success
         r.run(lambda: not r.gateway.station.enable(("Drive11", "Drive12")))
         r.run(lambda: r.states() == {float(OPERATION_ENABLED)} and r.drive("11").torque > 5.0)
@@ -209,7 +242,9 @@ def test_random_frames_end_no_node_and_move_no_motor():
     import random
 
     with rig("fuzz") as r:
-        strangers = [can.Bus(channel=f"fuzz_{circuit}", interface="virtual") for circuit in ("11", "12")]
+        strangers = [
+            can.Bus(channel=f"fuzz_{circuit}", interface="virtual") for circuit in ("11", "12")
+        ]
         chance, sent = random.Random(5), 0
 
         def more() -> bool:
@@ -219,11 +254,16 @@ def test_random_frames_end_no_node_and_move_no_motor():
                     extended = chance.random() < 0.1
                     identifier = chance.getrandbits(29 if extended else 11)
                     data = chance.randbytes(chance.randrange(9))
-                    bus.send(can.Message(arbitration_id=identifier, is_extended_id=extended, data=data))
+                    bus.send(
+                        can.Message(arbitration_id=identifier, is_extended_id=extended, data=data)
+                    )
                     sent += 1
                 while bus.recv(timeout=0.0):
                     pass
-            assert not any(c.s.speed or c.s.drive.torque or c.s.load.torque for c in r.inverter.circuits.values())
+            assert not any(
+                c.s.speed or c.s.drive.torque or c.s.load.torque
+                for c in r.inverter.circuits.values()
+            )
             return sent >= 6000
 
         r.run(more)
@@ -235,17 +275,37 @@ def test_random_frames_end_no_node_and_move_no_motor():
 @pytest.mark.parametrize(
     ("kind", "values", "said"),
     [
-        (InverterNode, {"bus.interface": "carrier_pigeon"}, "'carrier_pigeon' is refused, expected one of virtual"),
+        (
+            InverterNode,
+            {"bus.interface": "carrier_pigeon"},
+            "'carrier_pigeon' is refused, expected one of virtual",
+        ),
         (
             InverterNode,
             {"bus.interface": "socketcan", "bus.channel_11": "can77"},
             "CAN interface socketcan, channel can77",
         ),
-        (InverterNode, {"bus.interface": "virtual", "bus.database": "none.dbc"}, "none.dbc: No such file or directory"),
+        (
+            InverterNode,
+            {"bus.interface": "virtual", "bus.database": "none.dbc"},
+            "none.dbc: No such file or directory",
+        ),
         (InverterNode, {"inject.drive_11": ["fire"]}, "'fire' is refused, expected one of trip"),
-        (InverterGatewayNode, {"bus.interface": "virtual", "bus.log": "x.txt"}, "'x.txt' is refused"),
-        (InverterGatewayNode, {"torque_limit": -1.0}, "torque_limit: -1.0 is refused, expected 0 to 1000 N m"),
-        (InverterGatewayNode, {"speed": 1.0}, "unknown parameter 'speed'; did you mean speed_limit?"),
+        (
+            InverterGatewayNode,
+            {"bus.interface": "virtual", "bus.log": "x.txt"},
+            "'x.txt' is refused",
+        ),
+        (
+            InverterGatewayNode,
+            {"torque_limit": -1.0},
+            "torque_limit: -1.0 is refused, expected 0 to 1000 N m",
+        ),
+        (
+            InverterGatewayNode,
+            {"speed": 1.0},
+            "unknown parameter 'speed'; did you mean speed_limit?",
+        ),
     ],
 )
 def test_bad_parameters_are_one_clear_line(kind: type, values: dict[str, Any], said: str):
@@ -262,7 +322,9 @@ def test_limits_change_while_it_runs_and_bad_ones_do_not():
         assert node.station.p.torque_limit == 100.0
         refused = node.set_parameters([Parameter("torque_limit", value=2000.0)])[0]
         assert not refused.successful
-        assert not node.set_parameters([Parameter("bus.interface", value="socketcan")])[0].successful
+        assert not node.set_parameters([Parameter("bus.interface", value="socketcan")])[
+            0
+        ].successful
         assert node.station.p.torque_limit == 100.0
         node.close()
 
@@ -309,7 +371,9 @@ def test_a_file_names_no_log_outside_the_working_directory(tmp_path: Path, monke
             InverterGatewayNode(context=context, namespace=NAMESPACE, cli_args=told).close()
 
     for log in ("../elsewhere.log", str(tmp_path / "elsewhere.log")):
-        with pytest.raises(ValueError, match=r"^parameter bus.log: '\S+' is refused, expected from a file "):
+        with pytest.raises(
+            ValueError, match=r"^parameter bus.log: '\S+' is refused, expected from a file "
+        ):
             gateway(log)
         assert not (tmp_path / "elsewhere.log").exists()
     gateway("own.log")
@@ -327,8 +391,12 @@ def test_a_file_opens_no_socket_to_a_network(tmp_path: Path):
     can = ("test_bench", "method", "circuits_on_can")
     with pytest.raises(ParameterError, match=refused):
         load_scenario("urban_mixed_bench", Overrides([file], [can]))
-    file.write_text(file.read_text().replace("address: 192.0.2.7", f"database: {tmp_path.parent / 'other.dbc'}"))
-    with pytest.raises(ParameterError, match=r"bus\.database: '.*other.dbc' is refused, allowed in "):
+    file.write_text(
+        file.read_text().replace("address: 192.0.2.7", f"database: {tmp_path.parent / 'other.dbc'}")
+    )
+    with pytest.raises(
+        ParameterError, match=r"bus\.database: '.*other.dbc' is refused, allowed in "
+    ):
         load_scenario("urban_mixed_bench", Overrides([file], [can]))
     file.write_text(f"/**/inverter_gateway:\n  ros__parameters: {values}\n")
     said = Overrides([file], [can, ("inverter_gateway", "bus.address", "192.0.2.8")])
@@ -336,14 +404,21 @@ def test_a_file_opens_no_socket_to_a_network(tmp_path: Path):
     assert run.configurations["inverter_gateway"].parameters.bus.address == "192.0.2.8"
     for words in ((), ("-p", "bus.address:=192.0.2.7")):
         told = ["--ros-args", "--params-file", str(file), *words]
-        with ros_domain() as context, nullcontext() if words else pytest.raises(ParameterError, match=refused):
+        with (
+            ros_domain() as context,
+            nullcontext() if words else pytest.raises(ParameterError, match=refused),
+        ):
             InverterGatewayNode(context=context, namespace=NAMESPACE, cli_args=told).close()
 
 
 def test_set_points_that_waited_while_the_inverter_was_held_up_do_not_count_as_in_time(monkeypatch):
     """Held up for 50 ms under torque, with a time-out of 10 ms: the torque ends, though frames came all the time."""
     name = "held_up"
-    bus = {"bus.interface": "virtual", "bus.channel_11": f"{name}_11", "bus.channel_12": f"{name}_12"}
+    bus = {
+        "bus.interface": "virtual",
+        "bus.channel_11": f"{name}_11",
+        "bus.channel_12": f"{name}_12",
+    }
     with ros_domain() as context:
         node = made(InverterNode, context, {**bus, **QUICK_CHARGE})
         drive, ecu = node.circuits["11"].s.drive, Bench()

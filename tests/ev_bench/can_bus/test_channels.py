@@ -101,10 +101,12 @@ def test_who_is_too_slow_for_its_bus_takes_what_is_new():
     ):
         for _ in range(3):  # twice the first frame was taken at a load of 20; why is not known
             one.send(FRAMES[0])
-            assert select.select([other._bus], [], [], PATIENCE)[0]  # its time is that at which it came
+            # its time is that at which it came
+            assert select.select([other._bus], [], [], PATIENCE)[0]
             time.sleep(0.2)
             taken, deadline = None, time.monotonic() + PATIENCE
-            while taken is None and time.monotonic() < deadline:  # on a busy machine this one may be late, too
+            # on a busy machine this one may be late, too
+            while taken is None and time.monotonic() < deadline:
                 one.send(FRAMES[1])
                 taken = other.receive()
             if taken == FRAMES[1]:
@@ -135,7 +137,8 @@ def test_two_multicast_channels_do_not_hear_each_other():
     names = [group(free_port()), group(free_port())]
     channels = [Channel("udp_multicast", name) for name in names]
     channels[0].send(FRAMES[0])
-    assert received(channels[0], 1) == FRAMES[:1]  # it hears itself, so that the frame has been there
+    # it hears itself, so that the frame has been there
+    assert received(channels[0], 1) == FRAMES[:1]
     assert channels[1].receive() is None
     for channel in channels:
         channel.close()
@@ -150,14 +153,17 @@ def test_multicast_frames_stay_on_loopback():
         socket.socket(fileno=os.dup(channel._bus.fileno())) as same,
     ):
         assert same.getsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL) == 0
-        assert same.getsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, 4) == socket.inet_aton("127.0.0.1")
+        assert same.getsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, 4) == socket.inet_aton(
+            "127.0.0.1"
+        )
         assert same.getsockname() == (address, int(port))
         channel.send(FRAMES[0])
         frame, _ = same.recvfrom(4096)
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
             stranger.sendto(frame, ("127.0.0.1", int(port)))  # to this machine, not to the group
             if can_multicast(stranger):
-                stranger.sendto(frame, (address, int(port)))  # to the group, on the network of this machine
+                # to the group, on the network of this machine
+                stranger.sendto(frame, (address, int(port)))
         channel.send(FRAMES[1])
         assert received(channel, 1) == FRAMES[1:2]
         assert channel.receive() is None
@@ -220,12 +226,19 @@ def two_clients() -> Iterator[tuple[SocketcandHub, list[str], socket.socket, soc
 def test_who_joins_a_busy_bus_has_the_answer_alone_and_then_all_frames(monkeypatch):
     """python-can takes for the answer whatever has come when it looks.
 
-    The time in which frames are held back ends when the test has looked, however slow the machine is.
+    The time in which frames are held back ends when the test has looked, however slow the machine
+    is.
     """
     monkeypatch.setattr(socketcand_hub, "_SETTLES", 3600.0)
-    with two_clients() as (served, _, one, _), socket.create_connection((HOST, served.port)) as late:
+    with (
+        two_clients() as (served, _, one, _),
+        socket.create_connection((HOST, served.port)) as late,
+    ):
         late.setblocking(False)
-        for words, answer in ((b"< open a >", "< hi >< ok >"), (b"< rawmode >", "< hi >< ok >< ok >")):
+        for words, answer in (
+            (b"< open a >", "< hi >< ok >"),
+            (b"< rawmode >", "< hi >< ok >< ok >"),
+        ):
             late.sendall(words)
             while len(text_of(late, served)) < len(answer):
                 pass
@@ -250,7 +263,9 @@ def text_of(client: socket.socket, served: SocketcandHub) -> str:
 DIGITS = "0123456789abcdefABCDEF"
 HEX = st.text(DIGITS, max_size=9)
 LENGTHS = st.sampled_from(["0", "2", "8", "9", "-1", "02"])
-ODD = st.sampled_from(["-12", "+12", "0x1", "1_2", "７FF", "800", "2" * 8, "", "12", "20B", "0000020B"])
+ODD = st.sampled_from(
+    ["-12", "+12", "0x1", "1_2", "７FF", "800", "2" * 8, "", "12", "20B", "0000020B"]
+)
 
 
 @fuzzed(30, 0.2)
@@ -260,7 +275,11 @@ ODD = st.sampled_from(["-12", "+12", "0x1", "1_2", "７FF", "800", "2" * 8, "", 
 @example("7FF", "2", ["0", "fF"])
 def test_the_hub_passes_on_frames_and_sends_away_who_says_anything_else(identifier, length, data):
     fits = len(identifier) in (3, 8) and length in ("0", "2", "8") and len(data) == int(length)
-    fits = fits and all(len(word) in (1, 2) for word in data) and set("".join([identifier, *data])) <= set(DIGITS)
+    fits = (
+        fits
+        and all(len(word) in (1, 2) for word in data)
+        and set("".join([identifier, *data])) <= set(DIGITS)
+    )
     fits = fits and int(identifier, 16) < (1 << 11 if len(identifier) == 3 else 1 << 29)
     with two_clients() as (served, said, one, other):
         other.recv(1000)
@@ -278,7 +297,9 @@ def test_a_hub_without_descriptors_lives_on_and_says_so_once():
     with two_clients() as (served, said, one, other):
         limits = resource.getrlimit(resource.RLIMIT_NOFILE)
         waiting = [socket.socket() for _ in range(2)]
-        resource.setrlimit(resource.RLIMIT_NOFILE, (max(map(int, os.listdir("/proc/self/fd"))), limits[1]))
+        resource.setrlimit(
+            resource.RLIMIT_NOFILE, (max(map(int, os.listdir("/proc/self/fd"))), limits[1])
+        )
         try:
             with suppress(OSError):
                 while True:
@@ -313,9 +334,15 @@ def test_who_says_much_without_sense_costs_the_hub_one_answer(rubbish, monkeypat
     with two_clients() as (served, said, one, _):
         one.recv(1000)
         answers = []
-        (client,) = (each for each in served.clients if each.transport.get_extra_info("peername") == one.getsockname())
+        (client,) = (
+            each
+            for each in served.clients
+            if each.transport.get_extra_info("peername") == one.getsockname()
+        )
         write = client.transport.write
-        monkeypatch.setattr(client.transport, "write", lambda answer: answers.append(answer) or write(answer))
+        monkeypatch.setattr(
+            client.transport, "write", lambda answer: answers.append(answer) or write(answer)
+        )
         one.sendall(rubbish)
         text_of(one, served)
         assert answers == [b"< error unknown command >"]
@@ -323,7 +350,10 @@ def test_who_says_much_without_sense_costs_the_hub_one_answer(rubbish, monkeypat
 
 
 def test_whatever_else_comes_is_counted_and_passed_over():
-    channel, sender = Channel("virtual", "test_others"), can.Bus(channel="test_others", interface="virtual")
+    channel, sender = (
+        Channel("virtual", "test_others"),
+        can.Bus(channel="test_others", interface="virtual"),
+    )
     for special in (
         can.Message(arbitration_id=0x20B, is_extended_id=True, data=bytes(8)),
         can.Message(arbitration_id=0x20B, is_extended_id=False, is_remote_frame=True, dlc=8),
@@ -343,9 +373,20 @@ def test_datagrams_that_are_no_frames_do_no_harm():
     name = group(free_port())
     channel = Channel("udp_multicast", name)
     address, _, port = name.partition(":")
-    rubbish = [b"", b"\xc1", b"\x81", b"\xdf\xff\xff\xff\xff", b"\x80", b"\x81\xa1a", os.urandom(3000), b"\x01\x02"]
+    rubbish = [
+        b"",
+        b"\xc1",
+        b"\x81",
+        b"\xdf\xff\xff\xff\xff",
+        b"\x80",
+        b"\x81\xa1a",
+        os.urandom(3000),
+        b"\x01\x02",
+    ]
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
-        stranger.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton("127.0.0.1"))
+        stranger.setsockopt(
+            socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton("127.0.0.1")
+        )
         for datagram in rubbish:
             stranger.sendto(datagram, (address, int(port)))
     channel.send(FRAMES[0])
@@ -358,11 +399,20 @@ def test_datagrams_that_are_no_frames_do_no_harm():
 @pytest.mark.parametrize(
     ("interface", "channel", "said"),
     [
-        ("socketcan", "can77", "CAN interface socketcan, channel can77: "),  # no such device, or no CAN in this kernel
+        # no such device, or no CAN in this kernel
+        ("socketcan", "can77", "CAN interface socketcan, channel can77: "),
         ("socketcand", "can11@127.0.0.1:1", "channel can11@127.0.0.1:1: Connection refused"),
-        ("socketcand", "can11@192.0.2.7:1", "host '192.0.2.7' is refused, expected 127.0.0.1 unless bus.address is"),
+        (
+            "socketcand",
+            "can11@192.0.2.7:1",
+            "host '192.0.2.7' is refused, expected 127.0.0.1 unless bus.address is",
+        ),
         ("socketcand", "can11", "channel can11: is not of the form NAME@HOST:PORT"),
-        ("udp_multicast", "10.0.0.1:28111", "channel 10.0.0.1:28111: 10.0.0.1 is no multicast address"),
+        (
+            "udp_multicast",
+            "10.0.0.1:28111",
+            "channel 10.0.0.1:28111: 10.0.0.1 is no multicast address",
+        ),
         ("udp_multicast", "239.192.11.11", "is not of the form GROUP:PORT"),
         ("udp_multicast", "239.192.11.11:99999", "port '99999' is refused, expected 1 to 65535"),
         ("udp_multicast", "bus:28111", "Expected 4 octets in 'bus'"),
@@ -388,7 +438,10 @@ def test_a_port_in_use_is_told_alone(caplog):
 def test_every_interface_has_a_channel_for_each_circuit():
     for interface in INTERFACES:
         assert len(set(BusParameters(interface=interface).channels().values())) == 2
-    assert BusParameters(interface="socketcan", channel_11="can5").channels() == {"11": "can5", "12": "can1"}
+    assert BusParameters(interface="socketcan", channel_11="can5").channels() == {
+        "11": "can5",
+        "12": "can1",
+    }
 
 
 @pytest.mark.parametrize("suffix", [".log", ".blf"])
@@ -409,7 +462,9 @@ def test_a_log_holds_what_was_sent_and_received_once(tmp_path: Path, suffix: str
 
 
 def test_logs_that_cannot_be_written_are_refused(tmp_path: Path):
-    with pytest.raises(ValueError, match=r"'bus.txt' is refused, expected files ending with .log, .blf, .mf4"):
+    with pytest.raises(
+        ValueError, match=r"'bus.txt' is refused, expected files ending with .log, .blf, .mf4"
+    ):
         bus_log("bus.txt")
     with pytest.raises(ValueError, match="No such file or directory"):
         bus_log(str(tmp_path / "none" / "bus.log"))

@@ -62,7 +62,9 @@ def test_byte_order_is_intel():
 
 def test_what_is_no_number_is_refused_with_its_place():
     frame = ours()["Drive11_SetPoint"]
-    with pytest.raises(ValueError, match=r"Drive11_SetPoint: Torque is nan, expected -1000 to 1000"):
+    with pytest.raises(
+        ValueError, match=r"Drive11_SetPoint: Torque is nan, expected -1000 to 1000"
+    ):
         frame.pack(dict.fromkeys(frame.signals, 0.0) | {"Torque": math.nan}, 0)
 
 
@@ -82,7 +84,9 @@ def test_names_that_are_missing_or_unknown_are_refused():
     value=st.floats(),
 )
 @example(length=16, is_signed=False, scale=1e-9, offset=1e9, ends=(0.0, 1.0), value=2e9)
-def test_whatever_a_database_says_a_number_saturates_and_never_wraps(length, is_signed, scale, offset, ends, value):
+def test_whatever_a_database_says_a_number_saturates_and_never_wraps(
+    length, is_signed, scale, offset, ends, value
+):
     """A range is refused, or each value arrives within half a step of the nearest end of it; NaN is no value."""
     least = -(1 << length - 1) if is_signed else 0
     first, last = offset + scale * least, offset + scale * (least + (1 << length) - 1)
@@ -109,7 +113,9 @@ def test_whatever_a_database_says_a_number_saturates_and_never_wraps(length, is_
 
 def test_a_counter_that_would_run_into_the_next_signal_is_refused():
     frame = ours()["Drive11_SetPoint"]
-    with pytest.raises(ValueError, match="Drive11_SetPoint: counter 16 is refused, expected 0 to 14"):
+    with pytest.raises(
+        ValueError, match="Drive11_SetPoint: counter 16 is refused, expected 0 to 14"
+    ):
         frame.pack(dict.fromkeys(frame.signals, 0.0), 16)
 
 

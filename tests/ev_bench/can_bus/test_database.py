@@ -48,7 +48,9 @@ def test_refused_databases(tmp_path: Path, before: str, after: str, said: str):
 
 
 def test_a_file_that_is_not_there(tmp_path: Path):
-    with pytest.raises(ParameterError, match=r"CAN database .*none.dbc: No such file or directory$"):
+    with pytest.raises(
+        ParameterError, match=r"CAN database .*none.dbc: No such file or directory$"
+    ):
         load_database(str(tmp_path / "none.dbc"))
 
 
@@ -60,12 +62,16 @@ def test_binary_rubbish(tmp_path: Path):
 
 
 def test_an_unknown_frame_is_named_with_the_known_ones():
-    with pytest.raises(ParameterError, match="unknown CAN frame 'Drive13_Motion'; did you mean Drive1"):
+    with pytest.raises(
+        ParameterError, match="unknown CAN frame 'Drive13_Motion'; did you mean Drive1"
+    ):
         ours()["Drive13_Motion"]
 
 
 def test_frames_of_a_device():
-    names = {frame.name for frame in ours() if frame.sender == "Drive11" or "Drive11" in frame.receivers}
+    names = {
+        frame.name for frame in ours() if frame.sender == "Drive11" or "Drive11" in frame.receivers
+    }
     assert names == {"Ecu_Heartbeat"} | {
         f"Drive11_{kind}" for kind in ("SetPoint", "Motion", "Electrical", "Temperatures", "Faults")
     }
@@ -93,7 +99,9 @@ def test_a_signal_that_is_taken_says_what_it_can_and_no_more(
     before = "24|16@1- (0.03125,0) [-1000|1000]"
     assert before in TEXT
     file = tmp_path_factory.mktemp("dbc") / "own.dbc"
-    file.write_text(TEXT.replace(before, f"{start}|{length}@1{sign} ({scale},{offset}) [{low}|{high}]"))
+    file.write_text(
+        TEXT.replace(before, f"{start}|{length}@1{sign} ({scale},{offset}) [{low}|{high}]")
+    )
     try:
         field = load_database(str(file))["Drive11_SetPoint"].signals["Torque"]
     except ParameterError as refused:

@@ -43,7 +43,9 @@ PATTERNS = {
 }
 
 
-def after(state: int, control: int, reset=False, faulty=False, charged=True, torque_gone=True) -> int:
+def after(
+    state: int, control: int, reset=False, faulty=False, charged=True, torque_gone=True
+) -> int:
     return next_state(state, control, reset, faulty, charged, torque_gone)
 
 
@@ -117,14 +119,22 @@ def test_the_controlwords_of_the_gateway_lead_to_operation():
     for _ in range(5):
         state = after(state, controlword_towards_operation(state))
         passed.append(state)
-    assert passed == [SWITCH_ON_DISABLED, READY_TO_SWITCH_ON, SWITCHED_ON, OPERATION_ENABLED, OPERATION_ENABLED]
+    assert passed == [
+        SWITCH_ON_DISABLED,
+        READY_TO_SWITCH_ON,
+        SWITCHED_ON,
+        OPERATION_ENABLED,
+        OPERATION_ENABLED,
+    ]
     assert controlword_towards_operation(FAULT) == DISABLE_VOLTAGE
 
 
 def test_compiled_code_goes_the_same_ways():
     step, read = compiled(next_state), compiled(state_of)
     flags = list(itertools.product((False, True), repeat=4))
-    for state, control in itertools.product(STATES, (0x00, 0x02, 0x06, 0x07, 0x0B, 0x0F, 0x80, 0x8F)):
+    for state, control in itertools.product(
+        STATES, (0x00, 0x02, 0x06, 0x07, 0x0B, 0x0F, 0x80, 0x8F)
+    ):
         for given in flags:
             assert step(state, control, *given) == next_state(state, control, *given)
     assert [read(word) for word in range(256)] == [state_of(word) for word in range(256)]

@@ -40,7 +40,8 @@ from ev_stack.interface.simulation import SteppedLaw
 pytestmark = pytest.mark.slow
 
 LAW = "electronic_differential"
-PEDAL, SECONDS, TIMEOUT = 300.0, 0.4, 5.0  # N m, s, and s because a loaded machine holds processes up
+# N m, s, and s because a loaded machine holds processes up
+PEDAL, SECONDS, TIMEOUT = 300.0, 0.4, 5.0
 HELD = 15.0  # rad/s, of the left shaft without torque
 USED = no_process_left  # a fixture for all tests here
 
@@ -57,7 +58,14 @@ def built(target: str, folder: Path) -> list[str]:
     for needed in ("make", on.compiler, *on.emulator[:1]):
         if not shutil.which(needed):
             pytest.skip(f"{needed} is not installed")
-    words = ["make", "-C", EXAMPLES / "ecu", f"BUILD={folder}", f"TARGET={target}", f"CC={on.compiler}"]
+    words = [
+        "make",
+        "-C",
+        EXAMPLES / "ecu",
+        f"BUILD={folder}",
+        f"TARGET={target}",
+        f"CC={on.compiler}",
+    ]
     for _ in range(2):
         done = subprocess.run(words, capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
@@ -69,7 +77,10 @@ class LeftLoad:
 
     def __init__(self, channel: Channel) -> None:
         patient = {"feedback_timeout": 1.0, "command_timeout": 10.0}
-        self.station, self.ticks = GatewayStation(ours(), build(GatewayParameters, patient)), Ticks()
+        self.station, self.ticks = (
+            GatewayStation(ours(), build(GatewayParameters, patient)),
+            Ticks(),
+        )
         self.channel, self.own = channel, int(self.station.own["Load12"].set_point)
         self.station.command("Load12", SPEED_MODE, HELD)
 
@@ -114,7 +125,8 @@ def test_an_exported_law_drives_our_inverters(target, folders):
         load.lead(load.holds)
         words = [*program, port, str(PEDAL), str(SECONDS), str(TIMEOUT)]
         killed = started([*words[:-2], "30", str(TIMEOUT)])
-        load.lead(lambda: load.station.devices["Load12"].feedback.torque < -1.0)  # against the drive
+        # against the drive
+        load.lead(lambda: load.station.devices["Load12"].feedback.torque < -1.0)
         killed.kill()  # the drives keep a fault, which the next one resets
         before = started(words)
         load.lead(lambda: before.poll() is not None)
@@ -125,14 +137,21 @@ def test_an_exported_law_drives_our_inverters(target, folders):
         end([inverter])
     told = ecu.communicate()[0]
     assert ecu.returncode == 0, told
-    rows = np.array([line.split() for line in told.splitlines() if not line.startswith("ecu: held, ")], float)
+    rows = np.array(
+        [line.split() for line in told.splitlines() if not line.startswith("ecu: held, ")], float
+    )
     run = only_run("urban_mixed_bench", "", overrides(method={LAW: "limited_slip"}))
     law = SteppedLaw(run.configurations[LAW])
     given = dict.fromkeys(law.inputs, 0.0) | {"driver.command.drive_torque": PEDAL}
     for n, (left, right, *torques) in enumerate(rows.tolist()):
-        given |= {"wheel_states.velocity.front_left": left, "wheel_states.velocity.front_right": right}
+        given |= {
+            "wheel_states.velocity.front_left": left,
+            "wheel_states.velocity.front_right": right,
+        }
         answer = law.answer(stamps.to_seconds(n * run.period), given)
-        assert [answer[f"torque_request.drive.front_{side}"] for side in ("left", "right")] == torques
+        assert [
+            answer[f"torque_request.drive.front_{side}"] for side in ("left", "right")
+        ] == torques
     left, right, *torques = rows[-1]
     assert right > left and torques[0] > torques[1]  # by how much hangs on the wall clock
 
@@ -142,7 +161,9 @@ def test_a_fault_while_the_program_is_held_up_past_its_end_is_told(folders):
     program, bus = built("x86_64-linux", folders / "x86_64-linux"), hub_channels()
     with ros_domain() as context:
         inverter = launch("ev_bench", "inverter", context.get_domain_id(), {**bus, **PATIENT})
-        ecu = started([*program, bus["bus.channel_11"].rpartition(":")[2], str(PEDAL), "3", str(TIMEOUT)])
+        ecu = started(
+            [*program, bus["bus.channel_11"].rpartition(":")[2], str(PEDAL), "3", str(TIMEOUT)]
+        )
         wait_for_torque(bus)
         ecu.send_signal(signal.SIGSTOP)
         time.sleep(3.0)
@@ -158,13 +179,20 @@ def test_a_torque_that_is_none_goes_out_as_zero(folders):
     """A pedal that is not a number is an input that the law refuses, and 1e6 N m are more than the frame has."""
     folder, on = folders / "x86_64-linux", TARGETS["x86_64-linux"]
     built(on.name, folder)
-    sources = [Path(__file__).with_name("ecu_cycles.c"), folder / "ev_bench.c", folder / "law" / "libevs_law.a"]
+    sources = [
+        Path(__file__).with_name("ecu_cycles.c"),
+        folder / "ev_bench.c",
+        folder / "law" / "libevs_law.a",
+    ]
     options = ["-std=gnu2x", *(f"-I{each}" for each in (EXAMPLES / "ecu", folder, folder / "law"))]
     program = on.program(sources, folder / "ecu_cycles", options)
-    done = subprocess.run([program, "300", "nan", "300", "1e6", "300"], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [program, "300", "nan", "300", "1e6", "300"], capture_output=True, text=True, check=True
+    )
     rows = [line.split() for line in done.stdout.splitlines()]
     cycles = [[float(word) for word in words] for kind, *words in rows if kind == "cycle"]
-    drives = pytest.approx([1.0, PEDAL / 2 / 7.4, PEDAL / 2 / 7.4], abs=0.02)  # half a step of the frame
+    # half a step of the frame
+    drives = pytest.approx([1.0, PEDAL / 2 / 7.4, PEDAL / 2 / 7.4], abs=0.02)
     assert cycles == [drives, [0.0, 0.0, 0.0], drives, [0.0, 0.0, 0.0], drives]
     assert [line.partition(" is refused")[0] for line in done.stderr.splitlines()] == [
         "ecu: driver.command.drive_torque",

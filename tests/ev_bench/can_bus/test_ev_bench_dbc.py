@@ -17,18 +17,35 @@ GUARDS = ("Crc", "Counter")
 
 
 def random_values(name: str, random_number: random.Random) -> dict[str, float]:
-    return {signal: random_number.uniform(f.low, f.high) for signal, f in ours()[name].signals.items()}
+    return {
+        signal: random_number.uniform(f.low, f.high) for signal, f in ours()[name].signals.items()
+    }
 
 
 def test_every_device_has_the_frames_of_its_kind_under_the_identifiers_of_canopen():
     """Predefined connection set of CiA 301: emergency, PDOs, heartbeat by node id."""
-    functions = {"Faults": 0x080, "Motion": 0x180, "SetPoint": 0x200, "Electrical": 0x280, "Temperatures": 0x380}
-    expected = {f"{device}_{f}": base + node for device, node in DEVICES.items() for f, base in functions.items()}
+    functions = {
+        "Faults": 0x080,
+        "Motion": 0x180,
+        "SetPoint": 0x200,
+        "Electrical": 0x280,
+        "Temperatures": 0x380,
+    }
+    expected = {
+        f"{device}_{f}": base + node
+        for device, node in DEVICES.items()
+        for f, base in functions.items()
+    }
     assert {frame.name: frame.identifier for frame in ours()} == expected | {"Ecu_Heartbeat": 0x701}
 
 
 def test_no_two_frames_share_an_identifier_or_a_data_id():
-    assert len({frame.identifier for frame in ours()}) == len({frame.data_id for frame in ours()}) == len(NAMES) == 21
+    assert (
+        len({frame.identifier for frame in ours()})
+        == len({frame.data_id for frame in ours()})
+        == len(NAMES)
+        == 21
+    )
 
 
 def test_set_points_go_from_the_controller_to_one_device_and_everything_else_to_the_controller():
@@ -43,7 +60,13 @@ def test_set_points_go_from_the_controller_to_one_device_and_everything_else_to_
 
 
 def test_cycle_times():
-    cycles = {"SetPoint": 0.001, "Motion": 0.001, "Electrical": 0.01, "Faults": 0.01, "Heartbeat": 0.01}
+    cycles = {
+        "SetPoint": 0.001,
+        "Motion": 0.001,
+        "Electrical": 0.01,
+        "Faults": 0.01,
+        "Heartbeat": 0.01,
+    }
     for frame in ours():
         assert frame.cycle == cycles.get(frame.name.partition("_")[2], 0.1)
 
@@ -76,7 +99,11 @@ def test_ranges_hold_what_the_devices_measure_and_steps_are_finer_than_their_err
 
 
 def test_units_are_named():
-    units = ours()["Drive11_Motion"].units | ours()["Drive11_Electrical"].units | ours()["Drive11_Temperatures"].units
+    units = (
+        ours()["Drive11_Motion"].units
+        | ours()["Drive11_Electrical"].units
+        | ours()["Drive11_Temperatures"].units
+    )
     assert {units[name] for name in ("Torque", "Speed", "DcVoltage", "DcCurrent", "Winding", "CoolantFlow")} == {
         "N m", "rpm", "V", "A", "degC", "l/min"
     }  # fmt: skip
@@ -93,11 +120,20 @@ def test_every_signal_that_is_no_guard_and_no_word_is_explained():
 @pytest.mark.parametrize("device", DEVICES)
 def test_faults_and_warnings_are_those_of_the_code(device: str):
     signals = ours()[f"{device}_Faults"].signals
-    places = {name: (field.start, field.length) for name, field in signals.items() if name != "ErrorCode"}
+    places = {
+        name: (field.start, field.length) for name, field in signals.items() if name != "ErrorCode"
+    }
     faults = {fault.name: (32.0 + place, 1.0) for place, fault in enumerate(FAULTS)}
     assert places == faults | {name: (48.0 + place, 1.0) for place, name in enumerate(WARNINGS)}
-    choices = by_cantools().get_message_by_name(f"{device}_Faults").get_signal_by_name("ErrorCode").choices
-    assert {code: str(text) for code, text in choices.items()} == {0: "no fault"} | {f.code: f.about for f in FAULTS}
+    choices = (
+        by_cantools()
+        .get_message_by_name(f"{device}_Faults")
+        .get_signal_by_name("ErrorCode")
+        .choices
+    )
+    assert {code: str(text) for code, text in choices.items()} == {0: "no fault"} | {
+        f.code: f.about for f in FAULTS
+    }
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -114,7 +150,9 @@ def test_cantools_and_canmatrix_read_our_frames_as_we_mean_them(name: str):
         for signal, field in frame.signals.items():
             assert abs(own[signal] - values[signal]) <= field.scale / 2 * (1 + 1e-9)
             assert float(cantools_[signal]) == pytest.approx(own[signal], rel=1e-14, abs=1e-13)
-            assert float(canmatrix_[signal].phys_value) == pytest.approx(own[signal], rel=1e-14, abs=1e-13)
+            assert float(canmatrix_[signal].phys_value) == pytest.approx(
+                own[signal], rel=1e-14, abs=1e-13
+            )
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -123,7 +161,10 @@ def test_we_read_the_frames_of_cantools_and_canmatrix(name: str):
     for _ in range(50):
         raw = {s: numbers.randint(round((f.low - f.offset) / f.scale), round((f.high - f.offset) / f.scale))
                for s, f in frame.signals.items()}  # fmt: skip
-        values = {s: frame.signals[s].offset + frame.signals[s].scale * number for s, number in raw.items()}
+        values = {
+            s: frame.signals[s].offset + frame.signals[s].scale * number
+            for s, number in raw.items()
+        }
         guards = dict.fromkeys(GUARDS, 0)
         for data in (
             by_cantools().encode_message(frame.identifier, values | guards, strict=True),

@@ -54,7 +54,9 @@ class Told:
             "CommandCheck": 0.0,
             "Torque": 10.0,
             "Speed": 600.0,
-            "Statusword": float(STATE_BITS[self.state[name]] | (REMOTE if name in self.released else 0)),
+            "Statusword": float(
+                STATE_BITS[self.state[name]] | (REMOTE if name in self.released else 0)
+            ),
         }
         self.counters[name] = next_counter(self.counters[name])
         return Frame(layout.identifier, layout.pack(values, self.counters[name]))
@@ -125,7 +127,11 @@ def test_one_drive_alone_is_enabled_once_the_other_one_says_that_it_is_not_relea
 
 def test_a_drive_that_offers_it_holds_a_speed_over_the_bus():
     """From rest through pre-charge and states to 50 rad/s within the 0.5 rpm that the bus resolves."""
-    values = {"drive.offers_speed_mode": True, "drive.speed_gain": 10.0, "drive.speed_integral_time": 0.05}
+    values = {
+        "drive.offers_speed_mode": True,
+        "drive.speed_gain": 10.0,
+        "drive.speed_integral_time": 0.05,
+    }
     values["drive.dc_link.precharge_resistance"] = 10.0
     circuit = CircuitStation(ours(), "11", build(CircuitParameters, values))
     station = GatewayStation(ours(), GatewayParameters())
@@ -229,7 +235,8 @@ def test_the_reset_begins_without_its_bit_so_that_it_can_rise_and_ends_in_time()
 def test_what_somebody_takes_off_is_not_enabled_by_itself(press, cycles, loads, drives):
     """With `auto_enable` in any cycle before or behind the one in which it acts, whatever has been commanded by then.
 
-    The load machines wait for nothing but their feedback and commands, so they are on before the drives have theirs.
+    The load machines wait for nothing but their feedback and commands, so they are on before the
+    drives have theirs.
     """
     told = Told(auto_enable=True)
     for _ in range(cycles):
@@ -267,7 +274,9 @@ def test_commands_that_are_no_numbers_are_refused():
 
 
 def test_one_wheel_cannot_have_both_circuits():
-    with pytest.raises(ParameterError, match="'front_left' is refused, it is the wheel of the other circuit"):
+    with pytest.raises(
+        ParameterError, match="'front_left' is refused, it is the wheel of the other circuit"
+    ):
         build(GatewayParameters, {"wheel_11": "front_left"})
 
 
@@ -276,6 +285,9 @@ def test_in_a_graph_the_right_circuit_has_a_right_wheel():
     values = {"control_period": 0.005, "vehicle.gear_ratio": 7.4}
     configure("inverter_gateway", values)
     with pytest.raises(
-        ParameterError, match="needs wheel_11 on the right and wheel_12 on the left, not front_left and f"
+        ParameterError,
+        match="needs wheel_11 on the right and wheel_12 on the left, not front_left and f",
     ):
-        configure("inverter_gateway", {**values, "wheel_11": "front_left", "wheel_12": "front_right"})
+        configure(
+            "inverter_gateway", {**values, "wheel_11": "front_left", "wheel_12": "front_right"}
+        )

@@ -34,4 +34,6 @@ def test_the_frames_in_the_signals_are_what_another_tool_reads(healthy):
     data = joined(low, high).to_bytes(8, "little")
     told = by_cantools().decode_message("Drive12_Motion", data, decode_choices=False)
     assert int(told["Statusword"]) & 0x6F == 0x27
-    assert told["Torque"] == pytest.approx(healthy["bench.shafts.machine_torque.front_left"][-1], abs=0.1)
+    assert told["Torque"] == pytest.approx(
+        healthy["bench.shafts.machine_torque.front_left"][-1], abs=0.1
+    )

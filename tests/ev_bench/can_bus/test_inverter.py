@@ -74,7 +74,9 @@ def test_torque_follows_with_its_time_constant():
     bench = Bench()
     bench.enable()
     bench.cycle(ticks=2, **(RUN | {"Torque": 100.0}))
-    assert bench.told["Drive11_Motion"]["Torque"] == pytest.approx(100.0 * (1.0 - math.exp(-1.0)), abs=1 / 64)
+    assert bench.told["Drive11_Motion"]["Torque"] == pytest.approx(
+        100.0 * (1.0 - math.exp(-1.0)), abs=1 / 64
+    )
 
 
 def test_the_shaft_accelerates_by_its_inertia():
@@ -84,7 +86,9 @@ def test_the_shaft_accelerates_by_its_inertia():
     bench.cycle(ticks=100, **(RUN | {"Torque": 120.0}))
     expected = 120.0 / 0.12 * (0.1 - 0.002)
     assert bench.circuit.speed == pytest.approx(expected, rel=0.015)
-    assert bench.told["Drive11_Motion"]["Speed"] * RPM == pytest.approx(bench.circuit.speed, abs=0.5 * RPM)
+    assert bench.told["Drive11_Motion"]["Speed"] * RPM == pytest.approx(
+        bench.circuit.speed, abs=0.5 * RPM
+    )
 
 
 def test_reverse_counts_the_other_way_round():
@@ -243,11 +247,16 @@ def test_compiled_code_gives_the_same_bits():
     words += [-1] * 15 + [0] * 5 + [FAULT_RESET] * 5 + [SHUTDOWN] * 5
     for word in words:
         if word >= 0:
-            values = TORQUE | {"Controlword": float(word), "Torque": 0.0 if word != ENABLE_COMMAND else 77.0}
+            values = TORQUE | {
+                "Controlword": float(word),
+                "Torque": 0.0 if word != ENABLE_COMMAND else 77.0,
+            }
             payload = protected(frame.payload(values), 8, frame.data_id, counter)
             counter = (counter + 1) % 15
             said = receive_set_point(frames.set_point, frames.drive_11, s.drive, payload)
-            assert receive(layouts["set_point"], layouts["drive_11"], memory["drive"], payload) == said
+            assert (
+                receive(layouts["set_point"], layouts["drive_11"], memory["drive"], payload) == said
+            )
         advance_circuit(namespace(tree), s, TICK)
         step(constants, memory, TICK)
         assert list(flat(memory)) == numbers(s)

@@ -47,7 +47,9 @@ class Loop:
     def __init__(self, torque: float, load_torque: float, speed: float) -> None:
         self.station = GatewayStation(ours(), GatewayParameters())
         self.limit(torque, load_torque, speed)
-        values = {f"{of}.{name}": value for of in ("drive", "load") for name, value in QUICK.items()}
+        values = {
+            f"{of}.{name}": value for of in ("drive", "load") for name, value in QUICK.items()
+        }
         self.circuit = CircuitStation(ours(), "11", build(CircuitParameters, values))
         self.s = self.circuit.s
 
@@ -75,7 +77,9 @@ class Loop:
 def _read(frame: Frame) -> dict[str, dict[str, float]]:
     for layout in ours():
         if layout.identifier == frame.identifier and layout.name.endswith("_SetPoint"):
-            return {layout.name.partition("_")[0]: layout.values(int.from_bytes(frame.data, "little"))}
+            return {
+                layout.name.partition("_")[0]: layout.values(int.from_bytes(frame.data, "little"))
+            }
     return {}
 
 
@@ -112,12 +116,15 @@ def test_what_is_sent_is_within_the_limits_by_less_than_a_step(mode, command, to
 @example(TORQUE_MODE, 0.0, SPEED_MODE, 100.0, 360.0, 400.0, 10.0, None)
 @example(TORQUE_MODE, 0.0, TORQUE_MODE, 100.0, 360.0, 4.5, 10.0, ("drive", "trip"))
 @settings(max_examples=30, deadline=None)
-def test_the_machines_keep_the_limits(drive_mode, drive, load_mode, load, torque, load_torque, speed, fault):
+def test_the_machines_keep_the_limits(
+    drive_mode, drive, load_mode, load, torque, load_torque, speed, fault
+):
     """In every cycle, with a fault of an inverter half-way, and after the limits have become narrow.
 
-    A shaft in speed mode swings beyond its set-point, here by a fifth at most. Torques fade out before the speed limit,
-    within their lags of 1 and 2 ms and the cycle of the bus: 4 ms of both on 0.12 kg m^2. Narrow limits hold two cycles
-    later, but for exp(-8) of the torque that is left 16 ms later.
+    A shaft in speed mode swings beyond its set-point, here by a fifth at most. Torques fade out
+    before the speed limit, within their lags of 1 and 2 ms and the cycle of the bus: 4 ms of both
+    on 0.12 kg m^2. Narrow limits hold two cycles later, but for exp(-8) of the torque that is left
+    16 ms later.
     """
     loop = Loop(torque, load_torque, speed)
     commands = {"Drive11": (drive_mode, drive), "Load11": (load_mode, load)}
@@ -149,9 +156,18 @@ def test_a_load_machine_in_speed_mode_stays_below_the_speed_limit():
 @pytest.mark.parametrize(
     ("values", "text"),
     [
-        ({"torque_limit": 1.9}, "torque_limit: 1.9 is refused, expected 0 or at least 4 N m, the step of the frames"),
-        ({"load_torque_limit": 3.99}, "load_torque_limit: 3.99 is refused, expected 0 or at least 4 N m"),
-        ({"speed_limit": 0.05}, "speed_limit: 0.05 is refused, expected 0 or at least 0.05236 rad/s"),
+        (
+            {"torque_limit": 1.9},
+            "torque_limit: 1.9 is refused, expected 0 or at least 4 N m, the step of the frames",
+        ),
+        (
+            {"load_torque_limit": 3.99},
+            "load_torque_limit: 3.99 is refused, expected 0 or at least 4 N m",
+        ),
+        (
+            {"speed_limit": 0.05},
+            "speed_limit: 0.05 is refused, expected 0 or at least 0.05236 rad/s",
+        ),
     ],
 )
 def test_a_limit_that_would_be_zero_on_the_bus_is_refused(values, text):
@@ -166,16 +182,29 @@ def test_a_limit_that_would_be_zero_on_the_bus_is_refused(values, text):
 
 def test_a_limit_below_one_step_of_the_torque_is_refused():
     """Of a database whose torques are coarser than its limits, 10 N m and 4 N m: below 12 N m no torque goes out."""
-    coarse = BitField(start=24.0, length=16.0, signed=1.0, scale=10.0, steps=0.1, offset=0.0, low=-1000.0, high=1000.0)
+    coarse = BitField(
+        start=24.0,
+        length=16.0,
+        signed=1.0,
+        scale=10.0,
+        steps=0.1,
+        offset=0.0,
+        low=-1000.0,
+        high=1000.0,
+    )
     layout = replace(bench_frames(ours()).set_point, torque=coarse)
-    with pytest.raises(ParameterError, match=r"torque_limit: 9.0 is refused, expected 0 or at least 12 N m"):
+    with pytest.raises(
+        ParameterError, match=r"torque_limit: 9.0 is refused, expected 0 or at least 12 N m"
+    ):
         check_limits(layout, GatewayParameters(torque_limit=9.0))
     check_limits(layout, GatewayParameters(torque_limit=12.0))
     assert most_torque(layout, 12.0) == 10.0
 
 
 def test_no_torque_at_all_may_be_asked_for():
-    GatewayStation(ours(), GatewayParameters(torque_limit=0.0, load_torque_limit=0.0, speed_limit=0.0))
+    GatewayStation(
+        ours(), GatewayParameters(torque_limit=0.0, load_torque_limit=0.0, speed_limit=0.0)
+    )
 
 
 def test_a_limit_that_is_a_step_stays_what_it_is():
@@ -191,7 +220,8 @@ def test_a_limit_that_is_a_step_stays_what_it_is():
 def test_back_in_speed_mode_at_the_present_speed_there_is_no_jolt(sense: float):
     """The load machine held a speed against 200 N m, coasts in torque mode and is asked for its speed: it turns on.
 
-    Friction takes 0.2 N m and the speed 0.05 rad/s in 10 ms; what held 200 N m would give 200 N m again.
+    Friction takes 0.2 N m and the speed 0.05 rad/s in 10 ms; what held 200 N m would give 200 N m
+    again.
     """
     loop = Loop(360.0, 400.0, 785.0)
     coasts = {"Drive11": (TORQUE_MODE, 0.0), "Load11": (TORQUE_MODE, 0.0)}
@@ -217,7 +247,11 @@ def test_back_in_speed_mode_at_the_present_speed_there_is_no_jolt(sense: float):
         ("(0.03125,0) [-1000|1000]", "(0.03125,0) [5|1000]", "Torque"),
         ("(0.5,0) [-10000|10000]", "(0.5,0.3) [-10000|10000]", "Speed"),
         ("(4,0) [0|1000]", "(4,2) [2|1000]", "TorqueLimit"),
-        ("Controlword : 16|8@1+ (1,0) [0|255]", "Controlword : 16|8@1+ (1,1) [1|255]", "Controlword"),
+        (
+            "Controlword : 16|8@1+ (1,0) [0|255]",
+            "Controlword : 16|8@1+ (1,1) [1|255]",
+            "Controlword",
+        ),
     ],
 )
 def test_a_database_whose_set_points_cannot_take_the_torque_away_is_refused(
@@ -232,7 +266,10 @@ def test_a_database_whose_set_points_cannot_take_the_torque_away_is_refused(
     assert changed != lines
     file = tmp_path / "own.dbc"
     file.write_text("\n".join(changed) + "\n", encoding="cp1252")
-    with pytest.raises(ParameterError, match=rf"^frame Drive11_SetPoint, signal {signal}: .* a signal that can be 0$"):
+    with pytest.raises(
+        ParameterError,
+        match=rf"^frame Drive11_SetPoint, signal {signal}: .* a signal that can be 0$",
+    ):
         bench_frames(load_database(str(file)))
 
 
@@ -252,12 +289,17 @@ def test_a_motion_that_comes_too_seldom_to_be_taken_is_refused(tmp_path: Path, c
     text = FILE.read_text()
     identifiers = re.findall(r"BO_ (\d+) \w+_Motion:", text)
     for identifier in identifiers:
-        text = text.replace(f'"GenMsgCycleTime" BO_ {identifier} 1;', f'"GenMsgCycleTime" BO_ {identifier} {cycle};')
+        text = text.replace(
+            f'"GenMsgCycleTime" BO_ {identifier} 1;', f'"GenMsgCycleTime" BO_ {identifier} {cycle};'
+        )
     assert len(identifiers) == 4
     file = tmp_path / "own.dbc"
     file.write_text(text, encoding="cp1252")
     if cycle > 6:
-        with pytest.raises(ParameterError, match=rf"^frame Drive11_Motion: a cycle of {cycle} ms is refused, expected"):
+        with pytest.raises(
+            ParameterError,
+            match=rf"^frame Drive11_Motion: a cycle of {cycle} ms is refused, expected",
+        ):
             bench_frames(load_database(str(file)))
     else:
         assert bench_frames(load_database(str(file))).motion.ticks == cycle
@@ -266,6 +308,8 @@ def test_a_motion_that_comes_too_seldom_to_be_taken_is_refused(tmp_path: Path, c
         if tick % cycle:
             no_new_data(state)
         else:
-            payload = int.from_bytes(layout.pack(dict.fromkeys(layout.signals, 0.0), tick // cycle % 15), "little")
+            payload = int.from_bytes(
+                layout.pack(dict.fromkeys(layout.signals, 0.0), tick // cycle % 15), "little"
+            )
             taken.append(is_valid(check(TOLERANCES, state, payload, layout.length, layout.data_id)))
     assert taken[2:] == [cycle <= 6] * 18

@@ -31,8 +31,13 @@ from ev_msgs_py.can.frames import TORQUE_MODE
 pytestmark = pytest.mark.slow
 
 EXAMPLES = Path(__file__).parents[3] / "docs" / "examples"
-# A loaded machine holds processes up for longer than the time-outs of a real bus: here they are no subject.
-PATIENT = {"drive.command_timeout": 1.0, "load.command_timeout": 1.0, "drive.dc_link.precharge_resistance": 20.0}
+# A loaded machine holds processes up for longer than the time-outs of a real bus: here they are no
+# subject.
+PATIENT = {
+    "drive.command_timeout": 1.0,
+    "load.command_timeout": 1.0,
+    "drive.dc_link.precharge_resistance": 20.0,
+}
 
 
 STARTED: list[subprocess.Popen] = []
@@ -50,7 +55,9 @@ def no_process_left() -> Iterator[None]:
 
 def started(words: list[str], **more: object) -> subprocess.Popen:
     """A process that does not outlive its test."""
-    process = subprocess.Popen(words, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, **more)
+    process = subprocess.Popen(
+        words, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, **more
+    )
     STARTED.append(process)
     return process
 
@@ -101,7 +108,9 @@ def test_a_hub_ends_without_a_word_however_often_it_is_told():
 def test_a_port_of_a_hub_that_is_taken_or_none_is_refused(capsys):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        with pytest.raises(SystemExit, match=f"^error: can_hub: port {port}: Address already in use"):
+        with pytest.raises(
+            SystemExit, match=f"^error: can_hub: port {port}: Address already in use"
+        ):
             can_hub.main(["--port", str(port)])
     with pytest.raises(SystemExit, match="2"):
         can_hub.main(["--port", "65536"])
@@ -149,7 +158,9 @@ def test_frames_go_through_a_hub_in_its_own_process():
 
 
 def test_an_interface_that_is_missing_is_one_line_and_status_1():
-    process = launch("ev_bench", "inverter", 0, {"bus.interface": "socketcan", "bus.channel_11": "can77"})
+    process = launch(
+        "ev_bench", "inverter", 0, {"bus.interface": "socketcan", "bus.channel_11": "can77"}
+    )
     said = process.communicate(timeout=PATIENCE)[0]
     assert process.returncode == 1
     assert said.startswith("inverter: CAN interface socketcan, channel can77: ")
@@ -159,7 +170,12 @@ def test_an_interface_that_is_missing_is_one_line_and_status_1():
 def script(name: str, channel: str, *more: str) -> subprocess.Popen:
     bus, _, place = channel.partition("@")
     host, _, port = place.partition(":")
-    words = ["--database", str(FILE), "--bus", f"interface=socketcand,channel={bus},host={host},port={port}"]
+    words = [
+        "--database",
+        str(FILE),
+        "--bus",
+        f"interface=socketcand,channel={bus},host={host},port={port}",
+    ]
     return started([sys.executable, str(EXAMPLES / name), *words, *more])
 
 
@@ -183,7 +199,12 @@ def test_the_ecu_script_drives_an_inverter_again_and_again(inverter):
         heard(bus)
         for is_killed in (False, False, True, False):
             ecu = script(
-                "ecu_script.py", bus["bus.channel_11"], "--torque", "20", "--seconds", "30" if is_killed else "0.5"
+                "ecu_script.py",
+                bus["bus.channel_11"],
+                "--torque",
+                "20",
+                "--seconds",
+                "30" if is_killed else "0.5",
             )
             if is_killed:
                 wait_for_torque(bus)
@@ -193,7 +214,9 @@ def test_the_ecu_script_drives_an_inverter_again_and_again(inverter):
                 continue
             said = ecu.communicate(timeout=PATIENCE)[0]
             assert ecu.returncode == 0, said
-            torque, speed = (float(number) for number in re.findall(r"(\d+\.\d+) (?:N m|rpm)", said))
+            torque, speed = (
+                float(number) for number in re.findall(r"(\d+\.\d+) (?:N m|rpm)", said)
+            )
             assert torque == pytest.approx(20.0, abs=1 / 16)
             assert speed > 100.0 or inverter != "ours"  # that one has no shaft
         end([process])
@@ -203,13 +226,18 @@ def test_a_fault_in_mid_run_ends_the_ecu_script_by_its_name():
     bus = hub_channels()
     with ros_domain() as context:
         trip = {"inject.drive_11": "[trip]"}
-        inverter = launch("ev_bench", "inverter", context.get_domain_id(), {**bus, **PATIENT, **trip})
+        inverter = launch(
+            "ev_bench", "inverter", context.get_domain_id(), {**bus, **PATIENT, **trip}
+        )
         heard(bus)
         ecu = script("ecu_script.py", bus["bus.channel_11"])
         said = ecu.communicate(timeout=PATIENCE)[0]
         end([inverter])
     assert ecu.returncode == 1
-    assert said.splitlines()[-1] == "Drive11: it is in a fault; its first fault: the power stage tripped"
+    assert (
+        said.splitlines()[-1]
+        == "Drive11: it is in a fault; its first fault: the power stage tripped"
+    )
 
 
 def wait_for(bus: dict[str, str], holds: Callable[[dict[str, float]], bool]) -> None:
@@ -220,7 +248,9 @@ def wait_for(bus: dict[str, str], holds: Callable[[dict[str, float]], bool]) -> 
         frame = ear.receive()
         if frame is None:
             time.sleep(0.001)
-        elif frame.identifier == motion.identifier and holds(motion.values(int.from_bytes(frame.data, "little"))):
+        elif frame.identifier == motion.identifier and holds(
+            motion.values(int.from_bytes(frame.data, "little"))
+        ):
             ear.close()
             return
     raise AssertionError("not in time")

@@ -46,7 +46,9 @@ def in_step(*counters: int) -> CheckState:
     return s
 
 
-@pytest.mark.parametrize(("counter", "expected"), [(0, "cc00000000000000"), (1, "9101000000000000")])
+@pytest.mark.parametrize(
+    ("counter", "expected"), [(0, "cc00000000000000"), (1, "9101000000000000")]
+)
 def test_published_frames(counter: int, expected: str):
     """AUTOSAR PRS E2E protocol, profile 1, example with data id 0123h in both bytes, all data zero."""
     assert frame(counter).to_bytes(8, "little").hex() == expected
@@ -129,7 +131,11 @@ def test_of_random_frames_one_in_256_has_the_right_crc_and_hardly_any_is_in_sequ
 
 def test_compiled_code_says_the_same():
     """A long mixture of right, lost, repeated, wrong and missing frames."""
-    compiled_check, compiled_silence, compiled_protect = compiled(check), compiled(no_new_data), compiled(protected)
+    compiled_check, compiled_silence, compiled_protect = (
+        compiled(check),
+        compiled(no_new_data),
+        compiled(protected),
+    )
     s, memory, numbers_, counter = CheckState(), one_record(CheckState())[0], random.Random(2), 0
     for _ in range(2000):
         event = numbers_.random()
@@ -193,7 +199,9 @@ class Reference:
         return OK if delta == 1 else OK_SOME_LOST
 
 
-_CYCLES = st.lists(st.tuples(st.none() | st.integers(0, 14) | st.just(-1), st.booleans()), max_size=60)
+_CYCLES = st.lists(
+    st.tuples(st.none() | st.integers(0, 14) | st.just(-1), st.booleans()), max_size=60
+)
 
 
 @given(_CYCLES)

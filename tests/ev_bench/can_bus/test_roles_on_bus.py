@@ -71,7 +71,9 @@ class Ends:
             self.stamp += commanded
             shafts, *_, feedback, states = self.bench.outputs()
             asked = self.gateway.step(COMMAND, LOAD, feedback, shafts)
-            self.said.append({"shafts": shafts, "asked": asked, "feedback": feedback, "states": states})
+            self.said.append(
+                {"shafts": shafts, "asked": asked, "feedback": feedback, "states": states}
+            )
             self.bench.advance(asked, BATTERY)
             for _ in range(TICKS):
                 self.cycle()
@@ -112,7 +114,8 @@ def test_the_signals_are_the_frames_of_the_cycles_before(driven):
     instant = at(driven, TRIP - 0.01)
     read = by_cantools().decode_message
     asked = [
-        read("Drive11_SetPoint", joined(*instant["asked"][n : n + 2]).to_bytes(8, "little")) for n in range(0, 10, 2)
+        read("Drive11_SetPoint", joined(*instant["asked"][n : n + 2]).to_bytes(8, "little"))
+        for n in range(0, 10, 2)
     ]
     assert [frame["Torque"] for frame in asked] == [20.0] * TICKS
     first = asked[0]["Counter"]
@@ -129,7 +132,14 @@ BUTTON = 0.25  # s, later than the fault and before the reset
 @pytest.mark.parametrize("waits", [7, 600])
 def test_buttons_and_faults_count_from_the_first_instant(waits):
     """However long the nodes are on the bus before: nothing is pressed, and nothing is wrong, until their times."""
-    ends = Ends(waits, (*VALUES, ("inverter_gateway", "auto_enable", False), ("inverter_gateway", "enable_at", BUTTON)))
+    ends = Ends(
+        waits,
+        (
+            *VALUES,
+            ("inverter_gateway", "auto_enable", False),
+            ("inverter_gateway", "enable_at", BUTTON),
+        ),
+    )
     gateway = ends.gateway.station.s
     assert (gateway.waits, gateway.drive_11.reset_time) == (0.0, -1.0)
     ends.instants(TRIP)
@@ -171,7 +181,9 @@ def test_a_change_in_any_cycle_of_a_period_leaves_what_is_measured(cycle):
     ends.bench.advance(asked, BATTERY)
     for tick in range(TICKS + 1):
         if tick == cycle:
-            after = BenchOnBus(ends.configurations["test_bench"].changed({"cooling": False}), ends.meters)
+            after = BenchOnBus(
+                ends.configurations["test_bench"].changed({"cooling": False}), ends.meters
+            )
             after.state = ends.bench.state
             after.go_on_from(ends.bench)
             ends.bench = after
@@ -233,7 +245,10 @@ def test_a_meter_counts_all_bits_and_times_what_is_awaited():
 def test_without_multicast_a_run_has_a_hub_of_its_own(monkeypatch, tmp_path: Path):
     """Socketcand's protocol over TCP on 127.0.0.1; the hub ends with the run."""
     monkeypatch.setattr(can_of_runs, "_works", lambda channel: False)
-    ends = {"inverter_gateway": SimpleNamespace(parameters=SimpleNamespace(bus=BusParameters())), "test_bench": None}
+    ends = {
+        "inverter_gateway": SimpleNamespace(parameters=SimpleNamespace(bus=BusParameters())),
+        "test_bench": None,
+    }
     run: Any = SimpleNamespace(name="hub", realtime=True, configurations=ends)
     with can_of_runs.real_bus(run, 1, tmp_path) as told:
         values = told["test_bench"]
@@ -253,8 +268,15 @@ def test_a_run_in_real_time_has_its_frames_on_a_real_bus(tmp_path: Path):
 
     Time-outs are none here: a loaded machine holds processes up for longer than those of a bus.
     """
-    values = ["*.control_period=0.005", "test_bench.command_timeout=1", "test_bench.load.command_timeout=1"]
-    values += [f"inverter_gateway.{each}" for each in ("feedback_timeout=1", "command_timeout=10", "bus.log=bus.log")]
+    values = [
+        "*.control_period=0.005",
+        "test_bench.command_timeout=1",
+        "test_bench.load.command_timeout=1",
+    ]
+    values += [
+        f"inverter_gateway.{each}"
+        for each in ("feedback_timeout=1", "command_timeout=10", "bus.log=bus.log")
+    ]
     words = [str(RUN), "bench_fault", "--realtime", "--duration", "1"]
     words += ["--no-report", "--no-record", "--out", str(tmp_path)]
     for value in values:
@@ -266,5 +288,11 @@ def test_a_run_in_real_time_has_its_frames_on_a_real_bus(tmp_path: Path):
     assert 0.0 < measured["bus_11_longest_latency"]["value"] < 1.0
     logged = {message.arbitration_id for message in can.LogReader(tmp_path / "bus.log")}
     names = {by_cantools().get_message_by_frame_id(identifier).name for identifier in logged}
-    assert {"Drive11_SetPoint", "Load12_SetPoint", "Drive11_Motion", "Load12_Motion", "Ecu_Heartbeat"} <= names
+    assert {
+        "Drive11_SetPoint",
+        "Load12_SetPoint",
+        "Drive11_Motion",
+        "Load12_Motion",
+        "Ecu_Heartbeat",
+    } <= names
     assert not [text for text in content["notes"] if "StaleFeedback" in text]

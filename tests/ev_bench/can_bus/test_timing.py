@@ -20,7 +20,10 @@ def test_longest_frame(length: int, bits: int):
 
 def test_crc_of_the_frame():
     """Check value of CRC-15/CAN: 059Eh of the digits 1 to 9."""
-    assert crc15([byte >> place & 1 for byte in b"123456789" for place in reversed(range(8))]) == 0x059E
+    assert (
+        crc15([byte >> place & 1 for byte in b"123456789" for place in reversed(range(8))])
+        == 0x059E
+    )
 
 
 def test_stuff_bits_of_equal_bits():

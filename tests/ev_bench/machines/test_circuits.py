@@ -73,7 +73,9 @@ def test_energy_comes_and_goes_without_a_rest():
     """Battery + mains = resistor + heat + stored, up to rounding, also while everything swings."""
     circuits = bench(**{"shaft.damping": 0.5})
     for torque, speed in ((100.0, 120.0), (-80.0, 60.0), (60.0, 200.0), (0.0, 0.0)):
-        load = LoadCommand(Wheels.front(SPEED_MODE, SPEED_MODE), Wheels.front(speed, speed), NO_WHEELS)
+        load = LoadCommand(
+            Wheels.front(SPEED_MODE, SPEED_MODE), Wheels.front(speed, speed), NO_WHEELS
+        )
         energy = run(circuits, torque * GEAR, load, 15)[3]
         gone = energy.resistor + energy.machines + energy.loads + energy.shafts + energy.stored
         assert energy.battery + energy.mains == pytest.approx(gone, rel=1e-10)
@@ -82,7 +84,10 @@ def test_energy_comes_and_goes_without_a_rest():
 
 def test_field_weakening_takes_power_and_heats():
     """At a tenth of the voltage, 200 rad/s need it: the loss of i_d is booked beside that of torque and speed."""
-    circuits, load = bench(), LoadCommand(Wheels.front(SPEED_MODE, SPEED_MODE), Wheels.front(200.0, 200.0), NO_WHEELS)
+    circuits, load = (
+        bench(),
+        LoadCommand(Wheels.front(SPEED_MODE, SPEED_MODE), Wheels.front(200.0, 200.0), NO_WHEELS),
+    )
     before = run(circuits, 20.0 * GEAR, load, 120, LOW)[3]
     shafts, _, _, energy = run(circuits, 20.0 * GEAR, load, 1, LOW)
     motor = Motor()  # of the default vehicle
@@ -107,7 +112,10 @@ def test_a_free_shaft_swings_at_its_frequency():
 def test_a_free_shaft_swings_too_slowly_at_the_default_step():
     """docs/test_bench.md: 8.5 % at 1 ms, as the midpoint rule has it: w' = 2/h atan(w h/2), of 1095 rad/s here."""
     one, other, h = 0.02, 0.1, 1e-3
-    p, s = namespace(number_tree(ShaftParameters(damping=0.0, friction=0.0))), CircuitState(twist=1e-3)
+    p, s = (
+        namespace(number_tree(ShaftParameters(damping=0.0, friction=0.0))),
+        CircuitState(twist=1e-3),
+    )
     exact = sqrt(p.stiffness * (1.0 / one + 1.0 / other))
     twists = [s.twist]
     for _ in range(2000):
@@ -115,10 +123,14 @@ def test_a_free_shaft_swings_too_slowly_at_the_default_step():
         twists.append(s.twist)
     swings = sum(before * after < 0.0 for before, after in pairwise(twists))
     # Half a swing more or less over the 640 of two seconds is 0.2 %.
-    assert swings * pi / 2.0 / exact == pytest.approx(2.0 * atan(exact * h / 2.0) / (exact * h), rel=2e-3)
+    assert swings * pi / 2.0 / exact == pytest.approx(
+        2.0 * atan(exact * h / 2.0) / (exact * h), rel=2e-3
+    )
     assert swings * pi / 2.0 / exact == pytest.approx(1.0 - 0.085, abs=3e-3)
 
 
 def test_delays_beyond_what_is_kept_are_refused():
-    with pytest.raises(ParameterError, match=r"set_point.delay: 0\.7 is refused, expected at most 0\.62 s"):
+    with pytest.raises(
+        ParameterError, match=r"set_point.delay: 0\.7 is refused, expected at most 0\.62 s"
+    ):
         bench(**{"set_point.delay": 0.7})

@@ -16,7 +16,15 @@ CAN = {"test_bench": "circuits_on_can", "inverter_gateway": "can"}
 class Shafts:
     """The two circuits of the scenario, with a torque [N m] of both machines under test from the start on."""
 
-    def __init__(self, follows: str, left: float, right: float, torque: float, seconds: float = 3.0, **changed) -> None:
+    def __init__(
+        self,
+        follows: str,
+        left: float,
+        right: float,
+        torque: float,
+        seconds: float = 3.0,
+        **changed,
+    ) -> None:
         changes = {
             f"plant.load.{follows}_left": left,
             f"plant.load.{follows}_right": right,
@@ -35,20 +43,25 @@ class Shafts:
 def test_a_constant_torque_accelerates_by_what_is_left(sign):
     """(M_em - M_nu)/(J_1 + J_2) = (50 - 38)/0.12 = 100 rad/s^2 from rest, both ways, and 60 rad/s^2 against 42.8 N m.
 
-    Between 1 s and 2 s, when torques have settled; no friction. The road of the virtual car asks for something else.
+    Between 1 s and 2 s, when torques have settled; no friction. The road of the virtual car asks
+    for something else.
     """
-    shafts = Shafts("torque", 38.0 * sign, 42.8 * sign, 50.0 * sign, set={"test_bench__shaft__friction": 0.0})
+    shafts = Shafts(
+        "torque", 38.0 * sign, 42.8 * sign, 50.0 * sign, set={"test_bench__shaft__friction": 0.0}
+    )
     for side, acceleration in (("left", 100.0), ("right", 60.0)):
         gained = shafts.at(2.0, "speed", side) - shafts.at(1.0, "speed", side)
         assert gained == pytest.approx(sign * acceleration, rel=1e-6)
     assert shafts.at(2.0, "load_torque") == pytest.approx(-38.0 * sign, rel=1e-9)
-    assert shafts.at(2.0, "torque") == pytest.approx(sign * (50.0 - 0.02 * 100.0), rel=1e-6)  # behind the rotor
+    # behind the rotor
+    assert shafts.at(2.0, "torque") == pytest.approx(sign * (50.0 - 0.02 * 100.0), rel=1e-6)
 
 
 def test_a_load_machine_alone_turns_the_bench_up_to_its_largest_speed():
     """With nothing against it backwards by M_nu/(J_1 + J_2), for bearings only slow it down, to 1047 rad/s and no more.
 
-    w = M/b (1 - exp(-b t/J)); the lag of the torque of 1 ms and the exchange of 5 ms of 0.5 s leave 2 %.
+    w = M/b (1 - exp(-b t/J)); the lag of the torque of 1 ms and the exchange of 5 ms of 0.5 s leave
+    2 %.
     """
     shafts = Shafts("torque", 60.0, 0.0, 0.0, 6.0)
     expected = -60.0 / FRICTION * (1.0 - math.exp(-FRICTION / INERTIA * 0.5))
@@ -60,23 +73,29 @@ def test_a_load_machine_alone_turns_the_bench_up_to_its_largest_speed():
 def test_a_torque_beyond_the_machine_is_what_the_machine_can():
     """At its shaft 400 N m, of 600 N m that are asked for; seen below the speed from which its power limits it."""
     shafts = Shafts("torque", 600.0, -600.0, 0.0, 0.1)
-    assert (shafts.at(0.05, "load_torque"), shafts.at(0.05, "load_torque", "right")) == pytest.approx((-400.0, 400.0))
+    assert (
+        shafts.at(0.05, "load_torque"),
+        shafts.at(0.05, "load_torque", "right"),
+    ) == pytest.approx((-400.0, 400.0))
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_constant_speed_is_reached_at_its_rate_and_held(sign):
     """At 200 rad/s^2 from rest 200 rad/s are there after 1 s, and 50 N m of the machine under test do not move them.
 
-    While it rises the speed is late by the exchange of 5 ms, 1 rad/s, and by what its gain of 60 N m s/rad needs for
-    the torques, 1 rad/s. At rest it is rounded to 0.5 rpm, 0.026 rad/s to either side. The load machine takes the
-    torque but for the friction of the bearings, 0.4 N m; 1 s are 20 of its integral times.
+    While it rises the speed is late by the exchange of 5 ms, 1 rad/s, and by what its gain of 60 N
+    m s/rad needs for the torques, 1 rad/s. At rest it is rounded to 0.5 rpm, 0.026 rad/s to either
+    side. The load machine takes the torque but for the friction of the bearings, 0.4 N m; 1 s are
+    20 of its integral times.
     """
     shafts = Shafts("speed", 200.0 * sign, 100.0 * sign, 50.0 * sign)
     assert shafts.at(0.5, "load_speed") == pytest.approx(100.0 * sign, abs=2.0)
     assert shafts.at(3.0, "load_speed") == pytest.approx(200.0 * sign, abs=0.027)
     assert shafts.at(3.0, "load_speed", "right") == pytest.approx(100.0 * sign, abs=0.027)
     assert shafts.at(3.0, "torque") == pytest.approx(50.0 * sign, rel=1e-4)
-    assert shafts.at(3.0, "load_torque") == pytest.approx(sign * (FRICTION * 200.0 - 50.0), rel=1e-4)
+    assert shafts.at(3.0, "load_torque") == pytest.approx(
+        sign * (FRICTION * 200.0 - 50.0), rel=1e-4
+    )
 
 
 def test_a_speed_gives_way_where_the_load_machine_ends():
@@ -91,15 +110,22 @@ def test_a_speed_gives_way_where_the_load_machine_ends():
 def test_a_wheel_may_turn_as_its_load_machine_does():
     """With `wheel_speed: load_machine` 150 rad/s at the shafts are 20.27 rad/s at the wheels, and 6.5 m/s of the car.
 
-    The wheel begins each exchange of 5 ms with that speed, and until the next one its tyre draws it towards rolling:
-    that is the slip at which it carries what the car's resistances take, below 1 %, half of it in the mean.
+    The wheel begins each exchange of 5 ms with that speed, and until the next one its tyre draws it
+    towards rolling: that is the slip at which it carries what the car's resistances take, below 1
+    %, half of it in the mean.
     """
     shafts = Shafts("speed", 150.0, 150.0, 0.0, 10.0, set={"plant__wheel_speed": "load_machine"})
-    assert shafts.channels["wheel_states.velocity.front_left"][-1] == pytest.approx(150.0 / GEAR, rel=0.01)
-    assert shafts.channels["twist.longitudinal"][-1] == pytest.approx(0.320 * 150.0 / GEAR, rel=0.01)
+    assert shafts.channels["wheel_states.velocity.front_left"][-1] == pytest.approx(
+        150.0 / GEAR, rel=0.01
+    )
+    assert shafts.channels["twist.longitudinal"][-1] == pytest.approx(
+        0.320 * 150.0 / GEAR, rel=0.01
+    )
 
 
-@pytest.mark.parametrize(("follows", "left", "right"), [("torque", 60.0, 57.0), ("speed", 300.0, 150.0)])
+@pytest.mark.parametrize(
+    ("follows", "left", "right"), [("torque", 60.0, 57.0), ("speed", 300.0, 150.0)]
+)
 def test_behind_a_bus_load_machines_follow_it_as_well(follows, left, right):
     """When the drives are enabled, within 3 s; torques come in steps of 1/32 N m, speeds in such of 0.5 rpm."""
     shafts = Shafts(follows, left, right, 60.0, 6.0, method=CAN)
@@ -113,8 +139,8 @@ def test_behind_a_bus_load_machines_follow_it_as_well(follows, left, right):
 def test_behind_a_bus_a_load_machine_turns_no_faster_than_the_gateway_lets_it(sign):
     """60 N m on 0.12 kg m^2 against bearings alone: 500 rad/s^2 that end at the limit of 100 rad/s of the frames.
 
-    The torque fades below it, over a share of the machine's largest speed, and bearings take 0.2 N m: the shaft comes
-    near. Where the limit was not taken from the frames it came to 1046 rad/s.
+    The torque fades below it, over a share of the machine's largest speed, and bearings take 0.2 N
+    m: the shaft comes near. Where the limit was not taken from the frames it came to 1046 rad/s.
     """
     quick = {f"test_bench__{of}dc_link__precharge_resistance": 20.0 for of in ("", "load__")}
     ends = {**quick, "inverter_gateway__speed_limit": 100.0}
@@ -129,5 +155,6 @@ def test_by_default_they_follow_the_road():
     """Then the shafts turn as the wheels do that roll."""
     shafts = Shafts("speed", 300.0, 150.0, 50.0, set={"plant__load__follows": "road"})
     turns = shafts.channels["wheel_states.velocity.front_left"][-1] * GEAR
-    assert shafts.at(3.0, "load_speed") == pytest.approx(turns, rel=0.01)  # late by the exchange of 5 ms
+    # late by the exchange of 5 ms
+    assert shafts.at(3.0, "load_speed") == pytest.approx(turns, rel=0.01)
     assert shafts.at(3.0, "load_speed") != pytest.approx(300.0, rel=0.1)

@@ -52,7 +52,9 @@ def test_who_enables_circuits_by_the_parameter_is_in_the_sequence():
 
     with ros_domain() as context:
         node = TestBenchNode(
-            context=context, namespace=NAMESPACE, parameter_overrides=[Parameter("enabled", value="none")]
+            context=context,
+            namespace=NAMESPACE,
+            parameter_overrides=[Parameter("enabled", value="none")],
         )
         try:
             assert call("choose_left")
@@ -62,7 +64,10 @@ def test_who_enables_circuits_by_the_parameter_is_in_the_sequence():
             assert enable("both") == "" and enable("none") == ""
             assert node.sequence == Sequence()
             assert enable("both") == "" and call("emergency_stop")
-            assert enable("both") == "enabled is refused after an emergency stop, expected none until disconnect"
+            assert (
+                enable("both")
+                == "enabled is refused after an emergency stop, expected none until disconnect"
+            )
             assert node.configuration.parameters.enabled == "none" and node.sequence.emergency
             assert call("disconnect") and enable("both") == ""
         finally:
@@ -81,10 +86,14 @@ def test_the_node_serves_the_steps():
 
     with ros_domain() as context:
         node = TestBenchNode(
-            context=context, namespace=NAMESPACE, parameter_overrides=[Parameter("enabled", value="none")]
+            context=context,
+            namespace=NAMESPACE,
+            parameter_overrides=[Parameter("enabled", value="none")],
         )
         try:
-            assert {each.srv_name.rpartition("/")[2] for each in node.services} >= set(BENCH_SERVICES)
+            assert {each.srv_name.rpartition("/")[2] for each in node.services} >= set(
+                BENCH_SERVICES
+            )
             assert call("start") == (False, "start is refused, expected choose", "none")
             for name in ("choose_right", "connect", "load_model"):
                 assert call(name) == (True, "enabled: none", "none")

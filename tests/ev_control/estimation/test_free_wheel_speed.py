@@ -19,7 +19,9 @@ def test_free_wheel_speed_on_a_rolling_circle():
     """Wheels that roll on a circle of 10 m: the front middle moves with r L/sin(delta) along itself."""
     delta, r = math.atan(1.72 / 10), 0.5
     rim = r * 1.72 / math.sin(delta) / 0.32
-    assert free_wheel_speed(CAR, Wheels.front(rim - 1, rim + 1), delta, r) == pytest.approx(5.0, rel=1e-12)
+    assert free_wheel_speed(CAR, Wheels.front(rim - 1, rim + 1), delta, r) == pytest.approx(
+        5.0, rel=1e-12
+    )
 
 
 def test_error_of_a_rear_axle_that_slides():

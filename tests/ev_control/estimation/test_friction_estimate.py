@@ -33,7 +33,9 @@ class Estimate:
         effort = friction * FRONT_LOAD * 0.32
         motion = Motion(torque=torque, speeds=speeds, efforts=Wheels.front(effort, effort))
         _, _, column, wheels, imu, _, _ = motion.signals().values()
-        return estimated_friction(self.p, CAR, self.state, PERIOD, torque, Sensors(column, wheels, imu))
+        return estimated_friction(
+            self.p, CAR, self.state, PERIOD, torque, Sensors(column, wheels, imu)
+        )
 
 
 SLIPPING = Wheels(30.0, 20.0, 20.0, 20.0)

@@ -26,7 +26,11 @@ def straight(surface: str, target: str, torque: float) -> Recording:
         ("driver", "pedals.drive_torque", [torque]),
         ("electronic_differential", "road.target", target),
     ]
-    (run,) = (run for run in load_scenario("ge_ni2005", Overrides(values=values)).runs if run.name == "increment")
+    (run,) = (
+        run
+        for run in load_scenario("ge_ni2005", Overrides(values=values)).runs
+        if run.name == "increment"
+    )
     return run_offline(run.configurations, run.duration)
 
 
@@ -35,7 +39,9 @@ def late(run: Recording, name: str) -> float:
     return float(run.channels[f"tire_forces.{name}.rear_left"][-1000:].mean())
 
 
-@pytest.mark.parametrize(("surface", "torque"), [("packed_snow_1", 1400.0), ("wet_asphalt_1", 2400.0)])
+@pytest.mark.parametrize(
+    ("surface", "torque"), [("packed_snow_1", 1400.0), ("wet_asphalt_1", 2400.0)]
+)
 def test_on_a_slippery_road_the_target_falls_to_below_the_peak(surface, torque):
     """0.19 is past the peak there (0.09 and 0.13); at 0.8 to 1 of it the wheel gets more of the friction."""
     of = SURFACES[surface]
@@ -49,4 +55,6 @@ def test_on_a_slippery_road_the_target_falls_to_below_the_peak(surface, torque):
 def test_where_no_wheel_passes_its_peak_the_given_target_stays():
     """Dry asphalt has its peak at 0.2: not a bit changes."""
     fixed, fitted = (straight("dry_asphalt", target, 3000.0) for target in ("fixed", "fitted"))
-    assert all(np.array_equal(fixed.channels[name], fitted.channels[name]) for name in fixed.channels)
+    assert all(
+        np.array_equal(fixed.channels[name], fitted.channels[name]) for name in fixed.channels
+    )

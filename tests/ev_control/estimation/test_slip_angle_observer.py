@@ -53,11 +53,15 @@ def test_slip_angles_are_how_far_the_wheels_move_aside_of_where_they_roll(u, v, 
 def test_rolling_round_its_centre_in_reverse_a_car_has_no_slip_angles(speed, delta):
     """They were 1.3 rad at 10 m/s: the least speed stood for every speed in reverse."""
     r = -speed * math.tan(delta) / ZHILEYKIN.wheelbase
-    assert axle_slip_angles(CAR, -speed, 1.35 * r, r, delta, 1.0) == pytest.approx((0.0, 0.0), abs=1e-15)
+    assert axle_slip_angles(CAR, -speed, 1.35 * r, r, delta, 1.0) == pytest.approx(
+        (0.0, 0.0), abs=1e-15
+    )
 
 
 def test_slow_cars_have_the_slip_angles_of_the_least_speed():
-    assert axle_slip_angles(CAR, 0.0, 1.0, 0.2, 0.1, 2.0) == axle_slip_angles(CAR, 2.0, 1.0, 0.2, 0.1, 2.0)
+    assert axle_slip_angles(CAR, 0.0, 1.0, 0.2, 0.1, 2.0) == axle_slip_angles(
+        CAR, 2.0, 1.0, 0.2, 0.1, 2.0
+    )
 
 
 def bicycle(duration: float, angle: float, speed: float, stiffness: float) -> Iterator[Motion]:
@@ -72,7 +76,9 @@ def bicycle(duration: float, angle: float, speed: float, stiffness: float) -> It
             fl = ((speed - 0.775 * r) * math.cos(angle) + (v + half * r) * math.sin(angle)) / 0.35
             fr = ((speed + 0.775 * r) * math.cos(angle) + (v + half * r) * math.sin(angle)) / 0.35
             rim = Wheels(fl, fr, (speed - 0.775 * r) / 0.35, (speed + 0.775 * r) / 0.35)
-            yield Motion(torque=ahead * 2400.0, speeds=rim, u=speed, v=v, r=r, a_y=a_y).steered(angle)
+            yield Motion(torque=ahead * 2400.0, speeds=rim, u=speed, v=v, r=r, a_y=a_y).steered(
+                angle
+            )
         v, r = v + dt * (a_y - r * speed), r + dt * half * (front - rear) / 4200
 
 
@@ -100,15 +106,17 @@ def test_observer_follows_a_step_steer_of_the_tyre_it_knows(speed):
 def test_observer_cannot_see_a_slippery_road_in_a_steady_turn():
     """The axles slip twice as much with a tyre half as stiff, and the observer's tyre decides: it misses the rest.
 
-    The rear axle's true slip angle is twice that of the stiffer tyre; the transient of two seconds is not over, and u
-    comes with it, so only 30 to 55 % of the largest slip angle is asked.
+    The rear axle's true slip angle is twice that of the stiffer tyre; the transient of two seconds
+    is not over, and u comes with it, so only 30 to 55 % of the largest slip angle is asked.
     """
     _, settled = observed(80e3)
     assert 0.3 < settled < 0.55
 
 
 @pytest.mark.parametrize("ahead", [1.0, -1.0])
-@pytest.mark.parametrize(("torque", "brake", "u"), [(100.0, 0.0, 10.0), (-100.0, 0.0, 14.0), (100.0, 50.0, 14.0)])
+@pytest.mark.parametrize(
+    ("torque", "brake", "u"), [(100.0, 0.0, 10.0), (-100.0, 0.0, 14.0), (100.0, 50.0, 14.0)]
+)
 def test_speed_is_that_of_the_wheel_that_cannot_slip(torque, brake, u, ahead):
     """Wheels at 10 to 14 m/s, straight ahead and yawing at 0.1 rad/s without tracks' share: slowest when driving."""
     narrow = namespace({**car_numbers(ZHILEYKIN), "front_track": 0.0, "rear_track": 0.0})
@@ -118,4 +126,6 @@ def test_speed_is_that_of_the_wheel_that_cannot_slip(torque, brake, u, ahead):
     s = SlipAngleObserverState()
     sensors = Sensors(column, wheels, imu)
     found = observed_slip_angles(SlipAngleObserverParameters(), narrow, s, PERIOD, driver, sensors)
-    assert found == pytest.approx(axle_slip_angles(CAR, ahead * u, s.lateral_velocity, 0.1, 0.0, 1.0), rel=1e-12)
+    assert found == pytest.approx(
+        axle_slip_angles(CAR, ahead * u, s.lateral_velocity, 0.1, 0.0, 1.0), rel=1e-12
+    )

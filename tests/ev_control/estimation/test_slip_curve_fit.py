@@ -66,7 +66,11 @@ def test_running_sums_are_those_of_the_window(samples):
 
 @given(
     samples=st.lists(samples_of, min_size=1, max_size=80),
-    changes=st.lists(st.tuples(st.integers(2, 60), st.sampled_from((1e-4, 1e-2)), samples_of), min_size=1, max_size=6),
+    changes=st.lists(
+        st.tuples(st.integers(2, 60), st.sampled_from((1e-4, 1e-2)), samples_of),
+        min_size=1,
+        max_size=6,
+    ),
 )
 def test_a_changed_window_or_offset_holds_from_the_next_sample_on(samples, changes):
     """Shorter or longer, as far as there are samples: the sums are those of the new window at once."""
@@ -126,7 +130,9 @@ def test_mean_and_variance_by_hand():
     fit = fitted(np.array([0.1, 0.3] * 12 + [0.1]), lambda x: x)
     mean = (12 * 0.3 + 13 * 0.1) / 25
     assert mean_slip(fit) == pytest.approx(mean, rel=1e-14)
-    assert slip_variance(fit) == pytest.approx((12 * (0.3 - mean) ** 2 + 13 * (0.1 - mean) ** 2) / 25, rel=1e-12)
+    assert slip_variance(fit) == pytest.approx(
+        (12 * (0.3 - mean) ** 2 + 13 * (0.1 - mean) ** 2) / 25, rel=1e-12
+    )
 
 
 def test_samples_that_do_not_differ_have_no_curve():
@@ -155,7 +161,10 @@ def test_the_fit_finds_burckhardts_peak(surface):
     """A window that ends at 1.1 S* and begins at a third of that, without noise; within the rounding of `OFF`."""
     of = SURFACES[surface]
     star = math.log(of.c1 * of.c2 / of.c3) / of.c2
-    fit = fitted(np.linspace(1.1 * star / 3, 1.1 * star, 25), lambda x: of.c1 * (1 - math.exp(-of.c2 * x)) - of.c3 * x)
+    fit = fitted(
+        np.linspace(1.1 * star / 3, 1.1 * star, 25),
+        lambda x: of.c1 * (1 - math.exp(-of.c2 * x)) - of.c3 * x,
+    )
     assert fitted_peak(DEFAULT, fit) / star - 1.0 == pytest.approx(OFF[surface], abs=0.0005)
 
 
@@ -177,6 +186,8 @@ def test_a_fit_with_too_large_an_error_has_no_peak():
     for n in range(25):
         x = 0.02 + 0.004 * n
         add_sample(fit, SIZE, OFFSET, x, 2.0 * math.sqrt(x) - 4.0 * x + (0.01 if n % 2 else -0.01))
-    strict, loose = (numbers_of(SlipCurveParameters(largest_error=bound)) for bound in (0.001, 0.005))
+    strict, loose = (
+        numbers_of(SlipCurveParameters(largest_error=bound)) for bound in (0.001, 0.005)
+    )
     assert fitted_peak(strict, fit) == math.inf
     assert fitted_peak(loose, fit) == pytest.approx(1 / 16, abs=0.01)

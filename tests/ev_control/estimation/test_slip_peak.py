@@ -8,7 +8,12 @@ from itertools import pairwise
 import pytest
 from helpers.traction import PERIOD, numbers_of
 
-from ev_control.estimation.slip_peak import SlipPeakParameters, SlipPeakState, peak_is_passed, watch_slip
+from ev_control.estimation.slip_peak import (
+    SlipPeakParameters,
+    SlipPeakState,
+    peak_is_passed,
+    watch_slip,
+)
 from ev_control.estimation.wheel_dynamics import start_again
 
 PEAK = 1.0 / 16.0 - 1e-4  # of -4 x + 2 sqrt(x + 1e-4)

@@ -27,7 +27,9 @@ def speeds(car: float, **wrong: float) -> Wheels:
     return Wheels(*(wrong.get(wheel, car) / RADIUS for wheel in WHEEL_NAMES))
 
 
-def accelerate(law, seconds: float, begin: float = 2.0, a: float = 1.0, wrong=lambda time, car: {}) -> list[float]:
+def accelerate(
+    law, seconds: float, begin: float = 2.0, a: float = 1.0, wrong=lambda time, car: {}
+) -> list[float]:
     """Drive with a steady acceleration [m/s^2]; the error of the reference speed in each step [m/s]."""
     errors = []
     for step in range(round(seconds / PERIOD)):
@@ -44,7 +46,9 @@ def lost(law) -> set[str]:
 
 def from_1_s(**wrong):
     """Wrong from 1 s on: a number [m/s], or what is made of the right one."""
-    return lambda time, car: {w: (f(car) if callable(f) else f) for w, f in wrong.items()} if time >= 1.0 else {}
+    return lambda time, car: (
+        {w: (f(car) if callable(f) else f) for w, f in wrong.items()} if time >= 1.0 else {}
+    )
 
 
 @pytest.mark.parametrize(
@@ -78,7 +82,9 @@ def test_a_sensor_that_comes_back_is_believed_after_a_second():
     assert lost(law) == set()
 
 
-def drive_noisily(law, car: float, noise: float, step: float, seconds: float, seed: int, a: float = 0.0) -> set[str]:
+def drive_noisily(
+    law, car: float, noise: float, step: float, seconds: float, seed: int, a: float = 0.0
+) -> set[str]:
     """Wheels ever lost of a car that drives straight on [m/s], by sensors with noise and steps [rad/s]."""
     random, found = Random(seed), set()
     for n in range(round(seconds / PERIOD)):
@@ -109,7 +115,11 @@ def test_free_wheels_at_one_speed_to_the_bit_are_sound_while_others_spin():
     law = control()
     for n in range(200):
         spin = 5.0 + 0.05 * n
-        law.step(Measured(drive=DRIVE, speed=speeds(5.0, front_left=spin, front_right=spin), torque=DRIVE))
+        law.step(
+            Measured(
+                drive=DRIVE, speed=speeds(5.0, front_left=spin, front_right=spin), torque=DRIVE
+            )
+        )
         assert lost(law) == set()
 
 
@@ -118,7 +128,9 @@ def test_a_lost_sensor_is_believed_again_after_its_recovery(time):
     """However quickly it was lost: found within `time` and a period, believed after 1 s and no later."""
     law = control(**{"reference.trust.time": time})
     accelerate(law, 1.0)
-    accelerate(law, max(time, PERIOD) + 2.0 * PERIOD, begin=3.0, wrong=lambda *_: {"rear_left": 0.0})
+    accelerate(
+        law, max(time, PERIOD) + 2.0 * PERIOD, begin=3.0, wrong=lambda *_: {"rear_left": 0.0}
+    )
     assert lost(law) == {"rear_left"}
     accelerate(law, 0.98, begin=3.0)
     assert lost(law) == {"rear_left"}
@@ -129,7 +141,11 @@ def test_a_lost_sensor_is_believed_again_after_its_recovery(time):
 def test_a_spinning_wheel_is_no_lost_sensor():
     """It may turn faster than it rolls for as long as it likes: that is what the law is for."""
     law = control()
-    accelerate(law, 3.0, wrong=from_1_s(front_left=lambda car: 5.0 * car, front_right=lambda car: 3.0 * car))
+    accelerate(
+        law,
+        3.0,
+        wrong=from_1_s(front_left=lambda car: 5.0 * car, front_right=lambda car: 3.0 * car),
+    )
     assert lost(law) == set()
 
 
@@ -154,13 +170,18 @@ def test_a_driven_wheel_without_a_speed_gets_what_the_other_gets():
     law = control()
     accelerate(law, 1.0)
     for _ in range(100):
-        torques = law.step(Measured(drive=DRIVE, speed=speeds(3.0, front_left=0.0, front_right=5.0), torque=DRIVE))
+        torques = law.step(
+            Measured(drive=DRIVE, speed=speeds(3.0, front_left=0.0, front_right=5.0), torque=DRIVE)
+        )
     assert torques.front_left == torques.front_right < 800.0
 
 
 @pytest.mark.parametrize("name", ["slip_window", "least_squares", "pi_slip"])
 def test_the_partner_of_a_lost_motor_mirrors_it_within_its_limit(name):
-    law, torques = Control(name, on(FRONT), PERIOD, **{in_regulator(name, "limp.watch"): True}), Wheels.all(0.0)
+    law, torques = (
+        Control(name, on(FRONT), PERIOD, **{in_regulator(name, "limp.watch"): True}),
+        Wheels.all(0.0),
+    )
     for _ in range(100):
         given = Wheels.front(0.0, torques.front_right)
         torques = law.step(Measured(drive=DRIVE, speed=speeds(5.0), torque=given))

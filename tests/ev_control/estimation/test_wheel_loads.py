@@ -29,8 +29,12 @@ WEIGHT = 2170.0 * 9.81
 def test_loads_at_rest_by_hand():
     """The front axle carries b/L of the weight, 0.51."""
     front, rear = WEIGHT * 1.37649 / 2.699 / 2, WEIGHT * (2.699 - 1.37649) / 2.699 / 2
-    assert [load_at_rest(CAR, i) for i in range(4)] == pytest.approx([front, front, rear, rear], rel=1e-12)
-    assert wheel_loads(CAR, InertialMeasurement(0.0, 0.0, 0.0)) == pytest.approx((front, front, rear, rear), rel=1e-12)
+    assert [load_at_rest(CAR, i) for i in range(4)] == pytest.approx(
+        [front, front, rear, rear], rel=1e-12
+    )
+    assert wheel_loads(CAR, InertialMeasurement(0.0, 0.0, 0.0)) == pytest.approx(
+        (front, front, rear, rear), rel=1e-12
+    )
 
 
 def test_transfer_by_hand():
@@ -40,13 +44,17 @@ def test_transfer_by_hand():
     signs = ((-1, -1, 0), (-1, 1, 0), (1, -1, 1), (1, 1, 1))
     found = wheel_loads(CAR, InertialMeasurement(0.0, 2.0, 3.0))
     for i, (ahead, side, axle) in enumerate(signs):
-        assert found[i] - load_at_rest(CAR, i) == pytest.approx(ahead * along + side * across[axle], rel=1e-10)
+        assert found[i] - load_at_rest(CAR, i) == pytest.approx(
+            ahead * along + side * across[axle], rel=1e-10
+        )
 
 
 @given(a_x=st.floats(-4.0, 4.0), a_y=st.floats(-4.0, 4.0))
 def test_loads_add_up_to_the_weight(a_x, a_y):
     """Loads while no wheel lifts, which takes more than these accelerations."""
-    assert math.fsum(wheel_loads(CAR, InertialMeasurement(0.0, a_x, a_y))) == pytest.approx(WEIGHT, rel=1e-12)
+    assert math.fsum(wheel_loads(CAR, InertialMeasurement(0.0, a_x, a_y))) == pytest.approx(
+        WEIGHT, rel=1e-12
+    )
 
 
 @given(a_x=st.floats(-20.0, 20.0), a_y=st.floats(-20.0, 20.0))

@@ -21,7 +21,9 @@ def made(**changed) -> Differential:
     return Differential("adaptive", DISSERTATION, PERIOD, **{"redistribute": True, **changed})
 
 
-def refusing(law: Differential, motion: Motion, left: float, right: float, steps: int) -> WheelTorqueRequest:
+def refusing(
+    law: Differential, motion: Motion, left: float, right: float, steps: int
+) -> WheelTorqueRequest:
     """Torques [N m] that act on the front wheels throughout; the last request."""
     for _ in range(steps):
         request = law.step(dataclasses.replace(motion, efforts=Wheels.front(left, right)))
@@ -38,13 +40,20 @@ def test_refused_torque_is_dropped_by_default():
 def test_refused_torque_is_offered_to_the_other_wheel():
     """Share 500 N m, 300 N m act on the left: 200 N m go to the right, at once up to T/(T + tau) = 1/11 of them."""
     law = made()
-    assert refusing(law, PEDAL, 300.0, 500.0, 1).drive == Wheels.front(500.0, 500.0)  # nothing was asked for before
-    assert refusing(law, PEDAL, 300.0, 500.0, 1).drive == pytest.approx(Wheels.front(500.0, 500.0 + 200.0 / 11))
-    assert refusing(law, PEDAL, 300.0, 700.0, 1000).drive == pytest.approx(Wheels.front(500.0, 700.0))
+    # nothing was asked for before
+    assert refusing(law, PEDAL, 300.0, 500.0, 1).drive == Wheels.front(500.0, 500.0)
+    assert refusing(law, PEDAL, 300.0, 500.0, 1).drive == pytest.approx(
+        Wheels.front(500.0, 500.0 + 200.0 / 11)
+    )
+    assert refusing(law, PEDAL, 300.0, 700.0, 1000).drive == pytest.approx(
+        Wheels.front(500.0, 700.0)
+    )
 
 
 def test_both_are_offered_when_both_refuse():
-    assert refusing(made(), PEDAL, 300.0, 400.0, 1000).drive == pytest.approx(Wheels.front(600.0, 700.0))
+    assert refusing(made(), PEDAL, 300.0, 400.0, 1000).drive == pytest.approx(
+        Wheels.front(600.0, 700.0)
+    )
 
 
 def test_axles_offer_on_their_own():
@@ -64,13 +73,17 @@ def test_a_changed_direction_begins_anew():
     """Forward 200 N m were refused on the left; in reverse nobody has refused anything yet."""
     law = made()
     refusing(law, PEDAL, 300.0, 500.0, 1000)
-    assert refusing(law, Motion(torque=-1000.0), 300.0, 500.0, 1).drive == Wheels.front(-500.0, -500.0)
+    assert refusing(law, Motion(torque=-1000.0), 300.0, 500.0, 1).drive == Wheels.front(
+        -500.0, -500.0
+    )
     assert law.state["refused.front_left"] == 0.0
 
 
 @given(
     torque=st.floats(1.0, 3000.0),
-    acting=st.lists(st.tuples(st.floats(-500.0, 2000.0), st.floats(-500.0, 2000.0)), min_size=2, max_size=30),
+    acting=st.lists(
+        st.tuples(st.floats(-500.0, 2000.0), st.floats(-500.0, 2000.0)), min_size=2, max_size=30
+    ),
 )
 def test_no_wheel_is_asked_for_more_than_both_shares(torque, acting):
     """Whatever acts: from its own share up to that of both wheels."""
@@ -84,7 +97,9 @@ def test_no_wheel_is_asked_for_more_than_both_shares(torque, acting):
 
 
 EFFICIENCY = 0.97  # of the gear
-GEARED = dataclasses.replace(DISSERTATION, motor=dataclasses.replace(DISSERTATION.motor, gear_efficiency=EFFICIENCY))
+GEARED = dataclasses.replace(
+    DISSERTATION, motor=dataclasses.replace(DISSERTATION.motor, gear_efficiency=EFFICIENCY)
+)
 
 
 def on_the_road(**changed) -> Differential:
@@ -95,8 +110,11 @@ def test_on_the_road_the_other_wheel_gets_no_more():
     """The left takes 300 of 500 N m, which acts behind the gear: the right is asked for as much, by 11 in 1."""
     law = on_the_road()
     acting = (300.0 * EFFICIENCY, 500.0 * EFFICIENCY)
-    assert refusing(law, PEDAL, *acting, 1).drive == Wheels.front(500.0, 500.0)  # nothing was asked for before
-    assert refusing(law, PEDAL, *acting, 1).drive == pytest.approx(Wheels.front(500.0, 500.0 - 200.0 / 11))
+    # nothing was asked for before
+    assert refusing(law, PEDAL, *acting, 1).drive == Wheels.front(500.0, 500.0)
+    assert refusing(law, PEDAL, *acting, 1).drive == pytest.approx(
+        Wheels.front(500.0, 500.0 - 200.0 / 11)
+    )
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -104,7 +122,8 @@ def test_on_the_road_the_other_wheel_gets_no_more():
 def test_torques_that_follow_their_requests_become_equal(sign, better):
     """One wheel takes 300 N m at most: after twenty time constants both get that, and it is no trap.
 
-    As soon as the wheel takes all again, both are back at their shares, forwards and in reverse, and for either side.
+    As soon as the wheel takes all again, both are back at their shares, forwards and in reverse,
+    and for either side.
     """
     law, acting = on_the_road(), [0.0, 0.0]
 
@@ -124,10 +143,16 @@ def test_torques_that_follow_their_requests_become_equal(sign, better):
 def test_a_wheel_that_takes_all_costs_nothing_on_the_road():
     """The gear's part of the command is no refusal: requests are those of equal_torque."""
     acting = 500.0 * EFFICIENCY
-    assert refusing(on_the_road(), PEDAL, acting, acting, 1000).drive == pytest.approx(Wheels.front(500.0, 500.0))
+    assert refusing(on_the_road(), PEDAL, acting, acting, 1000).drive == pytest.approx(
+        Wheels.front(500.0, 500.0)
+    )
 
 
-@given(acting=st.lists(st.tuples(st.floats(-500.0, 2000.0), st.floats(-500.0, 2000.0)), min_size=2, max_size=30))
+@given(
+    acting=st.lists(
+        st.tuples(st.floats(-500.0, 2000.0), st.floats(-500.0, 2000.0)), min_size=2, max_size=30
+    )
+)
 def test_on_the_road_no_wheel_is_asked_for_more_than_its_share(acting):
     law = on_the_road()
     for left, right in acting:
@@ -137,12 +162,15 @@ def test_on_the_road_no_wheel_is_asked_for_more_than_its_share(acting):
 def test_the_switch_turns_to_the_other_mode_at_its_time():
     """The scenario: equal torques until 4 s, as `road`; from then on as `off_road`, with more torque on the dry side.
 
-    Of 5.4 kN at 0.32 m ice takes 0.05 and its rolling resistance 0.017, 117 N m: on the road the right wheel gets as
-    much in the mean (5 %, for the ASR of the left one swings, which is half as much again at the most); off it, and
-    from the switch on, it gets its 750 N m less the gear.
+    Of 5.4 kN at 0.32 m ice takes 0.05 and its rolling resistance 0.017, 117 N m: on the road the
+    right wheel gets as much in the mean (5 %, for the ASR of the left one swings, which is half as
+    much again at the most); off it, and from the switch on, it gets its 750 N m less the gear.
     """
     runs = {name: run.channels for name, run in ev_stack.run("road_off_road").runs.items()}
-    left, right = ({n: c[f"wheel_states.effort.front_{side}"] for n, c in runs.items()} for side in ("left", "right"))
+    left, right = (
+        {n: c[f"wheel_states.effort.front_{side}"] for n, c in runs.items()}
+        for side in ("left", "right")
+    )
     settled, switch = 300, 800  # 1.5 s and 4 s
     for name, part in (("road", slice(settled, None)), ("switched", slice(settled, switch))):
         assert right[name][part].mean() == pytest.approx(left[name][part].mean(), rel=0.05)
@@ -156,7 +184,16 @@ def test_the_switch_turns_to_the_other_mode_at_its_time():
 
 def test_without_a_switch_method_1_is_off_the_road():
     """Chapter 3 drives it so: "adaptive regulation". A switch turned at 2 s is the other mode from then on."""
-    default, turned, acting = Differential("adaptive", GEARED, PERIOD), on_the_road(switch_at=2.0), (300.0, 500.0)
+    default, turned, acting = (
+        Differential("adaptive", GEARED, PERIOD),
+        on_the_road(switch_at=2.0),
+        (300.0, 500.0),
+    )
     assert refusing(default, PEDAL, *acting, 10).drive == Wheels.front(500.0, 500.0)
-    assert refusing(turned, dataclasses.replace(PEDAL, time=1.995), *acting, 10).drive.front_right < 450.0
-    assert refusing(turned, dataclasses.replace(PEDAL, time=2.0), *acting, 1).drive == Wheels.front(500.0, 500.0)
+    assert (
+        refusing(turned, dataclasses.replace(PEDAL, time=1.995), *acting, 10).drive.front_right
+        < 450.0
+    )
+    assert refusing(turned, dataclasses.replace(PEDAL, time=2.0), *acting, 1).drive == Wheels.front(
+        500.0, 500.0
+    )

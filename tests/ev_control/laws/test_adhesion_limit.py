@@ -23,7 +23,9 @@ def test_without_slip_the_largest_friction_is_believed():
     law = Control("adhesion_limit")
     law.step(spinning_at(10.0, 10.0))
     assert law.of_wheel()["friction"] == 1.2
-    assert law.limits()[FRONT_LEFT] == pytest.approx(0.95 * 1.2 * front_load(CAR, 1.0) * CAR.wheel_radius, rel=1e-12)
+    assert law.limits()[FRONT_LEFT] == pytest.approx(
+        0.95 * 1.2 * front_load(CAR, 1.0) * CAR.wheel_radius, rel=1e-12
+    )
 
 
 def test_friction_in_use_of_a_slipping_wheel_is_that_of_the_road():
@@ -32,7 +34,9 @@ def test_friction_in_use_of_a_slipping_wheel_is_that_of_the_road():
     law.step(spinning_at(19.5, 10.0))
     torque = law.step(spinning_at(20.0, 10.0)).front_left
     road = 1500.0 - INERTIA * 0.5 / PERIOD
-    assert law.of_wheel()["friction"] == pytest.approx(road / (front_load(CAR, 1.0) * CAR.wheel_radius), rel=1e-12)
+    assert law.of_wheel()["friction"] == pytest.approx(
+        road / (front_load(CAR, 1.0) * CAR.wheel_radius), rel=1e-12
+    )
     assert torque == pytest.approx(0.95 * road, rel=1e-12)
 
 

@@ -14,7 +14,9 @@ ON_ICE = {  # of the speed without
     "expected_signal": 0.97,
     "maximum_transmissible_torque": 0.98,
 }
-RECOVERY = {  # seconds from dry asphalt under the wheel to 90 % of the request, after snow; measured with eight seeds:
+# seconds from dry asphalt under the wheel to 90 % of the request, after snow; measured with eight
+# seeds:
+RECOVERY = {
     "least_squares": 0.15,  # 0.05 to 0.10
     "slip_window": 0.95,  # 0.40 to 0.84: noise decides when the swinging slip lets the limit rise
     "acceleration_ratio": 0.9,  # 0.64 to 0.80
@@ -26,7 +28,8 @@ RECOVERY = {  # seconds from dry asphalt under the wheel to 90 % of the request,
     "expected_signal": 0.2,  # 0.145 to 0.16
     "modified_lambda": 0.45,  # 0.405 to 0.42
 }
-PEAK_ON_ICE = {  # largest slip after dry asphalt ends at 26 km/h with 1200 N m at the wheel; 0.79 without control
+# largest slip after dry asphalt ends at 26 km/h with 1200 N m at the wheel; 0.79 without control
+PEAK_ON_ICE = {
     "least_squares": 0.4,
     "slip_window": 0.7,
     "acceleration_ratio": 0.65,
@@ -45,11 +48,12 @@ PEAK_ON_ICE = {  # largest slip after dry asphalt ends at 26 km/h with 1200 N m 
 def test_launches_do_not_chatter(name, surface):
     """Start from rest: the torque never turns its sign, and the car gets away as well as without control, within 1 %.
 
-    On ice the force hardly depends on the slip, so there is nothing to win; a limit that falls too far only loses.
-    slip_window and acceleration_ratio lose 10 to 17 % of the speed there, over eight seeds of the noise, and
-    maximum_transmissible_torque 0 to 1.4 %, expected_signal 2 % for its smaller slip at rest. Slip is never negative
-    but for the spring of the carcass at rest; the laws that only know accelerations take so much torque at walking
-    speed that the wheel swings back, and slip_window on ice (to -0.05 at 0.5 m/s).
+    On ice the force hardly depends on the slip, so there is nothing to win; a limit that falls too
+    far only loses. slip_window and acceleration_ratio lose 10 to 17 % of the speed there, over
+    eight seeds of the noise, and maximum_transmissible_torque 0 to 1.4 %, expected_signal 2 % for
+    its smaller slip at rest. Slip is never negative but for the spring of the carcass at rest; the
+    laws that only know accelerations take so much torque at walking speed that the wheel swings
+    back, and slip_window on ice (to -0.05 at 0.5 m/s).
     """
     channels, off = full_throttle(name, surface), full_throttle("off", surface)
     for wheel in ("front_left", "front_right"):
@@ -85,7 +89,9 @@ def test_slip_is_limited_after_a_jump_down(name):
     """Dry asphalt, then 15 m of ice: below the largest slip without control, by the method's own margin."""
     slips = {}
     for law in (name, "off"):
-        channels = launch(law, ("dry_asphalt", "ice", "dry_asphalt"), 2400.0, 1.0, 8.0, (10.0, 15.0))
+        channels = launch(
+            law, ("dry_asphalt", "ice", "dry_asphalt"), 2400.0, 1.0, 8.0, (10.0, 15.0)
+        )
         on_ice = channels["tire_forces.friction_coefficient.front_left"] < 0.1
         slips[law] = slip_of(channels)[on_ice]
     assert slips[name].max() < PEAK_ON_ICE[name]

@@ -33,7 +33,8 @@ from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 
 pytestmark = pytest.mark.slow
 
-RING = ("fit.x.", "fit.y.", "fit.sum_", "fit.offset")  # samples of a window that says it is empty, and their sums
+# samples of a window that says it is empty, and their sums
+RING = ("fit.x.", "fit.y.", "fit.sum_", "fit.offset")
 
 
 def test_all_twelve_are_asked():
@@ -107,7 +108,9 @@ def test_braking_passes(name, sequence):
     law = Control(name)
     for m in sequence:
         law.step(m)
-    braked = dataclasses.replace(sequence[-1], speed=Wheels(25.0, 30.0, 20.0, 20.0), brake=Wheels.front(200.0, 200.0))
+    braked = dataclasses.replace(
+        sequence[-1], speed=Wheels(25.0, 30.0, 20.0, 20.0), brake=Wheels.front(200.0, 200.0)
+    )
     assert law.step(braked) == braked.drive
     regenerates = Measured(Wheels.front(-800.0, -800.0), speed=Wheels(5.0, 8.0, 20.0, 20.0))
     assert law.step(regenerates) == regenerates.drive
@@ -124,7 +127,9 @@ def test_at_rest_nothing_happens(name, noise, torque, brake):
     """A car that is held by its brakes or its weight: 0.06 rad/s of noise, twice its usual standard deviation."""
     law, drive = Control(name), Wheels.front(torque, torque)
     for speed in noise:
-        assert law.step(Measured(drive, brake=Wheels.all(brake), speed=speed, torque=drive)) == drive
+        assert (
+            law.step(Measured(drive, brake=Wheels.all(brake), speed=speed, torque=drive)) == drive
+        )
 
 
 @pytest.mark.parametrize("name", CONTROLS)
@@ -144,7 +149,9 @@ def test_a_released_pedal_forgets_all_of_the_wheel(name):
     fresh = Control(name).of_wheel()
     assert law.of_wheel() != fresh
     law.step(dataclasses.replace(SPINNING, drive=NO_WHEELS))
-    kept = {key: value for key, value in law.of_wheel().items() if not any(part in key for part in RING)}
+    kept = {
+        key: value for key, value in law.of_wheel().items() if not any(part in key for part in RING)
+    }
     assert kept == {key: fresh[key] for key in kept}
     assert law.limits() == [math.inf] * 4
 

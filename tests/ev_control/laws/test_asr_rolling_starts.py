@@ -17,7 +17,8 @@ from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 CARS = sorted(files_in_config("vehicles"))
 PERIOD = 0.01
-STARTS = [(begin, share) for begin in (8.0, 22.0, -8.0) for share in (0.1, 0.2)]  # m/s, torque over weight times radius
+# m/s, torque over weight times radius
+STARTS = [(begin, share) for begin in (8.0, 22.0, -8.0) for share in (0.1, 0.2)]
 
 
 def car(name: str) -> Vehicle:
@@ -35,7 +36,12 @@ def test_nothing_is_withheld_from_wheels_that_roll(name):
     for law in (*METHODS, *SPEED_MODE):
         for begin in (0.0, 8.0, 22.0, -8.0):
             ahead = math.copysign(1.0, begin)
-            drive = Wheels(*(ahead * torque if wheel in vehicle.driven_wheels else 0.0 for wheel in WHEEL_NAMES))
+            drive = Wheels(
+                *(
+                    ahead * torque if wheel in vehicle.driven_wheels else 0.0
+                    for wheel in WHEEL_NAMES
+                )
+            )
             control, a_x = Control(law, vehicle, PERIOD), ahead * force / vehicle.mass
             for step in range(20):
                 speed = begin + a_x * step * PERIOD
@@ -53,8 +59,9 @@ def test_nothing_is_withheld_from_wheels_that_roll(name):
 def test_nothing_is_withheld_on_a_dry_road_without_slip(name):
     """Every car at 8 and 22 m/s and in reverse, pedal down at once to a tenth and a fifth of the weight.
 
-    Torque comes before force: the carcass winds up and the wheel runs ahead, which `acceleration_ratio` took for slip.
-    Without slip is below 0.05, where dry asphalt still carries more than half of the load.
+    Torque comes before force: the carcass winds up and the wheel runs ahead, which
+    `acceleration_ratio` took for slip. Without slip is below 0.05, where dry asphalt still carries
+    more than half of the load.
     """
     seen = 0
     for vehicle in CARS:
@@ -73,7 +80,10 @@ def starts(vehicle: str, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]
     topics = ("torque_request.drive", "torque_command.drive", "tire_forces.slip_ratio")
     found = ev_stack.batch(
         "launch_split_mu",
-        {"plant.initial_speed": [begin for begin, _ in STARTS], "driver.pedals.drive_torque": pedals},
+        {
+            "plant.initial_speed": [begin for begin, _ in STARTS],
+            "driver.pedals.drive_torque": pedals,
+        },
         run="fixed_steering",
         signals=[f"{topic}.{wheel}" for topic in topics for wheel in of.driven_wheels],
         vehicle=vehicle,
@@ -87,16 +97,23 @@ def starts(vehicle: str, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]
         },
         duration=0.5,
     )
-    asked, given_, slip = (np.stack([found.signals[f"{of_}.{w}"] for w in of.driven_wheels], axis=1) for of_ in topics)
+    asked, given_, slip = (
+        np.stack([found.signals[f"{of_}.{w}"] for w in of.driven_wheels], axis=1) for of_ in topics
+    )
     return asked, given_, abs(slip).max(axis=(1, 2))
 
 
 @pytest.mark.slow
 def test_a_car_with_four_driven_wheels_drives_from_the_first_instant():
     """All of the torque is there in a lane change at 80 km/h; an observer from 0 m/s takes 4 s to let it pass."""
-    run = ev_stack.run("double_lane_change", vehicle="layout_1_8_c", method={"asr": "pi_slip"}, duration=1.0)
+    run = ev_stack.run(
+        "double_lane_change", vehicle="layout_1_8_c", method={"asr": "pi_slip"}, duration=1.0
+    )
     for of in run.runs.values():
         for wheel in WHEEL_NAMES:
-            asked, given = (channel(of, f"{topic}.drive.{wheel}") for topic in ("torque_request", "torque_command"))
+            asked, given = (
+                channel(of, f"{topic}.drive.{wheel}")
+                for topic in ("torque_request", "torque_command")
+            )
             assert (asked == given).all()
             assert abs(asked).max() > 0.0

@@ -33,18 +33,27 @@ def front(drive: Wheels) -> float:
 
 def test_front_slides_by_cos_phi():
     """Angle with cos(phi) = 0.6 and k = 0.5: h = 0.3; q = 2.7*0.1*0.3/(2*1.55*0.7) = 0.0373, by hand."""
-    drive = made(k=0.5, rear_wheels="by_geometry").step(Motion(torque=1000.0, a_x=0.6, a_y=0.8).steered(0.1)).drive
+    drive = (
+        made(k=0.5, rear_wheels="by_geometry")
+        .step(Motion(torque=1000.0, a_x=0.6, a_y=0.8).steered(0.1))
+        .drive
+    )
     q = 2.7 * 0.1 * 0.3 / (2 * 1.55 * 0.7)
     assert drive == pytest.approx((150, 150, 350 * (1 + q), 350 * (1 - q)), rel=1e-12)
 
 
-SLIDING = Motion(torque=1000.0, v=-2.0, a_x=0.6, a_y=0.8).steered(-0.1)  # 0.4 rad at the rear axle, 0.3 at the front
+# 0.4 rad at the rear axle, 0.3 at the front
+SLIDING = Motion(torque=1000.0, v=-2.0, a_x=0.6, a_y=0.8).steered(-0.1)
 
 
-@pytest.mark.parametrize(("branch", "share"), [("printed", 0.2), ("derived", 0.3), ("rear_share", 0.5)])
+@pytest.mark.parametrize(
+    ("branch", "share"), [("printed", 0.2), ("derived", 0.3), ("rear_share", 0.5)]
+)
 def test_rear_slides_by_three_readings(branch, share):
     """Factor k = 0.5: k (1 - 0.6) as printed, k 0.6 as derived, 1 - k 0.6 = 0.7, limited to a half."""
-    assert front(made(k=0.5, second_branch=branch).step(SLIDING).drive) == pytest.approx(1000.0 * share, rel=1e-12)
+    assert front(made(k=0.5, second_branch=branch).step(SLIDING).drive) == pytest.approx(
+        1000.0 * share, rel=1e-12
+    )
 
 
 def test_rear_share_is_not_always_limited():
@@ -68,10 +77,14 @@ def test_front_share_ends_at_one_half():
 def test_speeding_up_backwards_is_no_braking(braking, factor):
     """Torque, acceleration and speeds change their sign in reverse, and nothing else; slowing down is all rear."""
     steered = Motion(torque=1000.0, a_x=0.6, a_y=0.8, speeds=RIGHT_IS_SLOWER).steered(0.1)
-    back = dataclasses.replace(steered, torque=-1000.0, a_x=-0.6, speeds=Wheels(*(-each for each in RIGHT_IS_SLOWER)))
+    back = dataclasses.replace(
+        steered, torque=-1000.0, a_x=-0.6, speeds=Wheels(*(-each for each in RIGHT_IS_SLOWER))
+    )
     forwards = made(braking=braking, factor=factor, k=0.5).step(steered).drive
     assert front(forwards) > 0.0
-    assert made(braking=braking, factor=factor, k=0.5).step(back).drive == tuple(-each for each in forwards)
+    assert made(braking=braking, factor=factor, k=0.5).step(back).drive == tuple(
+        -each for each in forwards
+    )
     slows = dataclasses.replace(back, torque=1000.0, a_x=0.6, a_y=0.0)
     assert front(made(braking=braking, factor=factor, k=0.5).step(slows).drive) == 0.0
 
@@ -79,8 +92,12 @@ def test_speeding_up_backwards_is_no_braking(braking, factor):
 def test_factor_by_inertia_is_that_of_a_car_without_resistance():
     """K = 2 J_z/(m L^2) = 0.48; the equality gives the same where X = m j: 1000 N m at 0.35 m and 2400 kg."""
     motion = Motion(torque=1000.0, a_x=1000.0 / 0.35 / 2400.0)
-    assert front(made(factor="inertia").step(motion).drive) == pytest.approx(1000.0 * INERTIA, rel=1e-12)
-    assert front(made(factor="equality").step(motion).drive) == pytest.approx(1000.0 * INERTIA, rel=1e-12)
+    assert front(made(factor="inertia").step(motion).drive) == pytest.approx(
+        1000.0 * INERTIA, rel=1e-12
+    )
+    assert front(made(factor="equality").step(motion).drive) == pytest.approx(
+        1000.0 * INERTIA, rel=1e-12
+    )
 
 
 @pytest.mark.parametrize("a_y", [0.0, 0.5, 3.0])
@@ -111,11 +128,20 @@ def test_the_rule_on_slowing_down_ends_beside_the_axis(angle, straight, side):
     assert front(made(first_branch="rear", braking="deceleration").step(motion).drive) == 0.0
 
 
-@pytest.mark.parametrize("motion", [Motion(torque=-400.0, a_x=2.0), Motion(torque=100.0, brake=50.0, a_x=2.0)])
+@pytest.mark.parametrize(
+    "motion", [Motion(torque=-400.0, a_x=2.0), Motion(torque=100.0, brake=50.0, a_x=2.0)]
+)
 def test_braking_by_command_puts_all_torque_on_the_rear_axle(motion):
-    assert made(braking="command").step(motion).drive == (0.0, 0.0, motion.torque / 2, motion.torque / 2)
+    assert made(braking="command").step(motion).drive == (
+        0.0,
+        0.0,
+        motion.torque / 2,
+        motion.torque / 2,
+    )
     slows_down = Motion(torque=400.0, a_x=-2.0)
-    assert front(made(braking="command", first_branch="rear").step(slows_down).drive) == pytest.approx(200.0)
+    assert front(
+        made(braking="command", first_branch="rear").step(slows_down).drive
+    ) == pytest.approx(200.0)
 
 
 def test_the_slower_rear_wheel_gets_more_also_where_it_is_the_outer_one():
@@ -153,13 +179,18 @@ def test_deadbands_hold_branch_and_direction():
     factor=st.sampled_from(("given", "inertia", "equality")),
     second_branch=st.sampled_from(("printed", "derived", "rear_share")),
 )
-def test_no_wheel_works_against_the_others_and_the_front_share_is_limited(sequence, most, **readings):
+def test_no_wheel_works_against_the_others_and_the_front_share_is_limited(
+    sequence, most, **readings
+):
     law = made(largest_front_share=most, **readings)
     for motion in sequence:
         drive = law.step(motion).drive
         assert all(torque * motion.torque >= 0.0 for torque in drive)
         assert sum(drive) == pytest.approx(motion.torque, rel=1e-12, abs=1e-300)
-        assert abs(drive.front_left + drive.front_right) <= most * abs(motion.torque) * (1 + 1e-14) + 1e-300
+        assert (
+            abs(drive.front_left + drive.front_right)
+            <= most * abs(motion.torque) * (1 + 1e-14) + 1e-300
+        )
 
 
 def test_truth_needs_no_observer():

@@ -29,7 +29,13 @@ CAR = Vehicle(
     gear_ratio=1.0,
     driven_wheels=WHEEL_NAMES,
     battery=Battery(charge_power=1e6),
-    motor=Motor(peak_torque=700.0, generator_torque=CAN, generator_power=1e6, maximum_speed=200.0, peak_power=1e6),
+    motor=Motor(
+        peak_torque=700.0,
+        generator_torque=CAN,
+        generator_power=1e6,
+        maximum_speed=200.0,
+        peak_power=1e6,
+    ),
 )
 ROLLING = Measured(speed=Wheels.all(60.0))  # 18 m/s
 
@@ -71,7 +77,8 @@ def test_drives_brake_as_far_as_they_can():
     assert Brakes().step(braking(300.0), 100) == WheelTorqueCommand(Wheels.all(-300.0))
     command = Brakes().step(braking(900.0), 100)
     assert command.drive == Wheels.all(-CAN)
-    assert command.brake.front_left == pytest.approx(900.0 - CAN, rel=1e-3)  # exp(-0.5 s/0.05 s) is left
+    # exp(-0.5 s/0.05 s) is left
+    assert command.brake.front_left == pytest.approx(900.0 - CAN, rel=1e-3)
 
 
 def test_the_pedal_comes_at_once_by_the_drive_and_slowly_by_the_brake():
@@ -114,11 +121,17 @@ def test_friction_alone_leaves_drives_to_what_they_are_asked_for():
     brakes = Brakes(blending="friction", yaw__gain=0.0)
     assert brakes.step(braking(900.0), 100).drive == NO_WHEELS
     regenerates = dataclasses.replace(ROLLING, drive=Wheels.all(-200.0))
-    assert Brakes(blending="friction").step(regenerates, 100) == WheelTorqueCommand(regenerates.drive)
+    assert Brakes(blending="friction").step(regenerates, 100) == WheelTorqueCommand(
+        regenerates.drive
+    )
 
 
 LOCKING = braking(
-    1500.0, speed=Wheels(40.0, 60.0, 60.0, 58.0), torque=Wheels(-300.0, -400.0, -500.0, -500.0), yaw_rate=0.1, a_x=-5.0
+    1500.0,
+    speed=Wheels(40.0, 60.0, 60.0, 58.0),
+    torque=Wheels(-300.0, -400.0, -500.0, -500.0),
+    yaw_rate=0.1,
+    a_x=-5.0,
 )
 
 
@@ -141,7 +154,10 @@ def test_left_and_right_mirror_to_the_bit(times):
 def test_reverse_mirrors_forward_to_the_bit(times):
     """Backwards the same yaw rate is another bend: a car that turns the other way meets the mirrored forces."""
     m = dataclasses.replace(LOCKING, yaw_rate=0.0)
-    one, back = answer_after(m, times, ROLLING), answer_after(m.reversed(), times, ROLLING.reversed())
+    one, back = (
+        answer_after(m, times, ROLLING),
+        answer_after(m.reversed(), times, ROLLING.reversed()),
+    )
     assert back == WheelTorqueCommand(Wheels(*(-torque for torque in one.drive)), one.brake)
 
 
@@ -151,7 +167,9 @@ def test_a_car_that_yaws_out_of_its_line_brakes_less_on_one_side():
     brakes.step(braking(400.0), 100)
     command = brakes.step(braking(400.0, yaw_rate=-0.15, torque=Wheels.all(-400.0)), 10)
     assert command.drive.front_left < -400.0 < command.drive.front_right
-    assert Brakes(yaw__gain=0.0).step(braking(400.0, yaw_rate=-0.15), 100).drive == Wheels.all(-400.0)
+    assert Brakes(yaw__gain=0.0).step(braking(400.0, yaw_rate=-0.15), 100).drive == Wheels.all(
+        -400.0
+    )
 
 
 def test_no_number_lets_all_pass():
@@ -170,7 +188,13 @@ def test_brakes_that_the_plant_blends_are_refused():
 OFFSETS = (-0.2, 0.2)  # of an accelerometer [m/s^2], as a slope of 2 % is one
 
 
-def offset_run(offset: float, pedals: dict[str, list[float]], duration: float, grade: float = 0.0, **changed: Any):
+def offset_run(
+    offset: float,
+    pedals: dict[str, list[float]],
+    duration: float,
+    grade: float = 0.0,
+    **changed: Any,
+):
     """Start from rest on dry asphalt, with an offset of the accelerometer and nothing else that is wrong."""
     values = {f"driver.pedals.{name}": numbers for name, numbers in pedals.items()} | {
         "driver.pedals.begin_time": 0.0,
@@ -181,7 +205,9 @@ def offset_run(offset: float, pedals: dict[str, list[float]], duration: float, g
     }
     named = {name.replace("__", "."): value for name, value in changed.items()}
     return (
-        ev_stack.run("blended_brakes", runs=("drives",), duration=duration, set=values | named).runs["drives"].channels
+        ev_stack.run("blended_brakes", runs=("drives",), duration=duration, set=values | named)
+        .runs["drives"]
+        .channels
     )
 
 
@@ -190,14 +216,18 @@ def test_a_car_on_its_brakes_stays_whatever_the_accelerometer_says(offset):
     """Half a minute on 10 %: it moves by the 2.3 mm that its brakes yield; without standstill it rolls away."""
     held = {"time": [0.0], "drive_torque": [0.0], "brake_torque": [3000.0]}
     assert abs(offset_run(offset, held, 30.0, 0.1)["pose.x"][-1]) < 0.01
-    assert abs(offset_run(offset, held, 30.0, 0.1, asr__reference__standstill__rate=0.0)["pose.x"][-1]) > 5.0
+    assert (
+        abs(offset_run(offset, held, 30.0, 0.1, asr__reference__standstill__rate=0.0)["pose.x"][-1])
+        > 5.0
+    )
 
 
 def test_an_offset_that_was_learned_at_rest_costs_little_way():
     """5 s on the brakes, up to 80 km/h, full brake: e^-4.5 of 0.2 m/s^2 is left, 1 % of it.
 
-    Unlearned 0.2 m/s^2 makes the way 27 % longer, -0.2 m/s^2 lets the car not get there (docs/braking.md): 1 % of the
-    offset are 0.3 % of way, and 2 % leave the rest for the speed at which the pedal finds the car.
+    Unlearned 0.2 m/s^2 makes the way 27 % longer, -0.2 m/s^2 lets the car not get there
+    (docs/braking.md): 1 % of the offset are 0.3 % of way, and 2 % leave the rest for the speed at
+    which the pedal finds the car.
     """
 
     def way(offset: float) -> float:
@@ -218,12 +248,15 @@ def test_an_offset_that_was_learned_at_rest_costs_little_way():
 def test_on_split_friction_only_stability_keeps_the_car_on_its_path():
     """Ice left, dry right, 80 km/h, a driver who steers: without ABS the car turns round, with ABS alone, too.
 
-    With stability control it stays within 15 deg and 3 m and stops in 18 % less than with locked wheels; measured 10
-    deg, 2.0 m, 78.8 m of 96.4 m. The bounds leave half as much again, and half of the gain.
+    With stability control it stays within 15 deg and 3 m and stops in 18 % less than with locked
+    wheels; measured 10 deg, 2.0 m, 78.8 m of 96.4 m. The bounds leave half as much again, and half
+    of the gain.
     """
     value = {name: metric.value for name, metric in ev_stack.run("blended_brakes").metrics.items()}
     assert value["stability_peak_yaw_deviation"] < math.radians(15.0)
     assert value["stability_peak_lateral_deviation"] < 3.0
     assert value["stability_stopping_distance"] < 0.91 * value["off_stopping_distance"]
     assert value["off_peak_yaw_deviation"] > math.pi / 2
-    assert abs(value["stability_yaw_deviation_after_1_s"]) < 0.4 * abs(value["drives_yaw_deviation_after_1_s"])
+    assert abs(value["stability_yaw_deviation_after_1_s"]) < 0.4 * abs(
+        value["drives_yaw_deviation_after_1_s"]
+    )

@@ -33,7 +33,9 @@ def moving(r: float = 0.0, hands: float = 0.0, **changed) -> Motion:
 def test_without_an_error_it_is_equation_4():
     """Delta M of Shchur's eq 4 with M_b = 2, alpha = 3, alpha' = -4, at rest, where no yaw rate is wanted."""
     motion = Motion(column=SteeringColumnState(3.0, -4.0, 2.0, 0.0, 0.0))
-    assert difference(made().step(motion)) == pytest.approx(16 / LEVER * (10 - 0.153 + 0.248), rel=1e-14)
+    assert difference(made().step(motion)) == pytest.approx(
+        16 / LEVER * (10 - 0.153 + 0.248), rel=1e-14
+    )
 
 
 def test_a_car_that_yaws_more_than_wanted_is_held_back():
@@ -47,7 +49,9 @@ def test_the_wish_is_bounded_by_the_friction():
     """Friction of 0.1 lets the car turn with 0.9 mu g/u = 0.0441 rad/s; at 0.1 rad/s the rest is too much."""
     motion = moving(r=0.1, hands=0.1, friction=Wheels.all(0.1), load=Wheels.all(3000.0))
     moment = -200.0 * (0.1 - 0.9 * 0.1 * 9.81 / 20.0)
-    assert difference(made().step(motion)) == pytest.approx((16 * 5 * 0.1 + moment) / LEVER, rel=1e-12)
+    assert difference(made().step(motion)) == pytest.approx(
+        (16 * 5 * 0.1 + moment) / LEVER, rel=1e-12
+    )
 
 
 def test_against_both_adds_what_is_missing():
@@ -55,7 +59,9 @@ def test_against_both_adds_what_is_missing():
     motion = dataclasses.replace(moving(r=0.02).steered(0.01), speeds=FAST)
     spring = -16 * 0.051 * 0.16
     moment = 200.0 * (20.0 * 0.01 / 2.405 - 0.02)
-    assert difference(made(wish="angle", against="both").step(motion)) == pytest.approx((moment + spring) / LEVER)
+    assert difference(made(wish="angle", against="both").step(motion)) == pytest.approx(
+        (moment + spring) / LEVER
+    )
     assert difference(made(wish="angle").step(motion)) == pytest.approx(spring / LEVER, rel=1e-12)
 
 
@@ -68,7 +74,9 @@ def test_the_hands_never_have_to_hold_more_than_is_stated():
 def test_hands_that_hold_the_wheel_leave_a_sixth_of_the_yaw_moment():
     """Eq 5 held at 0: (1 + gamma) i M_b = -M_z, of which the difference gives gamma i M_b; M_z/(1 + gamma) is left."""
     law = made(wish="angle")
-    assert difference(law.step(moving(r=0.1, hands=20.0 / (6 * 16)))) == pytest.approx(-20.0 / 6 / LEVER, rel=1e-10)
+    assert difference(law.step(moving(r=0.1, hands=20.0 / (6 * 16)))) == pytest.approx(
+        -20.0 / 6 / LEVER, rel=1e-10
+    )
 
 
 @pytest.mark.parametrize(("first", "asked", "given"), [
@@ -77,8 +85,8 @@ def test_hands_that_hold_the_wheel_leave_a_sixth_of_the_yaw_moment():
 def test_the_second_gets_its_demand_within_the_room_that_is_left(first, asked, given):
     """Tyres leave +-50 N m for half a difference, steering asks for 20 N m of it, yaw for -25 N m or far too much.
 
-    Both have room beside each other. Yaw that asks too much gets the 0.6 of -50 N m that steering leaves beside its
-    20 N m, or comes first and leaves nothing.
+    Both have room beside each other. Yaw that asks too much gets the 0.6 of -50 N m that steering
+    leaves beside its 20 N m, or comes first and leaves nothing.
     """
     friction = 50.0 / (0.9 * 0.294 * FRONT_LOAD)
     motion = moving(r=1.0, hands=20.0 * 2 * LEVER / (16 * 5), friction=Wheels.all(friction))
@@ -133,10 +141,14 @@ def test_an_absurd_measurement_leaves_the_power_steering():
 def test_at_rest_it_is_power_steering_to_the_bit(sequence):
     """Rear wheels that stand: no yaw rate is wanted or corrected; torques within what asphalt and motors leave."""
     for motion in sequence:
-        calm = dataclasses.replace(motion, speeds=NO_WHEELS, torque=0.0, friction=Wheels.all(1e6), r=0.0)
+        calm = dataclasses.replace(
+            motion, speeds=NO_WHEELS, torque=0.0, friction=Wheels.all(1e6), r=0.0
+        )
         small = SteeringColumnState(*(value / 100.0 for value in motion.column))
         calm = dataclasses.replace(calm, column=small, efforts=NO_WHEELS)
-        assert difference(made().step(calm)) == difference(Differential("power_steering", SHCHUR).step(calm))
+        assert difference(made().step(calm)) == difference(
+            Differential("power_steering", SHCHUR).step(calm)
+        )
 
 
 @pytest.mark.parametrize("driven", [WHEEL_NAMES, ("rear_left", "rear_right")])

@@ -43,13 +43,26 @@ CHOICES: dict[str, tuple[dict, ...]] = {
         {"first_branch": "rear", "second_branch": "derived"},
         {"factor": "equality", "rear_wheels": "by_geometry"},
     ),
-    "course_stability": ({"first": "yaw", "wish": "angle"}, {"against": "both", "error_factor": 0.3}),
-    "slip_target": ({"source": "estimated"}, {"reading": "offset", "boundary_layer": False}, {"reading": "increment"}),
+    "course_stability": (
+        {"first": "yaw", "wish": "angle"},
+        {"against": "both", "error_factor": 0.3},
+    ),
+    "slip_target": (
+        {"source": "estimated"},
+        {"reading": "offset", "boundary_layer": False},
+        {"reading": "increment"},
+    ),
     "steering_correction": ({"axle": "rear"},),
     "wheel_speed": ({"mean": "speed"},),
 }
 # These give less than asked for where grip or motor end, or another sum to reach slips or speeds.
-LIMITING = ("adhesion_share", "direct_yaw_moment", "open_differential", "slip_target", "wheel_speed")
+LIMITING = (
+    "adhesion_share",
+    "direct_yaw_moment",
+    "open_differential",
+    "slip_target",
+    "wheel_speed",
+)
 FRONT_LAYOUTS = (FRONT, ("front_left", "front_right", "rear_left"), WHEEL_NAMES)
 ANY_LAYOUTS = (*FRONT_LAYOUTS, REAR, ("rear_left",))
 LAYOUTS = {
@@ -103,7 +116,9 @@ def test_drive_torques_add_up_to_what_the_driver_asks(name, sequence, data):
     for motion in sequence:
         drive = law.step(motion).drive
         largest = max(abs(torque) for torque in drive)
-        assert sum(drive) == pytest.approx(motion.torque, abs=1e-12 * (largest + abs(motion.torque)) + 1e-300)
+        assert sum(drive) == pytest.approx(
+            motion.torque, abs=1e-12 * (largest + abs(motion.torque)) + 1e-300
+        )
 
 
 @given(motion=motions, data=st.data())
@@ -111,7 +126,9 @@ def test_drive_torques_add_up_to_what_the_driver_asks(name, sequence, data):
 def test_wheels_without_a_motor_are_asked_for_nothing(name, motion, data):
     driven = data.draw(st.sampled_from(LAYOUTS.get(name, ANY_LAYOUTS)))
     drive = Differential(name, on(CARS[name], driven)).step(motion).drive
-    assert [torque for wheel, torque in drive._asdict().items() if wheel not in driven and torque != 0.0] == []
+    assert [
+        torque for wheel, torque in drive._asdict().items() if wheel not in driven and torque != 0.0
+    ] == []
 
 
 @given(brake=st.floats(0.0, 10000.0), share=st.floats(0.0, 1.0))

@@ -23,7 +23,9 @@ CAR = on(DISSERTATION, WHEEL_NAMES)
 L, B = CAR.wheelbase, CAR.centre_of_mass_to_rear_axle
 K = 0.002  # s^2/m, of the default reference
 PERIOD = 0.01
-LOADS = Wheels(*[CAR.mass * GRAVITY * share / 2.0 for share in (B / L, B / L, 1.0 - B / L, 1.0 - B / L)])
+LOADS = Wheels(
+    *[CAR.mass * GRAVITY * share / 2.0 for share in (B / L, B / L, 1.0 - B / L, 1.0 - B / L)]
+)
 
 
 def made(car=CAR, **changed) -> Differential:
@@ -60,7 +62,14 @@ class LinearCar:
     def motion(self, angle: float, **more) -> Motion:
         speeds = Wheels.all(self.u / CAR.wheel_radius)
         column = SteeringColumnState(16.0 * angle, 0.0, 0.0, angle, 0.0)
-        known = {"u": self.u, "v": self.v, "r": self.r, "a_y": self.across, "speeds": speeds, "load": LOADS}
+        known = {
+            "u": self.u,
+            "v": self.v,
+            "r": self.r,
+            "a_y": self.across,
+            "speeds": speeds,
+            "load": LOADS,
+        }
         return Motion(column=column, **known | more)
 
 
@@ -76,7 +85,13 @@ def driven(law: Differential, car: LinearCar, angle: float, steps: int, **more) 
 @pytest.mark.parametrize("estimation", ["truth", "estimated"])
 @pytest.mark.parametrize(
     ("controller", "allowed"),
-    [("pi", 0.01), ("lqr", 0.08), ("sliding_mode", 0.06), ("super_twisting", 0.01), ("suboptimal", 0.01)],
+    [
+        ("pi", 0.01),
+        ("lqr", 0.08),
+        ("sliding_mode", 0.06),
+        ("super_twisting", 0.01),
+        ("suboptimal", 0.01),
+    ],
 )
 @pytest.mark.parametrize("speed", [20.0, -8.0])
 def test_the_yaw_rate_follows_a_step_of_the_steering(controller, allowed, estimation, speed):
@@ -100,7 +115,9 @@ def test_without_control_the_same_car_is_off():
 
 def test_predictive_control_within_its_bounds_is_the_regulator():
     """Speed 20 m/s of the schedule: the same torques through a step of the steering."""
-    found = [driven(made(controller=each), LinearCar(20.0), 0.02, 15) for each in ("lqr", "predictive")]
+    found = [
+        driven(made(controller=each), LinearCar(20.0), 0.02, 15) for each in ("lqr", "predictive")
+    ]
     for regulated, predicted in zip(*found, strict=True):
         assert predicted == pytest.approx(regulated, rel=1e-6)
 
@@ -111,7 +128,9 @@ def test_predictive_control_keeps_the_contract():
     check_method("electronic_differential", LAW, {"controller": "predictive"}, steps=8, whole=False)
 
 
-@pytest.mark.parametrize("controller", ["pi", "lqr", "sliding_mode", "super_twisting", "suboptimal"])
+@pytest.mark.parametrize(
+    "controller", ["pi", "lqr", "sliding_mode", "super_twisting", "suboptimal"]
+)
 def test_a_settled_car_is_left_in_peace(controller):
     """No chatter: in the second half of 3 s the torques move by less than 1 N m from step to step."""
     torques = driven(made(controller=controller), LinearCar(20.0), 0.02, 300)
@@ -133,7 +152,8 @@ def test_at_rest_noise_turns_no_wheel(controller, speed):
 def test_torques_add_up_to_the_drivers_and_turn_as_is_asked(allocation):
     """1000 N m to drive; a yaw rate that is 0.05 rad/s too high: M_z = -10 J 0.05 (1 + 5 T), by hand.
 
-    Least squares leave some of it, as 1/weight of all grip, and have one arm for both tracks: 1 and 3 N m are allowed.
+    Least squares leave some of it, as 1/weight of all grip, and have one arm for both tracks: 1 and
+    3 N m are allowed.
     """
     law = made(allocation=allocation, feed_forward=0.0)
     drive = law.step(LinearCar(20.0, r=0.05).motion(0.0, torque=1000.0)).drive
@@ -162,13 +182,20 @@ def test_axles_share_a_moment_as_their_loads_are():
 def test_on_split_friction_no_wheel_is_asked_for_more_than_it_holds():
     """Ice left, 2500 N m asked for: its wheels give S_L, 0.95 mu F_z r each, right ones S_R, for more would turn.
 
-    (T - S_L - S_R)^2 + 10 (S_R - S_L)^2 is least at S_R = (T + 9 S_L)/11, but for what use of grip costs (1e-2).
+    (T - S_L - S_R)^2 + 10 (S_R - S_L)^2 is least at S_R = (T + 9 S_L)/11, but for what use of grip
+    costs (1e-2).
     """
     ice = Wheels(0.1, 0.8, 0.1, 0.8)
-    drive = made(allocation="least_squares").step(LinearCar(5.0).motion(0.0, torque=2500.0, friction=ice)).drive
+    drive = (
+        made(allocation="least_squares")
+        .step(LinearCar(5.0).motion(0.0, torque=2500.0, friction=ice))
+        .drive
+    )
     left = 0.95 * 0.1 * (LOADS.front_left + LOADS.rear_left) * CAR.wheel_radius
     assert drive.front_left + drive.rear_left == pytest.approx(left, rel=1e-9)
-    assert drive.front_right + drive.rear_right == pytest.approx((2500.0 + 9.0 * left) / 11.0, rel=1e-2)
+    assert drive.front_right + drive.rear_right == pytest.approx(
+        (2500.0 + 9.0 * left) / 11.0, rel=1e-2
+    )
 
 
 def test_wrong_friction_bounds_the_wish():
@@ -183,12 +210,14 @@ def test_wrong_friction_bounds_the_wish():
 
 
 @pytest.mark.parametrize(
-    ("controller", "tracking"), [("pi", 0.1), ("super_twisting", 0.1), ("suboptimal", 0.1), ("pi", 10.0)]
+    ("controller", "tracking"),
+    [("pi", 0.1), ("super_twisting", 0.1), ("suboptimal", 0.1), ("pi", 10.0)],
 )
 def test_an_integral_does_not_wind_up_while_motors_saturate(controller, tracking):
     """Motors of 20 N m; 3 s of a yaw rate that is too high, then as much too low: the moment turns round in 0.3 s.
 
-    With a tracking time of 10 s the integral is left to wind up, and it does not: the test can fail.
+    With a tracking time of 10 s the integral is left to wind up, and it does not: the test can
+    fail.
     """
     weak = dataclasses.replace(CAR, motor=dataclasses.replace(CAR.motor, peak_torque=20.0))
     law = Differential(LAW, weak, PERIOD, controller=controller, tracking_time=tracking)
@@ -204,7 +233,8 @@ def test_an_integral_does_not_wind_up_while_motors_saturate(controller, tracking
 def test_an_integral_leaves_no_error_however_torques_are_shared(allocation):
     """2000 N m to drive in the bend of a car whose tyres are softer than believed: r* to 1 % after 3 s.
 
-    By load, left and right differ without a moment; the integral takes that away and does not follow it.
+    By load, left and right differ without a moment; the integral takes that away and does not
+    follow it.
     """
     car = LinearCar(20.0)
     driven(made(allocation=allocation), car, 0.02, 300, torque=2000.0)
@@ -223,7 +253,9 @@ def test_a_controller_without_an_integral_leaves_none_behind():
 def test_sensors_alone_know_nothing_of_the_plant():
     """Another true motion, load and friction change nothing, to the bit."""
     motion = LinearCar(20.0, r=0.1, across=2.0).motion(0.02, torque=300.0)
-    other = dataclasses.replace(motion, u=3.0, v=2.0, friction=Wheels.all(0.1), load=Wheels.all(10.0))
+    other = dataclasses.replace(
+        motion, u=3.0, v=2.0, friction=Wheels.all(0.1), load=Wheels.all(10.0)
+    )
     laws = made(estimation="estimated"), made(estimation="estimated")
     for _ in range(5):
         assert laws[0].step(motion) == laws[1].step(other)
@@ -256,9 +288,13 @@ def test_the_moment_comes_in_between_slowest_and_twice_of_it():
     assert moments[0] / moments[1] == pytest.approx(0.5, rel=1e-9)
 
 
-@pytest.mark.parametrize("layout", [("front_left",), ("front_left", "rear_left"), ("front_left", "rear_right")])
+@pytest.mark.parametrize(
+    "layout", [("front_left",), ("front_left", "rear_left"), ("front_left", "rear_right")]
+)
 def test_cars_without_two_motors_on_an_axle_are_refused(layout):
-    with pytest.raises(ParameterError, match="direct_yaw_moment needs a motor for each wheel of an axle"):
+    with pytest.raises(
+        ParameterError, match="direct_yaw_moment needs a motor for each wheel of an axle"
+    ):
         made(on(DISSERTATION, layout))
 
 
@@ -272,7 +308,10 @@ def test_a_lane_change_on_snow_slides_half_as_much():
 
     Equal torques are the same law without moment, so that all runs are of one batch.
     """
-    values = [("electronic_differential", "method", LAW), ("electronic_differential", "reference", "neutral")]
+    values = [
+        ("electronic_differential", "method", LAW),
+        ("electronic_differential", "reference", "neutral"),
+    ]
     values += [("plant", f"road.{side}", ["packed_snow_1"]) for side in ("left", "right")]
     scenario = load_scenario("double_lane_change", Overrides(vehicle="layout_1_8_c", values=values))
     found = batch(

@@ -29,9 +29,14 @@ def test_drive_by_wire_settles_where_the_steering_wheel_points():
 
 @pytest.mark.parametrize("driven", [REAR, ("front_left",), ()])
 def test_a_car_without_two_front_drives_is_refused(driven):
-    with pytest.raises(ParameterError, match="drive_by_wire needs front_left and front_right among the driven wheels"):
+    with pytest.raises(
+        ParameterError,
+        match="drive_by_wire needs front_left and front_right among the driven wheels",
+    ):
         Differential("drive_by_wire", on(SHCHUR, driven))
 
 
 def test_hands_turn_nothing_else():
-    assert find_method("electronic_differential", "drive_by_wire").requires == {"steering_column": "by_wire"}
+    assert find_method("electronic_differential", "drive_by_wire").requires == {
+        "steering_column": "by_wire"
+    }

@@ -18,4 +18,7 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
     ],
 )
 def test_equal_torque_on_every_layout(driven, expected):
-    assert Differential("equal_torque", on(SHCHUR, driven)).step(Motion(torque=120.0)).drive == expected
+    assert (
+        Differential("equal_torque", on(SHCHUR, driven)).step(Motion(torque=120.0)).drive
+        == expected
+    )

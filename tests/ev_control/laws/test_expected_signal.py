@@ -36,12 +36,18 @@ def test_side_slip_takes_from_the_longitudinal_friction_by_the_slip_vector():
     At the peak, beside six tenths of its slip across, eight tenths of the friction are left along.
     """
     for slip, lateral in ((0.03, 0.04), (0.2, 0.1), (0.05, 0.0)):
-        along, across = (expected_friction(DIAGRAM, 0.4, *pair) for pair in ((slip, lateral), (lateral, slip)))
+        along, across = (
+            expected_friction(DIAGRAM, 0.4, *pair) for pair in ((slip, lateral), (lateral, slip))
+        )
         alone = expected_friction(DIAGRAM, 0.4, math.hypot(slip, lateral), 0.0)
         assert math.hypot(along, across) == pytest.approx(alone, rel=1e-12)
     star = peak_slip(DIAGRAM, 0.4)
     at_peak = expected_friction(DIAGRAM, 0.4, 0.8 * star, 0.6 * star)
-    assert friction_at_peak(DIAGRAM, 0.4, 0.6 * star) == pytest.approx(at_peak, rel=1e-12) == pytest.approx(0.32)
+    assert (
+        friction_at_peak(DIAGRAM, 0.4, 0.6 * star)
+        == pytest.approx(at_peak, rel=1e-12)
+        == pytest.approx(0.32)
+    )
     assert friction_at_peak(DIAGRAM, 0.4, 2.0 * star) == 0.0
 
 
@@ -52,7 +58,9 @@ def test_road_is_found_before_the_wheel_slips(friction):
     law = Control("expected_signal")
     load = CAR.mass * 9.81 * CAR.centre_of_mass_to_rear_axle / CAR.wheelbase / 2.0
     torque = expected_friction(DIAGRAM, friction, slip, 0.0) * load * CAR.wheel_radius
-    still = dataclasses.replace(spinning_at(10.0 / (1.0 - slip), 10.0), torque=Wheels.front(torque, torque), a_x=0.0)
+    still = dataclasses.replace(
+        spinning_at(10.0 / (1.0 - slip), 10.0), torque=Wheels.front(torque, torque), a_x=0.0
+    )
     for _ in range(round(0.5 / PERIOD)):
         law.step(still)
     assert law.of_wheel()["friction"] == pytest.approx(friction, rel=0.01)

@@ -56,7 +56,9 @@ def test_an_unfiltered_rate_is_that_of_the_last_period():
     law = Control("fuzzy", filter_time=0.0)
     for slip in (0.0, 0.18, 0.19):
         torque = law.step(spinning_at(10.0 / (1.0 - slip), 10.0)).front_left
-    assert torque == pytest.approx(1500.0 * (1.0 - 0.4 * 10.0 * PERIOD) * (1.0 - 10.0 * PERIOD), rel=1e-9)
+    assert torque == pytest.approx(
+        1500.0 * (1.0 - 0.4 * 10.0 * PERIOD) * (1.0 - 10.0 * PERIOD), rel=1e-9
+    )
 
 
 @pytest.mark.parametrize("surface", HELD_SURFACES)

@@ -27,15 +27,17 @@ from ev_msgs_py.refusal import ParameterError
 
 
 def test_relations_of_parameters_are_checked():
-    with pytest.raises(ParameterError, match=r"backstop is 0\.05, expected at least least_slip and first_slip"):
+    with pytest.raises(
+        ParameterError, match=r"backstop is 0\.05, expected at least least_slip and first_slip"
+    ):
         LeastSquaresParameters(backstop=0.05)
 
 
 def test_backstop_by_hand():
     """Slip 0.5 at once, without road filter: M_road, plus J (a_x/(r (1 - 0.08)) + 25 (10/(1 - 0.08) - 20)).
 
-    1500 N m of torque and 1 m/s^2; the wheel jumps from 19.9 to 20 rad/s, w' = 20 rad/s^2, so that it is the road that
-    takes the torque.
+    1500 N m of torque and 1 m/s^2; the wheel jumps from 19.9 to 20 rad/s, w' = 20 rad/s^2, so that
+    it is the road that takes the torque.
     """
     law = Control("least_squares", road_filter=0.0, first_slip=0.08)
     law.step(spinning_at(10.0, 10.0))
@@ -58,7 +60,9 @@ def test_target_is_below_the_speed_that_grows_without_bound():
         m = spinning_at(speed, speed)
         torque = 1500.0 * math.exp(-0.05 * n)
         rolling_back = m.speed._replace(rear_left=-1.0, rear_right=-1.0)
-        limits = law.step(dataclasses.replace(m, speed=rolling_back, torque=m.torque._replace(front_left=torque)))
+        limits = law.step(
+            dataclasses.replace(m, speed=rolling_back, torque=m.torque._replace(front_left=torque))
+        )
         assert all(math.isfinite(limit) for limit in limits)
         assert law.of_wheel()["target"] <= 0.9
 
@@ -96,8 +100,9 @@ def pressed_slowly(surface: str) -> Channels:
 def test_least_squares_hits_at_the_peak_and_stays_there(surface, wheel):
     """The first hit has at least 97 % of the peak friction; then 0.8..1.5 S* on the mean and for most of the time.
 
-    Measured with eight seeds: 97.1 % and more; means of 0.88 to 1.38 S*; 70 to 99 % of the time inside. The curve is
-    flat about the peak, so even the rest of the time costs little: the friction in use is at least 99 % on the mean.
+    Measured with eight seeds: 97.1 % and more; means of 0.88 to 1.38 S*; 70 to 99 % of the time
+    inside. The curve is flat about the peak, so even the rest of the time costs little: the
+    friction in use is at least 99 % on the mean.
     """
     channels, star = pressed_slowly(surface), PEAK_SLIP[surface]
     first = int(np.argmax(is_limited(channels, wheel)))
@@ -114,7 +119,8 @@ def test_least_squares_hits_at_the_peak_and_stays_there(surface, wheel):
 def test_least_squares_settles_far_behind_the_peak_of_packed_snow_2(wheel):
     """S* = 0.06 is passed within two samples, before the window knows: 2.5 to 3.2 S* on the mean with three seeds.
 
-    The curve falls so little behind the peak that 96 to 97 % of the friction are in use all the same.
+    The curve falls so little behind the peak that 96 to 97 % of the friction are in use all the
+    same.
     """
     channels = pressed_slowly("packed_snow_2")
     first = int(np.argmax(is_limited(channels, wheel)))
@@ -138,7 +144,10 @@ def test_least_squares_leaves_dry_driving_alone():
     )
     assert channels["twist.longitudinal"].max() > 13.0  # 48 km/h: the cycle was driven
     for wheel in ("front_left", "front_right"):
-        command, request = channels[f"torque_command.drive.{wheel}"], channels[f"torque_request.drive.{wheel}"]
+        command, request = (
+            channels[f"torque_command.drive.{wheel}"],
+            channels[f"torque_request.drive.{wheel}"],
+        )
         np.testing.assert_array_equal(command, request)
 
 
@@ -161,7 +170,10 @@ def test_the_observer_takes_the_place_of_free_wheels(surface):
 def test_a_car_that_drives_all_four_wheels_has_traction_control():
     """Snow, 1250 N m at each wheel: a fifth faster at least, with a third of the slip; no wheel shows the speed."""
     more = (("*", "vehicle.driven_wheels", WHEEL_NAMES),)
-    off, on = (launch(law, ("packed_snow_1",), 5000.0, 1.5, 6.0, (), more) for law in ("off", "least_squares"))
+    off, on = (
+        launch(law, ("packed_snow_1",), 5000.0, 1.5, 6.0, (), more)
+        for law in ("off", "least_squares")
+    )
     for wheel in WHEEL_NAMES:
         assert slip_of(on, wheel)[300:].mean() < slip_of(off, wheel)[300:].mean() / 3
     assert on["twist.longitudinal"][-1] > 1.2 * off["twist.longitudinal"][-1]
@@ -169,5 +181,7 @@ def test_a_car_that_drives_all_four_wheels_has_traction_control():
 
 def test_least_squares_at_the_default_period():
     """10 ms halve the window's samples: still within 0.8..1.5 S* on the mean of 6 s (1.2 to 1.4 with eight seeds)."""
-    channels = launch("least_squares", ("packed_snow_1",), 3800.0, 6.0, 12.0, (), (("*", "control_period", 0.01),))
+    channels = launch(
+        "least_squares", ("packed_snow_1",), 3800.0, 6.0, 12.0, (), (("*", "control_period", 0.01),)
+    )
     assert 0.8 * 0.0907 < slip_of(channels)[600:].mean() < 1.5 * 0.0907

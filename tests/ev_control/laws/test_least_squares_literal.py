@@ -19,14 +19,17 @@ def on_the_curve(slip: float, asked: float) -> Measured:
     torque = 1850.0 * (SLOPE * slip + 2.0 * math.sqrt(slip))
     wheel = 10.0 / (1.0 - slip)
     return dataclasses.replace(
-        spinning_at(wheel, wheel), drive=Wheels.front(asked, asked), torque=Wheels.front(torque, torque)
+        spinning_at(wheel, wheel),
+        drive=Wheels.front(asked, asked),
+        torque=Wheels.front(torque, torque),
     )
 
 
 def test_the_torque_of_the_step_before_the_peak_was_passed_is_held():
     """25 samples from a slip of 0.02 to 0.2, past the peak at 0.0625, while the request rises by 10 N m a step.
 
-    The window fills in step 25, and the fitted curve, which is the true one, falls there: the torque of step 24 stays.
+    The window fills in step 25, and the fitted curve, which is the true one, falls there: the
+    torque of step 24 stays.
     """
     law = Control("least_squares_literal")
     asked = [1000.0 + 10.0 * n for n in range(25)]
@@ -56,5 +59,8 @@ def test_what_the_source_does_not_define_is_no_sample(speed, rolling):
 @pytest.mark.parametrize("surface", SURFACE_NAMES)
 def test_the_literal_form_does_nothing_useful(surface):
     """Its mean slip is that of no control within 5 %."""
-    mean, off = (slip_of(full_throttle(law, surface))[200:].mean() for law in ("least_squares_literal", "off"))
+    mean, off = (
+        slip_of(full_throttle(law, surface))[200:].mean()
+        for law in ("least_squares_literal", "off")
+    )
     assert mean == pytest.approx(off, rel=0.05)

@@ -17,7 +17,9 @@ def test_locked_torques_are_as_3_to_2(torque, difference):
     law = Differential("limited_slip", DISSERTATION)
     drive = law.step(Motion(torque=torque, speeds=Wheels.front(30.0 + difference, 30.0))).drive
     fast, slow = drive[:2] if difference > 0 else drive[1::-1]
-    assert (slow, fast) == pytest.approx((480.0, 320.0) if torque > 0 else (-320.0, -480.0), rel=1e-14)
+    assert (slow, fast) == pytest.approx(
+        (480.0, 320.0) if torque > 0 else (-320.0, -480.0), rel=1e-14
+    )
 
 
 def test_locking_is_smooth_around_equal_speeds():

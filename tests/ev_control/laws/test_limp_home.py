@@ -33,7 +33,9 @@ def test_a_dead_motor_takes_its_partner_with_it(side):
 
 @LEFT_OR_RIGHT
 @pytest.mark.parametrize("asked", [200.0, -200.0])
-@pytest.mark.parametrize(("fault", "noise"), [(dragging, 0.0), (lambda _: 1.0, 0.0), (dead, 1.0), (dead, 10.0)])
+@pytest.mark.parametrize(
+    ("fault", "noise"), [(dragging, 0.0), (lambda _: 1.0, 0.0), (dead, 1.0), (dead, 10.0)]
+)
 def test_a_dead_motor_that_shows_a_little_torque_is_dead(side, asked, fault, noise):
     """Drag or noise of either sign: what had the other sign than its command counted as a small deviation alone."""
     limp = Limping(Motors(faults=only(side, fault), noise=noise))
@@ -43,8 +45,12 @@ def test_a_dead_motor_that_shows_a_little_torque_is_dead(side, asked, fault, noi
 
 def test_the_difference_that_was_asked_for_stays_as_far_as_it_fits_the_request():
     """50 N m more on the right are 50 N m of the right motor, but no torque against the request of the left one."""
-    assert Limping(Motors(faults=only(0, dead))).drive(200.0, 250.0, 1.0) == Wheels.front(200.0, 50.0)
-    assert Limping(Motors(faults=only(1, dead))).drive(200.0, 250.0, 1.0) == Wheels.front(0.0, 250.0)
+    assert Limping(Motors(faults=only(0, dead))).drive(200.0, 250.0, 1.0) == Wheels.front(
+        200.0, 50.0
+    )
+    assert Limping(Motors(faults=only(1, dead))).drive(200.0, 250.0, 1.0) == Wheels.front(
+        0.0, 250.0
+    )
 
 
 @LEFT_OR_RIGHT
@@ -64,8 +70,12 @@ def test_a_weak_motor_is_mirrored(side):
 
 def test_a_stuck_motor_is_mirrored_and_what_it_gives_too_much_is_saved_by_its_partner():
     """Asked for 100 N m in all: 60 and 40, and nothing beside 300; never against the request."""
-    assert Limping(Motors(faults=(stuck_at(30.0), None))).drive(100.0, 100.0, 1.0)[1] == pytest.approx(30.0)
-    assert Limping(Motors(faults=(stuck_at(90.0), None))).drive(50.0, 50.0, 1.0)[1] == pytest.approx(10.0)
+    assert Limping(Motors(faults=(stuck_at(30.0), None))).drive(100.0, 100.0, 1.0)[
+        1
+    ] == pytest.approx(30.0)
+    assert Limping(Motors(faults=(stuck_at(90.0), None))).drive(50.0, 50.0, 1.0)[
+        1
+    ] == pytest.approx(10.0)
     assert Limping(Motors(faults=(stuck_at(300.0), None))).drive(50.0, 50.0, 1.0)[1] == 0.0
     assert Limping(Motors(faults=(stuck_at(300.0), None))).drive(-80.0, -80.0, 1.0)[1] == 0.0
 
@@ -81,7 +91,9 @@ def test_a_stuck_motor_is_not_doubled_on_the_brakes(side):
         assert command[1 - side] <= 0.0
 
 
-@pytest.mark.parametrize("faults", [(dead, None), (None, dead), (dead, dead), (at_half, at_half), (dead, at_half)])
+@pytest.mark.parametrize(
+    "faults", [(dead, None), (None, dead), (dead, dead), (at_half, at_half), (dead, at_half)]
+)
 def test_drive_is_back_after_a_fault(faults):
     """Within 0.5 s of torques, and what the lag takes; at once what the lost motor gives, so that the car drives."""
     limp = Limping(Motors(faults=faults))
@@ -131,7 +143,9 @@ def test_a_weak_motor_is_mirrored_at_the_wheel(asked):
 
 def test_a_wheel_that_spins_to_the_limits_of_its_motor_is_no_loss():
     """Power leaves, at three times the speed of its partner, a third of the torque; at the largest speed nothing."""
-    car = dataclasses.replace(CAR, motor=dataclasses.replace(CAR.motor, peak_power=10e3, maximum_speed=500.0))
+    car = dataclasses.replace(
+        CAR, motor=dataclasses.replace(CAR.motor, peak_power=10e3, maximum_speed=500.0)
+    )
     limp, asked = Limping(Motors(car)), Wheels.front(250.0, 250.0)
     for speed in (40.0, 80.0, 120.0, 500.0 / CAR.gear_ratio):
         limp.motors.faults = (dead if speed > 150.0 else None, None)

@@ -25,15 +25,21 @@ def test_torques_follow_the_loads_in_a_bend():
 
 def test_torques_follow_the_loads_when_accelerating():
     """2 m/s^2 move m h a_x/L from the front to the rear axle."""
-    drive = Differential(LAW, on(DISSERTATION, WHEEL_NAMES)).step(Motion(torque=1000.0, a_x=2.0)).drive
+    drive = (
+        Differential(LAW, on(DISSERTATION, WHEEL_NAMES)).step(Motion(torque=1000.0, a_x=2.0)).drive
+    )
     front = 2170.0 * (9.81 * 1.37649 - 0.55 * 2.0) / 2.699
-    assert drive.front_left + drive.front_right == pytest.approx(1000.0 * front / (2170.0 * 9.81), rel=1e-12)
+    assert drive.front_left + drive.front_right == pytest.approx(
+        1000.0 * front / (2170.0 * 9.81), rel=1e-12
+    )
 
 
 def test_rolling_resistance_counts_by_its_ratio():
     """1 : 3 in front, on a level road at rest; that of wheels without a motor does not count."""
     law = Differential(LAW, DISSERTATION, rolling_resistance=(2.0, 6.0, 1000.0, 1000.0))
-    assert law.step(Motion(torque=1000.0)).drive == pytest.approx((250.0, 750.0, 0.0, 0.0), rel=1e-14)
+    assert law.step(Motion(torque=1000.0)).drive == pytest.approx(
+        (250.0, 750.0, 0.0, 0.0), rel=1e-14
+    )
 
 
 def test_wheels_that_carry_nothing_get_equal_torques():
@@ -57,5 +63,7 @@ def test_no_wheel_works_against_the_others(torque, resistance, along, across, dr
 
 
 def test_resistance_needs_one_number_for_each_wheel():
-    with pytest.raises(ParameterError, match="rolling_resistance has 2 elements, expected one for each wheel, four"):
+    with pytest.raises(
+        ParameterError, match="rolling_resistance has 2 elements, expected one for each wheel, four"
+    ):
         Differential(LAW, DISSERTATION, rolling_resistance=(1.0, 1.0))

@@ -33,7 +33,8 @@ def end_speed(law: str, faults: tuple[str, ...], watch: bool) -> tuple[float, li
 def test_a_free_wheel_that_lies_costs_nothing_where_wheel_speeds_are_watched(law):
     """Within 3 %: the accelerometer alone knows the speed less well. Without the watch a dead sensor stops the car."""
     sound, torques = end_speed(law, (), watch=False)
-    assert end_speed(law, (), watch=True) == (sound, torques)  # nothing is lost by mistake, to the bit
+    # nothing is lost by mistake, to the bit
+    assert end_speed(law, (), watch=True) == (sound, torques)
     assert end_speed(law, FREE["dead"], watch=False)[0] < 0.2 * sound
     for faults in FREE.values():
         assert end_speed(law, faults, watch=True)[0] > 0.97 * sound
@@ -42,6 +43,8 @@ def test_a_free_wheel_that_lies_costs_nothing_where_wheel_speeds_are_watched(law
 def test_a_driven_wheel_that_nobody_sees_gets_what_its_partner_gets():
     """Its limit is open without the watch, and it spins with all that is asked for."""
     dead = (f"constant {SPEED}.front_left 0",)
-    (blind, limited), (spared, same) = (end_speed("slip_window", dead, watch)[1] for watch in (False, True))
+    (blind, limited), (spared, same) = (
+        end_speed("slip_window", dead, watch)[1] for watch in (False, True)
+    )
     assert blind == 1500.0 > 1.5 * limited
     assert spared == pytest.approx(same, rel=0.01)

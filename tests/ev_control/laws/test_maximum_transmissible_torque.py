@@ -12,17 +12,22 @@ from ev_core.lockstep.configuration import configure
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.refusal import ParameterError
 
-ANY_GAIN = {"grip_slip": 0.0, "least_gain": 0.0}  # at once, by the accelerations of this instant alone
+# at once, by the accelerations of this instant alone
+ANY_GAIN = {"grip_slip": 0.0, "least_gain": 0.0}
 ALWAYS = (("asr", "limits", "always"),)
 
 
 @pytest.mark.parametrize("relaxation", [0.5, 0.9])
 def test_transmissible_torque_by_hand(relaxation):
     """M_w = 1500, w' = 100, J = 1.658 + 7.4^2 0.02 = 2.7532: r F_d = 1224.68, times 1 + J/(alpha 1085 0.32^2)."""
-    law = Control("maximum_transmissible_torque", filter_time=0.0, relaxation=relaxation, **ANY_GAIN)
+    law = Control(
+        "maximum_transmissible_torque", filter_time=0.0, relaxation=relaxation, **ANY_GAIN
+    )
     for speed in (10.0, 10.5):
         torque = law.step(spinning_at(speed, speed)).front_left
-    assert torque == pytest.approx(1224.68 * (1 + 2.7532 / (relaxation * 1085.0 * 0.32**2)), rel=1e-12)
+    assert torque == pytest.approx(
+        1224.68 * (1 + 2.7532 / (relaxation * 1085.0 * 0.32**2)), rel=1e-12
+    )
 
 
 def test_a_wheel_that_follows_the_car_is_not_limited():
@@ -39,7 +44,9 @@ def test_limit_rises_slowly_once_the_wheel_follows():
     for speed in (10.0, 10.5):
         limit = law.step(spinning_at(speed, speed)).front_left
     for n in range(1, 11):
-        assert law.step(spinning_at(10.5, 10.5)).front_left == pytest.approx(limit + 5.0 * n, rel=1e-12)
+        assert law.step(spinning_at(10.5, 10.5)).front_left == pytest.approx(
+            limit + 5.0 * n, rel=1e-12
+        )
 
 
 def test_always_limits_a_steady_spin_too():
@@ -57,8 +64,8 @@ def test_always_limits_a_steady_spin_too():
 def test_always_lets_a_pressed_pedal_through_while_the_tyre_grips(sign, rising):
     """A torque that is there 10 ms after its request, at the wheel of a car that follows it: all of it passes.
 
-    The rate of the request makes up for the filter of 30 ms and for the drive. A car of 1085 kg a wheel gains what the
-    road torque, M - J w', gives it; M = 1000 N m at the end of the ramp.
+    The rate of the request makes up for the filter of 30 ms and for the drive. A car of 1085 kg a
+    wheel gains what the road torque, M - J w', gives it; M = 1000 N m at the end of the ramp.
     """
     law, given = Control("maximum_transmissible_torque", limits="always"), [0.0, 0.0]
     speed, mass = 20.0, CAR.mass / 2.0
@@ -68,8 +75,13 @@ def test_always_lets_a_pressed_pedal_through_while_the_tyre_grips(sign, rising):
         turning = torque / (2.7532 + mass * 0.32**2)
         speed += turning * PERIOD
         wheels = Wheels.all(sign * speed)
-        drive, effort = Wheels.front(sign * wanted, sign * wanted), Wheels.front(sign * torque, sign * torque)
-        m = dataclasses.replace(SPINNING, drive=drive, torque=effort, speed=wheels, a_x=sign * turning * 0.32)
+        drive, effort = (
+            Wheels.front(sign * wanted, sign * wanted),
+            Wheels.front(sign * torque, sign * torque),
+        )
+        m = dataclasses.replace(
+            SPINNING, drive=drive, torque=effort, speed=wheels, a_x=sign * turning * 0.32
+        )
         assert law.step(m) == drive, n
         given.append(wanted)
 
@@ -78,7 +90,8 @@ def test_always_lets_a_pressed_pedal_through_while_the_tyre_grips(sign, rising):
 def test_always_slips_less_than_while_gaining(surface):
     """Full throttle, with noise: on ice 0.59 on the mean instead of 0.81, on snow 0.47 instead of 0.50; as far."""
     every, gaining = (
-        launch("maximum_transmissible_torque", (surface,), 3000.0, 1.0, 5.0, more=m) for m in (ALWAYS, ())
+        launch("maximum_transmissible_torque", (surface,), 3000.0, 1.0, 5.0, more=m)
+        for m in (ALWAYS, ())
     )
     mean, other = (slip_of(channels)[100:].mean() for channels in (every, gaining))
     assert mean < (0.8 if surface == "ice" else 0.95) * other

@@ -19,4 +19,6 @@ def test_everything_passes_to_the_bit(drive, brake):
 
 def test_what_is_no_number_passes_as_well():
     """It is not for this law to hide what its neighbour says."""
-    assert math.isnan(Control("off").law.step(WheelTorqueRequest(Wheels.all(math.nan))).drive.rear_left)
+    assert math.isnan(
+        Control("off").law.step(WheelTorqueRequest(Wheels.all(math.nan))).drive.rear_left
+    )

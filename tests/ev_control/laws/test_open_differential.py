@@ -18,5 +18,8 @@ def test_no_wheel_gets_more_than_its_motor_has():
 @pytest.mark.parametrize("torque", [1000.0, -1000.0, 0.1])
 def test_below_that_all_of_the_torque_is_shared_equally(torque):
     four = Differential("open_differential", on(DISSERTATION, WHEEL_NAMES))
-    assert Differential("open_differential", DISSERTATION).step(Motion(torque=torque)).drive[:2] == (torque / 2,) * 2
+    assert (
+        Differential("open_differential", DISSERTATION).step(Motion(torque=torque)).drive[:2]
+        == (torque / 2,) * 2
+    )
     assert four.step(Motion(torque=torque)).drive == (torque / 4,) * 4

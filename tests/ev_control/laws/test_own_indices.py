@@ -46,7 +46,9 @@ def assert_same_with_checks(role: str, name: str, monkeypatch: pytest.MonkeyPatc
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("role", "name"), SOME)
-def test_some_laws_of_ours_keep_to_their_rows(role: str, name: str, monkeypatch: pytest.MonkeyPatch):
+def test_some_laws_of_ours_keep_to_their_rows(
+    role: str, name: str, monkeypatch: pytest.MonkeyPatch
+):
     """Those that most runs have; the others are looked at each week."""
     assert_same_with_checks(role, name, monkeypatch)
 

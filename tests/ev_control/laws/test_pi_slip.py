@@ -56,9 +56,9 @@ def test_slip_is_held_at_its_target(surface):
 def test_pi_control_on_observers(observer, low, high):
     """Target 0.1 on packed snow, where the resistance that eqs 1.8 and 1.10 do not know is a fifth of the force.
 
-    Eq 1.8 takes it for acceleration of the car and underrates the slip by 0.4; the accelerometer of eq 1.9 does not.
-    With eq 1.10, which divides by noise, the car creeps off (0.3 to 0.9 m/s in the end over four seeds of the noise,
-    8 m/s with eq 1.9); no more can be said.
+    Eq 1.8 takes it for acceleration of the car and underrates the slip by 0.4; the accelerometer of
+    eq 1.9 does not. With eq 1.10, which divides by noise, the car creeps off (0.3 to 0.9 m/s in the
+    end over four seeds of the noise, 8 m/s with eq 1.9); no more can be said.
     """
     channels = pulled_away(observer)
     assert low <= slip_of(channels)[400:].mean() <= high

@@ -17,14 +17,20 @@ from ev_msgs_py.refusal import ParameterError
 
 def test_power_steering_is_equation_4():
     """Delta M = (2 r_k i/d) (5 M_b - 0.051 alpha - 0.062 alpha') with M_b = 2, alpha = 3, alpha' = -4; by hand."""
-    request = law("power_steering").step(Motion(column=SteeringColumnState(3.0, -4.0, 2.0, 0.0, 0.0)))
-    assert difference(request) == pytest.approx(2 * 0.294 * 16 / 1.462 * (10 - 0.153 + 0.248), rel=1e-14)
+    request = law("power_steering").step(
+        Motion(column=SteeringColumnState(3.0, -4.0, 2.0, 0.0, 0.0))
+    )
+    assert difference(request) == pytest.approx(
+        2 * 0.294 * 16 / 1.462 * (10 - 0.153 + 0.248), rel=1e-14
+    )
 
 
 def test_all_wheel_drive_keeps_the_difference_on_the_front_axle():
     """Hand torque 1 N m: Delta M = (2 r_k i/d) gamma = 32.17 N m, half of it to each side of 25 N m per wheel."""
     differential = Differential("power_steering", on(SHCHUR, WHEEL_NAMES))
-    request = differential.step(Motion(torque=100.0, column=SteeringColumnState(0.0, 0.0, 1.0, 0.0, 0.0)))
+    request = differential.step(
+        Motion(torque=100.0, column=SteeringColumnState(0.0, 0.0, 1.0, 0.0, 0.0))
+    )
     half = 16 * 5 / LEVER / 2
     assert request.drive == pytest.approx((25 - half, 25 + half, 25, 25), rel=1e-14)
 
@@ -55,13 +61,15 @@ def test_closed_loop_reaches_the_values_that_follow_from_the_paper():
 def test_closed_loop_follows_the_exact_step_response():
     """Eq 7 by scipy.
 
-    The assistance is late by 1 ms (the sensor) and half a period (the hold): with the fastest motion of 3.6 rad/s that
-    is 5.4 mrad at most.
+    The assistance is late by 1 ms (the sensor) and half a period (the hold): with the fastest
+    motion of 3.6 rad/s that is 5.4 mrad at most.
     """
     angle, _ = drive(Column("powered"), law("power_steering"), hand_torque=1.0, duration=3.0)
     time = np.arange(angle.size) * PERIOD
     stiffness, damping = K + RATIO**2 * 0.051, B + RATIO**2 * 0.062
-    _, exact = scipy.signal.step(scipy.signal.TransferFunction([6 * RATIO], [J, damping, stiffness]), T=time)
+    _, exact = scipy.signal.step(
+        scipy.signal.TransferFunction([6 * RATIO], [J, damping, stiffness]), T=time
+    )
     fastest = np.diff(exact).max() / PERIOD
     assert fastest < 3.6
     assert abs(angle - exact).max() < fastest * 1.5 * PERIOD
@@ -69,7 +77,9 @@ def test_closed_loop_follows_the_exact_step_response():
 
 def test_holding_30_degrees_assisted():
     """0.426 N m at the steering wheel with 10.95 N m between the wheels; the digits printed, 0.5 %."""
-    angle, torque = drive(Column("powered"), law("power_steering"), hand_torque=0.426, duration=10.0)
+    angle, torque = drive(
+        Column("powered"), law("power_steering"), hand_torque=0.426, duration=10.0
+    )
     assert math.degrees(angle[-1]) == pytest.approx(30.0, rel=0.005)
     assert torque[-1] == pytest.approx(10.95, rel=0.005)
 

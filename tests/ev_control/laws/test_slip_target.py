@@ -27,7 +27,8 @@ def left_turn(slip_left: float, slip_right: float) -> Motion:
 
 
 @pytest.mark.parametrize(
-    ("reading", "after_one", "after_two"), [("rate", 0.01, 0.02), ("offset", 1, 1), ("increment", 1, 2)]
+    ("reading", "after_one", "after_two"),
+    [("rate", 0.01, 0.02), ("offset", 1, 1), ("increment", 1, 2)],
 )
 def test_readings_of_the_switching_control(reading, after_one, after_two):
     """Both wheels are far below their targets, so they gain 50 and 100 N m (inner, outer) times the reading's step."""
@@ -56,7 +57,9 @@ def test_both_wheels_are_inner_ones_straight_ahead():
 def test_a_car_that_yaws_without_steering_turns():
     """The outer wheel gets its own gain: 1 + 100 N m on the right in a left turn by the yaw rate alone."""
     motion = dataclasses.replace(left_turn(0.05, 0.05).steered(0.0), torque=2400.0)
-    assert made(reading="offset").step(motion).drive[2:] == pytest.approx((1250.0, 1300.0), rel=1e-12)
+    assert made(reading="offset").step(motion).drive[2:] == pytest.approx(
+        (1250.0, 1300.0), rel=1e-12
+    )
 
 
 def test_estimated_speed_comes_from_the_front_wheels():
@@ -75,7 +78,11 @@ def test_pedal_release_forgets_the_correction():
     assert law.state["left"] == law.state["right"] == 0.0
 
 
-@given(sequence=sequences, reading=st.sampled_from(("rate", "offset", "increment")), layer=st.booleans())
+@given(
+    sequence=sequences,
+    reading=st.sampled_from(("rate", "offset", "increment")),
+    layer=st.booleans(),
+)
 def test_torques_stay_within_their_limit(sequence, reading, layer):
     """Each torque is within half of its equal share of it (largest_correction 0.5); no pedal, no correction."""
     law = made(reading=reading, boundary_layer=layer)
@@ -85,14 +92,23 @@ def test_torques_stay_within_their_limit(sequence, reading, layer):
         if motion.torque <= 0.0 or motion.brake > 0.0:
             assert drive[2:] == (share, share)
         else:
-            assert all(0.5 * share * (1 - 1e-12) <= torque <= 1.5 * share * (1 + 1e-12) for torque in drive[2:])
+            assert all(
+                0.5 * share * (1 - 1e-12) <= torque <= 1.5 * share * (1 + 1e-12)
+                for torque in drive[2:]
+            )
 
 
 @pytest.mark.parametrize(
     ("driven", "needed"),
     [
-        (FRONT, "rear_left and rear_right among the driven wheels, vehicle ge_ni2005 drives front_left, front_right"),
-        (WHEEL_NAMES, "rear_left and rear_right as the only driven wheels, vehicle ge_ni2005 drives front_left"),
+        (
+            FRONT,
+            "rear_left and rear_right among the driven wheels, vehicle ge_ni2005 drives front_left, front_right",
+        ),
+        (
+            WHEEL_NAMES,
+            "rear_left and rear_right as the only driven wheels, vehicle ge_ni2005 drives front_left",
+        ),
     ],
 )
 def test_other_layouts_are_refused(driven, needed):

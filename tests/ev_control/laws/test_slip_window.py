@@ -27,9 +27,14 @@ def test_relations_of_parameters_are_checked():
 def test_first_limit_is_the_torque_at_which_the_slip_leaves_the_window():
     """Eq 1.6: the torque that acts, 1500 N m, and from then on 8000 N m/s less while the slip grows."""
     law = Control("slip_window")
-    torques = [law.step(spinning_at(at_slip(slip), 10.0)).front_left for slip in (0.0, 0.18, 0.2, 0.21, 0.22)]
+    torques = [
+        law.step(spinning_at(at_slip(slip), 10.0)).front_left
+        for slip in (0.0, 0.18, 0.2, 0.21, 0.22)
+    ]
     fall = 8000.0 * PERIOD
-    assert torques == pytest.approx([1500.0, 1500.0, 1500.0, 1500.0 - fall, 1500.0 - 2 * fall], rel=1e-12)
+    assert torques == pytest.approx(
+        [1500.0, 1500.0, 1500.0, 1500.0 - fall, 1500.0 - 2 * fall], rel=1e-12
+    )
 
 
 def test_limit_stays_inside_the_window_and_where_the_slip_returns():
@@ -54,7 +59,9 @@ def test_limit_rises_below_the_window_until_it_is_the_request():
     assert law.limits()[0] == math.inf
 
 
-@pytest.mark.parametrize(("surface", "low", "high"), [("wet_asphalt_1", 0.11, 0.19), ("packed_snow_1", 0.09, 0.19)])
+@pytest.mark.parametrize(
+    ("surface", "low", "high"), [("wet_asphalt_1", 0.11, 0.19), ("packed_snow_1", 0.09, 0.19)]
+)
 def test_slip_window_swings_below_its_window_behind_the_peak(surface, low, high):
     """0.15..0.19 lies behind the peaks (0.13 and 0.09): the wheel passes the window, and the mean is below it."""
     slip = slip_of(full_throttle("slip_window", surface))[400:]

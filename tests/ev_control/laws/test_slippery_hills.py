@@ -44,7 +44,9 @@ def test_they_start_backwards_as_well(law):
     assert climbed(law, 0.10, -1.0) > 4.0
 
 
-def climbed_from_the_brake(law: str, pressed: float, released: float = 1.0, sign: float = 1.0) -> float:
+def climbed_from_the_brake(
+    law: str, pressed: float, released: float = 1.0, sign: float = 1.0
+) -> float:
     """Distance [m] up 10 % in 7 s: pressed [N m] onto the brake, released from 0.9 s on; 3000 N m from 1.5 s on."""
     pedals = {
         "time": (0.0, 0.5, 0.9, released, 1.5),
@@ -70,11 +72,14 @@ def test_they_start_from_the_brake_with_more_than_the_grip(law, released, sign):
     assert climbed_from_the_brake(law, 3000.0, released, sign) > 4.5
 
 
-@pytest.mark.parametrize(("law", "grade"), [("acceleration_ratio", 0.12), ("maximum_transmissible_torque", 0.10)])
+@pytest.mark.parametrize(
+    ("law", "grade"), [("acceleration_ratio", 0.12), ("maximum_transmissible_torque", 0.10)]
+)
 def test_laws_that_know_accelerations_alone_stand(law, grade):
     """A tread that slides evenly on a car that stands accelerates no more than the car: to them it grips.
 
-    The friction of sliding, two thirds of that at the peak, does not carry the car up. On 5 % it does.
+    The friction of sliding, two thirds of that at the peak, does not carry the car up. On 5 % it
+    does.
     """
     assert abs(climbed(law, grade)) < 0.2
     assert climbed(law, 0.05) > 2.0

@@ -12,7 +12,9 @@ from ev_msgs_py.contract.wheels import Wheels
 
 def at_slip(slip: float) -> Measured:
     """Both front wheels at this slip, over a car that rolls at 20 rad/s."""
-    return dataclasses.replace(SPINNING, speed=Wheels(20.0 / (1.0 - slip), 20.0 / (1.0 - slip), 20.0, 20.0))
+    return dataclasses.replace(
+        SPINNING, speed=Wheels(20.0 / (1.0 - slip), 20.0 / (1.0 - slip), 20.0, 20.0)
+    )
 
 
 def test_slip_beyond_the_range_lowers_the_set_point_and_slip_below_raises_it():
@@ -22,7 +24,14 @@ def test_slip_beyond_the_range_lowers_the_set_point_and_slip_below_raises_it():
     speeds = [law.set_points(at_slip(slip)).front_left for slip in slips]
     first = 20.0 / 0.75 - 200.0 * PERIOD
     rise = 60.0 * PERIOD
-    expected = [FASTEST, first, first - 1.0, first - 1.0, first - 1.0 + rise, first - 1.0 + 2 * rise]
+    expected = [
+        FASTEST,
+        first,
+        first - 1.0,
+        first - 1.0,
+        first - 1.0 + rise,
+        first - 1.0 + 2 * rise,
+    ]
     assert speeds == pytest.approx(expected, rel=1e-12)
 
 
@@ -30,7 +39,10 @@ def test_set_point_ends_when_the_drive_has_given_the_request_for_a_while():
     """It does for 0.2 s; a torque below 95 % of it begins the time again."""
     law = Control("speed_by_slip")
     law.set_points(at_slip(0.25))
-    gives, lacks = at_slip(0.1), dataclasses.replace(at_slip(0.1), torque=Wheels.front(1400.0, 1400.0))
+    gives, lacks = (
+        at_slip(0.1),
+        dataclasses.replace(at_slip(0.1), torque=Wheels.front(1400.0, 1400.0)),
+    )
     for m in [*[gives] * 30, lacks, *[gives] * 39]:
         assert law.set_points(m).front_left < FASTEST
     assert [law.set_points(gives).front_left for _ in range(3)][-1] == FASTEST

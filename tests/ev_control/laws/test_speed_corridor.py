@@ -7,7 +7,12 @@ from helpers.traction import FASTEST, Control, spinning_at
 
 from ev_msgs_py.contract.wheels import Wheels
 
-CORRIDORS = [("road", 0.05, 0.15), ("sport", 0.1, 0.22), ("winter", 0.03, 0.1), ("terrain", 0.2, 0.4)]
+CORRIDORS = [
+    ("road", 0.05, 0.15),
+    ("sport", 0.1, 0.22),
+    ("winter", 0.03, 0.1),
+    ("terrain", 0.2, 0.4),
+]
 
 
 @pytest.mark.parametrize(("regime", "low", "high"), CORRIDORS)

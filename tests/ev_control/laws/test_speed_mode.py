@@ -20,7 +20,8 @@ FREE = Wheels.all(FASTEST)
 def test_set_points_are_out_of_reach_but_for_wheels_that_slip(name):
     """Rolling, released, braked and regenerating wheels: the largest speed of the motor, in the request's direction.
 
-    Torques pass always. In reverse and in the mirror all is as forwards, to the bit; corridors differ in reverse.
+    Torques pass always. In reverse and in the mirror all is as forwards, to the bit; corridors
+    differ in reverse.
     """
     law, mirror, reverse = Control(name), Control(name), Control(name)
     assert law.set_points(dataclasses.replace(SPINNING, speed=Wheels.all(10.0))) == FREE
@@ -38,7 +39,10 @@ def test_set_points_are_out_of_reach_but_for_wheels_that_slip(name):
     braked = dataclasses.replace(SPINNING, brake=Wheels.all(100.0))
     assert law.set_points(braked) == FREE
     assert law.set_points(dataclasses.replace(SPINNING, drive=NO_WHEELS)) == FREE
-    assert law.set_points(Measured(Wheels.front(-500.0, -500.0), speed=Wheels.all(20.0))).front_left == -FASTEST
+    assert (
+        law.set_points(Measured(Wheels.front(-500.0, -500.0), speed=Wheels.all(20.0))).front_left
+        == -FASTEST
+    )
 
 
 def test_drives_in_torque_mode_are_refused():
@@ -46,10 +50,17 @@ def test_drives_in_torque_mode_are_refused():
 
     def refused(plant: str, asr: str) -> str:
         chosen = {role: configure(role, {}) for role in REQUIRED}
-        chosen |= {"plant": configure("plant", {"method": plant}), "asr": configure("asr", {"method": asr})}
+        chosen |= {
+            "plant": configure("plant", {"method": plant}),
+            "asr": configure("asr", {"method": asr}),
+        }
         with pytest.raises(ParameterError) as error:
             check_graph(chosen)
         return str(error.value)
 
-    assert "requires plant method planar_speed_mode, but planar is chosen" in refused("planar", "speed_by_slip")
-    assert "reads WheelSpeedCommand, which none of the chosen" in refused("planar_speed_mode", "off")
+    assert "requires plant method planar_speed_mode, but planar is chosen" in refused(
+        "planar", "speed_by_slip"
+    )
+    assert "reads WheelSpeedCommand, which none of the chosen" in refused(
+        "planar_speed_mode", "off"
+    )

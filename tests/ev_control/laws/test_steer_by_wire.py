@@ -21,8 +21,8 @@ def held(angle: float, **changed: float) -> Column:
 def test_servo_is_the_second_order_system_of_its_parameters():
     """w_0^2/(s^2 + 2 D w_0 s + w_0^2) by scipy: the zero cancels the integral's pole.
 
-    The torque is held, half a period late on average, so the damping is off by about w_0 T/2 = 0.4 %, and the angle by
-    less than 0.5 % of its step.
+    The torque is held, half a period late on average, so the damping is off by about w_0 T/2 = 0.4
+    %, and the angle by less than 0.5 % of its step.
     """
     differential = law("steer_by_wire")
     angle, _ = drive(held(0.5), differential, hand_torque=0.0, duration=3.0)
@@ -33,21 +33,26 @@ def test_servo_is_the_second_order_system_of_its_parameters():
     assert abs(angle - 0.5 * exact).max() < 0.005 * 0.5
 
 
-@pytest.mark.parametrize("changed", [{}, {"stiffness": 130.0}, {"dry_friction": 5.0}, {"inertia": 4.0}])
+@pytest.mark.parametrize(
+    "changed", [{}, {"stiffness": 130.0}, {"dry_friction": 5.0}, {"inertia": 4.0}]
+)
 def test_servo_needs_no_exact_knowledge(changed):
     """Twice the stiffness, friction, more inertia and a torque of 5 N m unknown to the law: the angle is met.
 
-    Ten seconds are 20 time constants of the integral action (e^-20); with dry friction the last bit sticks, and it
-    takes the integral longer: 0.1 %.
+    Ten seconds are 20 time constants of the integral action (e^-20); with dry friction the last bit
+    sticks, and it takes the integral longer: 0.1 %.
     """
-    angle, _ = drive(held(0.5, **changed), law("steer_by_wire"), hand_torque=0.0, duration=10.0, disturbance=5.0)
+    angle, _ = drive(
+        held(0.5, **changed), law("steer_by_wire"), hand_torque=0.0, duration=10.0, disturbance=5.0
+    )
     assert angle[-1] == pytest.approx(0.5, rel=1e-3)
 
 
 def test_servo_recovers_from_its_limit():
     """25 N m hold 0.8 rad only to 62 N m/65 = 0.96 rad: a steering wheel at 1.5 rad drives it into the limit for 20 s.
 
-    Turned back to 0.5 rad, the wheels get there as fast as from rest: no wound-up integral. 5 %: the way is longer.
+    Turned back to 0.5 rad, the wheels get there as fast as from rest: no wound-up integral. 5 %:
+    the way is longer.
     """
     differential, column = law("steer_by_wire", max_torque_difference=25.0), held(1.5)
     angle, torque = drive(column, differential, hand_torque=0.0, duration=20.0)
@@ -68,9 +73,14 @@ def test_difference_stays_within_its_limit(sequence, most):
 
 @pytest.mark.parametrize("driven", [REAR, ("front_left",), ()])
 def test_a_car_without_two_front_drives_is_refused(driven):
-    with pytest.raises(ParameterError, match="steer_by_wire needs front_left and front_right among the driven wheels"):
+    with pytest.raises(
+        ParameterError,
+        match="steer_by_wire needs front_left and front_right among the driven wheels",
+    ):
         Differential("steer_by_wire", on(SHCHUR, driven))
 
 
 def test_hands_turn_nothing_else():
-    assert find_method("electronic_differential", "steer_by_wire").requires == {"steering_column": "by_wire"}
+    assert find_method("electronic_differential", "steer_by_wire").requires == {
+        "steering_column": "by_wire"
+    }

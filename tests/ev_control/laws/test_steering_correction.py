@@ -28,12 +28,16 @@ LAW = "steering_correction"
 def test_half_of_the_inner_torque_moves_at_pi_over_ten(driven, axle, expected):
     """100 N m in all, steering left by pi/10: -50 % inside, +50 % outside on the corrected axle."""
     law = Differential(LAW, on(ZHILEYKIN, driven), axle=axle)
-    assert law.step(Motion(torque=100.0).steered(math.pi / 10)).drive == pytest.approx(expected, rel=1e-12)
+    assert law.step(Motion(torque=100.0).steered(math.pi / 10)).drive == pytest.approx(
+        expected, rel=1e-12
+    )
 
 
 def test_correction_is_limited():
     law = Differential(LAW, ZHILEYKIN, largest_correction=0.2)
-    assert law.step(Motion(torque=100.0).steered(0.5)).drive == pytest.approx((20, 30, 25, 25), rel=1e-12)
+    assert law.step(Motion(torque=100.0).steered(0.5)).drive == pytest.approx(
+        (20, 30, 25, 25), rel=1e-12
+    )
 
 
 @given(motion=motions, most=st.floats(0.0, 1.0))
@@ -55,5 +59,7 @@ def test_no_wheel_works_against_the_others(motion, most):
     ],
 )
 def test_both_wheels_of_the_corrected_axle_must_be_driven(driven, axle, needed):
-    with pytest.raises(ParameterError, match=f"steering_correction needs {needed} among the driven wheels"):
+    with pytest.raises(
+        ParameterError, match=f"steering_correction needs {needed} among the driven wheels"
+    ):
         Differential(LAW, on(ZHILEYKIN, driven), axle=axle)

@@ -23,7 +23,9 @@ def made(**changed) -> Differential:
     return Differential(LAW, GE_NI, **changed)
 
 
-def rolling(left: float, right: float, angle: float = 0.03, torque: float = 2400.0, **changed) -> Motion:
+def rolling(
+    left: float, right: float, angle: float = 0.03, torque: float = 2400.0, **changed
+) -> Motion:
     """Rear wheels at these speeds [rad/s] with 1200 N m on each."""
     motion = Motion(torque=torque, speeds=Wheels.rear(left, right)).steered(angle)
     return dataclasses.replace(motion, **changed)
@@ -48,7 +50,9 @@ def test_both_speeds_hold_their_mean_as_it_was():
     for mean, more in (("speed", 52.5), ("torque", 0.0)):
         law = made(mean=mean)
         law.step(rolling(17.0, 17.0, 0.0))
-        assert law.step(rolling(16.9, 16.9, 0.0)).drive[2:] == pytest.approx((1200.0 + more,) * 2, rel=1e-9)
+        assert law.step(rolling(16.9, 16.9, 0.0)).drive[2:] == pytest.approx(
+            (1200.0 + more,) * 2, rel=1e-9
+        )
 
 
 def test_in_reverse_the_outer_wheel_is_the_faster_one_too():
@@ -64,7 +68,9 @@ def test_a_car_that_starts_has_equal_torques_until_a_wheel_turns():
 
 def test_a_slipping_wheel_is_held_by_the_other_one():
     """Left on ice at 20 rad/s, right at 15: half of the share goes over, which is the limit."""
-    assert made().step(rolling(20.0, 15.0, 0.0)).drive[2:] == pytest.approx((600.0, 1800.0), rel=1e-12)
+    assert made().step(rolling(20.0, 15.0, 0.0)).drive[2:] == pytest.approx(
+        (600.0, 1800.0), rel=1e-12
+    )
 
 
 def test_pedal_and_brake_forget_what_was_held():
@@ -73,7 +79,9 @@ def test_pedal_and_brake_forget_what_was_held():
         law.step(rolling(17.0, 16.0))
         assert law.state["difference"] != 0.0
         request = law.step(rolling(17.0, 16.0, **end))
-        assert request.drive == ((0.0,) * 4 if end == {"torque": 0.0} else (0.0, 0.0, 1200.0, 1200.0))
+        assert request.drive == (
+            (0.0,) * 4 if end == {"torque": 0.0} else (0.0, 0.0, 1200.0, 1200.0)
+        )
         assert all(value == 0.0 for name, value in law.state.items() if name != "held")
 
 
@@ -91,8 +99,14 @@ def test_torques_stay_within_their_limits(sequence, mean):
 @pytest.mark.parametrize(
     ("driven", "needed"),
     [
-        (FRONT, "rear_left and rear_right among the driven wheels, vehicle ge_ni2005 drives front_left, front_right"),
-        (WHEEL_NAMES, "rear_left and rear_right as the only driven wheels, vehicle ge_ni2005 drives front_left"),
+        (
+            FRONT,
+            "rear_left and rear_right among the driven wheels, vehicle ge_ni2005 drives front_left, front_right",
+        ),
+        (
+            WHEEL_NAMES,
+            "rear_left and rear_right as the only driven wheels, vehicle ge_ni2005 drives front_left",
+        ),
     ],
 )
 def test_other_layouts_are_refused(driven, needed):
@@ -104,17 +118,27 @@ def test_other_layouts_are_refused(driven, needed):
 def test_what_ge_and_ni_say_against_wheel_speeds_holds_in_part():
     """Slips come closer (0.4 of equal torques'), a radius 1 % wrong turns the car straight ahead.
 
-    At 1600 N m equal torques spin the inner wheel (slip 0.9), wheel speeds none; at 1700 N m they spin both.
+    At 1600 N m equal torques spin the inner wheel (slip 0.9), wheel speeds none; at 1700 N m they
+    spin both.
     """
     names = (
         *("turn: equal torques", "turn: speed difference"),
-        *(f"straight, left wheel 1 % smaller: {law}" for law in ("equal torques", "speed difference")),
+        *(
+            f"straight, left wheel 1 % smaller: {law}"
+            for law in ("equal torques", "speed difference")
+        ),
         *(f"turn, 1600 N m on each wheel: {law}" for law in ("equal torques", "speed difference")),
         "turn, 1700 N m on each wheel: speed difference",
     )
-    found = {case.name: drive_case(case, measure).measured for case in cases(None) if case.name in names}
-    equal, speeds, off_equal, off_speeds, near_equal, near_speeds, beyond = (found[name] for name in names)
-    assert abs(speeds["slip_left"] - speeds["slip_right"]) < 0.5 * abs(equal["slip_left"] - equal["slip_right"])
+    found = {
+        case.name: drive_case(case, measure).measured for case in cases(None) if case.name in names
+    }
+    equal, speeds, off_equal, off_speeds, near_equal, near_speeds, beyond = (
+        found[name] for name in names
+    )
+    assert abs(speeds["slip_left"] - speeds["slip_right"]) < 0.5 * abs(
+        equal["slip_left"] - equal["slip_right"]
+    )
     assert speeds["yaw_rate"] > 1.2 * equal["yaw_rate"]
     assert off_speeds["yaw_rate"] > 5 * abs(off_equal["yaw_rate"])
     assert near_equal["peak_slip"] > 0.8 > 0.2 > near_speeds["peak_slip"]

@@ -43,13 +43,19 @@ gears = st.floats(0.5, 12.0)
 cars = st.builds(
     Vehicle,
     gear_ratio=gears,
-    driven_wheels=st.sampled_from((WHEEL_NAMES, WHEEL_NAMES[:2], WHEEL_NAMES[2:], WHEEL_NAMES[:3], WHEEL_NAMES[2:3])),
+    driven_wheels=st.sampled_from(
+        (WHEEL_NAMES, WHEEL_NAMES[:2], WHEEL_NAMES[2:], WHEEL_NAMES[:3], WHEEL_NAMES[2:3])
+    ),
     motor=motors,
     battery=batteries,
-    driveline=st.builds(Driveline, front_gear=gears, rear_gear=gears, rear_size=st.floats(0.2, 4.0)),
+    driveline=st.builds(
+        Driveline, front_gear=gears, rear_gear=gears, rear_size=st.floats(0.2, 4.0)
+    ),
 )
 torques = st.one_of(st.just(NO_WHEELS), wheels(-3000.0, 3000.0), wheels(-100.0, 100.0))
-speeds = st.one_of(st.just(NO_WHEELS), wheels(-200.0, 200.0), st.floats(-200.0, 200.0).map(Wheels.all))
+speeds = st.one_of(
+    st.just(NO_WHEELS), wheels(-200.0, 200.0), st.floats(-200.0, 200.0).map(Wheels.all)
+)
 EFFICIENCY = AllocationParameters().efficiency
 
 
@@ -57,11 +63,15 @@ def given_to(car: Vehicle, keep: str, asked: Wheels, speed: Wheels) -> Wheels:
     """The drive torques [N m] of which as much as there are motors is asked."""
     request = WheelTorqueRequest(asked, NO_WHEELS)
     states = WheelStates(NO_WHEELS, speed, NO_WHEELS)
-    return allocated(numbers_of(AllocationParameters(keep=Keep.of(keep))), car_of(car), states, request).drive
+    return allocated(
+        numbers_of(AllocationParameters(keep=Keep.of(keep))), car_of(car), states, request
+    ).drive
 
 
 def of_motors(car: Vehicle, torque: Wheels) -> Wheels:
-    return Wheels(*(each if name in car.driven_wheels else 0.0 for name, each in torque._asdict().items()))
+    return Wheels(
+        *(each if name in car.driven_wheels else 0.0 for name, each in torque._asdict().items())
+    )
 
 
 def as_the_plant_gives(car: Vehicle, torque: Wheels, speed: Wheels) -> Wheels:
@@ -70,7 +80,9 @@ def as_the_plant_gives(car: Vehicle, torque: Wheels, speed: Wheels) -> Wheels:
     gear, count = numbers.gear, numbers.motors
     return Wheels(
         *(
-            limited_torque(car.motor, torque[i] / gear[i] / count[i], speed[i] * gear[i], 0.0) * gear[i] * count[i]
+            limited_torque(car.motor, torque[i] / gear[i] / count[i], speed[i] * gear[i], 0.0)
+            * gear[i]
+            * count[i]
             if numbers.driven[i]
             else 0.0
             for i in range(4)
@@ -162,11 +174,19 @@ def test_difference_stays_wherever_some_sum_leaves_room(car, torque, speed):
                     mean + (had + 0.01 * (wanted - had)) / 2.0,
                 )
                 could = as_the_plant_gives(car, Wheels(*tried), speed)
-                wrong = [one for one, other in zip(tried, could, strict=True) if abs(one - other) > TOLERANCE]
+                wrong = [
+                    one
+                    for one, other in zip(tried, could, strict=True)
+                    if abs(one - other) > TOLERANCE
+                ]
                 assert wrong
 
 
-CAR = Vehicle(motor=Motor(peak_torque=250.0, generator_torque=150.0), gear_ratio=1.0, driven_wheels=WHEEL_NAMES)
+CAR = Vehicle(
+    motor=Motor(peak_torque=250.0, generator_torque=150.0),
+    gear_ratio=1.0,
+    driven_wheels=WHEEL_NAMES,
+)
 SLOW = Wheels.all(1.0)
 
 
@@ -185,7 +205,8 @@ def test_each_choice_by_hand(ahead):
     assert choice("sum", *asked) == pytest.approx((180.0, 250.0, 50.0, 240.0))
     # Its own axle is full: 30 and 50 N m go to the other one, of which one wheel has room for 10.
     assert choice("sum", 280.0, 300.0, 50.0, 240.0) == pytest.approx((250.0, 250.0, 120.0, 250.0))
-    # A difference of 500 without a sum: 150 against the travel is all there is, and the partner gives no more.
+    # A difference of 500 without a sum: 150 against the travel is all there is, and the partner
+    # gives no more.
     assert choice("difference", -250.0, 250.0, 0.0, 0.0) == pytest.approx((-150.0, 150.0, 0.0, 0.0))
     assert choice("sum", -250.0, 250.0, 0.0, 0.0) == pytest.approx((-150.0, 150.0, 0.0, 0.0))
 
@@ -194,7 +215,10 @@ def test_each_choice_by_hand(ahead):
 def test_the_battery_takes_from_the_sum_before_it_takes_from_the_difference(ahead):
     """9 kW of mechanical power at 100 rad/s are 90 N m in all, with 60 N m between left and right."""
     car = dataclasses.replace(CAR, battery=Battery(discharge_power=10e3))
-    speed, asked = Wheels.all(100.0 * ahead), Wheels(*(ahead * each for each in (20.0, 80.0, 50.0, 50.0)))
+    speed, asked = (
+        Wheels.all(100.0 * ahead),
+        Wheels(*(ahead * each for each in (20.0, 80.0, 50.0, 50.0))),
+    )
     drive = given_to(car, "difference", asked, speed)
     assert sum(drive) == pytest.approx(ahead * 90.0)
     assert drive[1] - drive[0] == pytest.approx(ahead * 60.0)
@@ -220,7 +244,11 @@ def test_each_law_gives_what_motors_can_where_it_asked_for_more(name, keep):
     motion = Motion(torque=9000.0, speeds=Wheels(20.0, 30.0, 20.0, 30.0), a_y=3.0).steered(0.1)
     car = on(SHCHUR, WHEEL_NAMES)
     plain = Differential(name, car).step(motion).drive
-    drive = Differential(name, car, allocation=AllocationParameters(keep=Keep.of(keep))).step(motion).drive
+    drive = (
+        Differential(name, car, allocation=AllocationParameters(keep=Keep.of(keep)))
+        .step(motion)
+        .drive
+    )
     assert as_the_plant_gives(car, plain, motion.speeds) != pytest.approx(plain, abs=1.0)
     assert as_the_plant_gives(car, drive, motion.speeds) == pytest.approx(drive, abs=TOLERANCE)
 
@@ -229,7 +257,9 @@ def test_each_law_gives_what_motors_can_where_it_asked_for_more(name, keep):
 def test_a_car_without_motors_of_its_wheels_is_refused(name):
     car = dataclasses.replace(on(SHCHUR, WHEEL_NAMES), driveline=Driveline(coupling="clutch"))
     Differential(name, car)
-    with pytest.raises(ParameterError, match=r"needs a motor for each driven wheel for allocation\.keep sum"):
+    with pytest.raises(
+        ParameterError, match=r"needs a motor for each driven wheel for allocation\.keep sum"
+    ):
         Differential(name, car, allocation=AllocationParameters(keep=Keep.SUM))
 
 
@@ -256,7 +286,8 @@ def leaves_the_path(signals: Mapping[str, np.ndarray], side: float) -> float:
 def test_drives_that_steer_keep_the_path_while_they_speed_up(side):
     """20 to 24 m/s within 2 s in a bend of 100 m: sum and difference together are more than the outer motor has.
 
-    Each motor on its own, the car leaves its path by 20 m; where the sum yields, by 0.9 m. Half a lane is 1.75 m.
+    Each motor on its own, the car leaves its path by 20 m; where the sum yields, by 0.9 m. Half a
+    lane is 1.75 m.
     """
     leaves = {}
     for keep in ("asked", "difference"):
@@ -268,6 +299,8 @@ def test_drives_that_steer_keep_the_path_while_they_speed_up(side):
             "driver.path.curvature": [0.0, 0.01 * side],
             "electronic_differential.allocation.keep": keep,
         }
-        leaves[keep] = leaves_the_path(ev_stack.run("dead_motor", set=values, duration=8.0).signals, side)
+        leaves[keep] = leaves_the_path(
+            ev_stack.run("dead_motor", set=values, duration=8.0).signals, side
+        )
     assert leaves["asked"] > 10.0
     assert leaves["difference"] < 1.75

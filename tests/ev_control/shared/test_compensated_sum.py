@@ -23,7 +23,9 @@ def total_of(numbers: list[float]) -> float:
 def test_sum_of_slips_is_off_by_half_a_bit_at_most(numbers):
     """The lost part is a sum of at most 60 numbers below 1e-14: its own rounding is some 1e-28, a 1e-12th of a bit."""
     exact = sum(map(Fraction, numbers))
-    assert abs(Fraction(total_of(numbers)) - exact) <= Fraction(math.ulp(float(exact))) * Fraction(0.5 + 1e-9)
+    assert abs(Fraction(total_of(numbers)) - exact) <= Fraction(math.ulp(float(exact))) * Fraction(
+        0.5 + 1e-9
+    )
 
 
 def test_what_a_plain_sum_loses_is_kept():

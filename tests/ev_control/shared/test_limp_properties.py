@@ -10,7 +10,16 @@ import os
 
 import pytest
 from helpers.limping import CAR, PERIOD, Limping, Motors, at_half, dead, dragging, stuck_at
-from helpers.traction import METHODS, Control, Measured, cars, driven, in_regulator, sequences, swapped
+from helpers.traction import (
+    METHODS,
+    Control,
+    Measured,
+    cars,
+    driven,
+    in_regulator,
+    sequences,
+    swapped,
+)
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
@@ -44,7 +53,9 @@ broken = st.sampled_from(
 
 def car_with(efficiency: float, lag: float):
     """The car with such a gear and drive."""
-    return dataclasses.replace(CAR, motor=dataclasses.replace(CAR.motor, gear_efficiency=efficiency, torque_lag=lag))
+    return dataclasses.replace(
+        CAR, motor=dataclasses.replace(CAR.motor, gear_efficiency=efficiency, torque_lag=lag)
+    )
 
 
 vehicles = st.builds(car_with, st.floats(0.5, 1.0), st.floats(1e-4, 0.2))
@@ -70,7 +81,9 @@ def test_never_more_than_asked_and_never_of_the_other_sign(sequence, keeps):
             difference = asked - m.drive[(1, 0, 3, 2)[i]]
             free = keeps and m.brake == NO_WHEELS
             assert (
-                min(asked, 0.0, difference if free else 0.0) <= torque <= max(asked, 0.0, difference if free else 0.0)
+                min(asked, 0.0, difference if free else 0.0)
+                <= torque
+                <= max(asked, 0.0, difference if free else 0.0)
             )
 
 
@@ -78,7 +91,10 @@ def test_never_more_than_asked_and_never_of_the_other_sign(sequence, keeps):
 @given(sequence=sequences, car=cars, keeps=st.booleans(), name=st.sampled_from(METHODS))
 def test_a_limp_mode_never_gives_more_than_traction_control_alone(sequence, car, keeps, name):
     """Limits by the sizes, with any motor: what is cut from a wheel is never given to it, nor to the other one."""
-    watch = {in_regulator(name, "limp.watch"): True, in_regulator(name, "limp.plausibility.keep_difference"): keeps}
+    watch = {
+        in_regulator(name, "limp.watch"): True,
+        in_regulator(name, "limp.plausibility.keep_difference"): keeps,
+    }
     alone, limp = Control(name, car), Control(name, car, **watch)
     for m in sequence:
         limited = alone.step(m)
@@ -112,12 +128,33 @@ def test_left_and_right_mirror_to_the_bit(sequence, keeps):
     noise=st.floats(0.0, 8.0),
     seed=st.integers(0, 2**32),
 )
-@example([(277.0, 554.0, 26)], 0.0, 1.0, car_with(0.5, 0.004), 0.03, 1.0, 398.0, 0.0, 0)  # gear losses at the limit
+# gear losses at the limit
+@example([(277.0, 554.0, 26)], 0.0, 1.0, car_with(0.5, 0.004), 0.03, 1.0, 398.0, 0.0, 0)
 @example(
-    [(12.0, 400.0, 17), (343.0, 77.0, 30)], 71.6, 0.976, car_with(0.846, 0.0427), 0.03, 0.21, 442.0, 7.0, 1692712403
+    [(12.0, 400.0, 17), (343.0, 77.0, 30)],
+    71.6,
+    0.976,
+    car_with(0.846, 0.0427),
+    0.03,
+    0.21,
+    442.0,
+    7.0,
+    1692712403,
 )
-@example([(-189.0, -189.0, 40)] * 20, 3.8, 1.246, car_with(0.6, 0.0294), 0.03, 0.005, 685.0, 8.0, 3956271888)
-def test_a_sound_car_gets_what_was_asked_to_the_bit(parts, speed, bend, vehicle, period, battery, most, noise, seed):
+@example(
+    [(-189.0, -189.0, 40)] * 20,
+    3.8,
+    1.246,
+    car_with(0.6, 0.0294),
+    0.03,
+    0.005,
+    685.0,
+    8.0,
+    3956271888,
+)
+def test_a_sound_car_gets_what_was_asked_to_the_bit(
+    parts, speed, bend, vehicle, period, battery, most, noise, seed
+):
     """Any share of the battery, with motors between hot and cold, gears, lags, periods, bends, noisy sensors."""
     limp = Limping(Motors(vehicle, period, most, battery, noise=noise, seed=seed))
     for asked, command in commanded(limp, parts, speed, bend):
@@ -133,7 +170,9 @@ def test_a_sound_car_gets_what_was_asked_to_the_bit(parts, speed, bend, vehicle,
     most=st.floats(0.0, 700.0),
     limits=st.lists(st.floats(0.0, 1.0), max_size=4),
 )
-def test_limits_that_no_controller_knows_are_no_loss_where_both_meet_them(asked, speed, vehicle, period, most, limits):
+def test_limits_that_no_controller_knows_are_no_loss_where_both_meet_them(
+    asked, speed, vehicle, period, most, limits
+):
     """A battery that is cut off, derated and back again, any voltage, while both motors are told the same."""
     limp = Limping(Motors(vehicle, period, most))
     for limp.motors.battery in (1.0, *limits, 1.0):
@@ -166,8 +205,9 @@ def test_all_drive_is_back_after_a_fault(parts, speed, vehicle, fault, asked):
 def test_a_lost_motor_does_not_turn_the_car(asked, more, fault, speed, side):
     """0.4 s after it: what acts on left and right differs by what was asked, and by what is allowed and half as much.
 
-    Allowed are 20 N m and a fifth; of a deviation half as large again as that 0.02 s/0.5 and the lag are enough. Speeds
-    are those at which 0.7 of the power that a motor takes or gives is enough for it: beyond them less may be a limit.
+    Allowed are 20 N m and a fifth; of a deviation half as large again as that 0.02 s/0.5 and the
+    lag are enough. Speeds are those at which 0.7 of the power that a motor takes or gives is enough
+    for it: beyond them less may be a limit.
     """
     limp = Limping(Motors(faults=(fault, None) if side == 0 else (None, fault)))
     requests = (asked, more * asked) if side == 0 else (more * asked, asked)

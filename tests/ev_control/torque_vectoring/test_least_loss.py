@@ -52,11 +52,19 @@ def test_it_finds_what_brute_force_finds():
     """
     random = np.random.default_rng(3)
     for _ in range(40):
-        car = namespace(car_numbers(unequal(front_size=random.choice([1.0, 2.0]), rear_gear=random.uniform(0.5, 2.0))))
-        table = EfficiencyMap(
-            (50.0, 300.0, 900.0), (10.0, 80.0, 200.0, 360.0), tuple(random.uniform(0.6, 0.95, 12).tolist())
+        car = namespace(
+            car_numbers(
+                unequal(front_size=random.choice([1.0, 2.0]), rear_gear=random.uniform(0.5, 2.0))
+            )
         )
-        front, rear = (Range(-random.uniform(0.0, 2000.0), random.uniform(0.0, 2000.0)) for _ in range(2))
+        table = EfficiencyMap(
+            (50.0, 300.0, 900.0),
+            (10.0, 80.0, 200.0, 360.0),
+            tuple(random.uniform(0.6, 0.95, 12).tolist()),
+        )
+        front, rear = (
+            Range(-random.uniform(0.0, 2000.0), random.uniform(0.0, 2000.0)) for _ in range(2)
+        )
         both = random.uniform(front.least + rear.least, front.most + rear.most)
         found = front_torque(car, table, SPEED, both, front, rear)
         low, high = max(front.least, both - rear.most), min(front.most, both - rear.least)
@@ -67,9 +75,12 @@ def test_it_finds_what_brute_force_finds():
 
 @pytest.mark.parametrize("both", [700.0, -500.0])
 @pytest.mark.parametrize(
-    ("of_driveline", "front"), [({}, 1 / 2), ({"front_size": 2.0}, 2 / 3), ({"rear_gear": 2.0}, 1 / 5)]
+    ("of_driveline", "front"),
+    [({}, 1 / 2), ({"front_size": 2.0}, 2 / 3), ({"rear_gear": 2.0}, 1 / 5)],
 )
-def test_by_the_loss_model_torques_are_as_the_squares_of_gear_and_number_allow(of_driveline, front, both):
+def test_by_the_loss_model_torques_are_as_the_squares_of_gear_and_number_allow(
+    of_driveline, front, both
+):
     """Copper loss alone, sum k T^2/(n i^2): shares as n i^2. To the width of the last round, 4000 N m/16384."""
     copper = replace(FOUR.motor, inverter_torque_loss=0.0)
     car = namespace(car_numbers(replace(unequal(**of_driveline), motor=copper)))
@@ -91,7 +102,9 @@ def test_one_motor_drives_alone_up_to_the_switching_torque():
 
 def known(friction: float, speed: Wheels, side: float = 0.0) -> KnownMotion:
     grip = Wheels(*(friction * load for load in LOADS))
-    return KnownMotion(20.0, 0.0, 0.0, grip, Wheels.all(side), 0.0, speed, InertialMeasurement(0.0, 0.0, 0.0))
+    return KnownMotion(
+        20.0, 0.0, 0.0, grip, Wheels.all(side), 0.0, speed, InertialMeasurement(0.0, 0.0, 0.0)
+    )
 
 
 @pytest.mark.parametrize("friction", [0.9, 0.2])

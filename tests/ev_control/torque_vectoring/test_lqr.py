@@ -11,7 +11,8 @@ from ev_control.torque_vectoring.lqr import SPEED_STEP, SPEEDS, LQRParameters, l
 from ev_control.torque_vectoring.single_track import SingleTrackParameters, single_track
 
 P, PERIOD = LQRParameters(), 0.01
-TYRES = SingleTrackParameters(front_cornering_stiffness=180e3, rear_cornering_stiffness=120e3)  # oversteers
+# oversteers
+TYRES = SingleTrackParameters(front_cornering_stiffness=180e3, rear_cornering_stiffness=120e3)
 
 
 @pytest.mark.parametrize("car", [DISSERTATION, ZHILEYKIN], ids=lambda car: car.name)
@@ -28,13 +29,18 @@ def test_gains_are_those_of_the_riccati_equation(car):
         effort = np.array([[1.0 / 1500.0**2]])
         cost = solve_discrete_are(a, b, weights, effort)
         wanted = np.linalg.solve(effort + b.T @ cost @ b, b.T @ cost @ a)[0]
-        assert (gains.lateral[row], gains.yaw[row]) == pytest.approx(tuple(wanted), rel=1e-6, abs=1e-3)
+        assert (gains.lateral[row], gains.yaw[row]) == pytest.approx(
+            tuple(wanted), rel=1e-6, abs=1e-3
+        )
         assert np.abs(np.linalg.eigvals(a - b @ wanted[None])).max() < 1.0
 
 
 def test_gains_between_two_speeds_lie_between_theirs():
     gains = lqr_gains(P, TYRES, DISSERTATION, PERIOD)
-    at = [lqr_moment(gains, speed, 0.0, 1.0) for speed in (-10.0, -11.25, -12.5, 10.0, 11.25, 12.5, 77.5, 500.0)]
+    at = [
+        lqr_moment(gains, speed, 0.0, 1.0)
+        for speed in (-10.0, -11.25, -12.5, 10.0, 11.25, 12.5, 77.5, 500.0)
+    ]
     assert at[1] == pytest.approx((at[0] + at[2]) / 2.0, rel=1e-12)
     assert at[4] == pytest.approx((at[3] + at[5]) / 2.0, rel=1e-12)
     assert (at[3], at[6]) == (-gains.yaw[4], at[7])

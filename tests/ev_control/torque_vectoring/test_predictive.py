@@ -17,7 +17,9 @@ from ev_control.torque_vectoring.single_track import SingleTrackParameters, sing
 P, TYRES, CAR, PERIOD = LQRParameters(), SingleTrackParameters(), ZHILEYKIN, 0.01
 
 
-def solved(hessian: np.ndarray, slope: np.ndarray, low: np.ndarray, high: np.ndarray, start=None) -> np.ndarray:
+def solved(
+    hessian: np.ndarray, slope: np.ndarray, low: np.ndarray, high: np.ndarray, start=None
+) -> np.ndarray:
     program = Program(hessian.ravel().tolist(), slope.tolist(), low.tolist(), high.tolist())
     program.x = np.zeros(SIZE).tolist() if start is None else start.tolist()
     solve(program)
@@ -28,7 +30,9 @@ def solved(hessian: np.ndarray, slope: np.ndarray, low: np.ndarray, high: np.nda
 def test_programs_are_solved_as_by_daqp(condition: float):
     """100 random ones from any start; some unknowns have no room at all. At 1e8 they differ by 1e-12."""
     for hessian, slope, low, high, start in programs(condition):
-        assert solved(hessian, slope, low, high, start) == pytest.approx(by_daqp(hessian, slope, low, high), abs=1e-10)
+        assert solved(hessian, slope, low, high, start) == pytest.approx(
+            by_daqp(hessian, slope, low, high), abs=1e-10
+        )
 
 
 ONES, TILTED = np.ones(SIZE), np.arange(SIZE) - 4.0  # of the second one a slope is zero
@@ -52,7 +56,9 @@ def test_degenerate_programs_are_solved_as_by_daqp(name: str):
     hessian, slope, low, high = DEGENERATE[name]
     wanted = by_daqp(hessian, slope, low, high)
     for start in (0.0 * ONES, low, high, low - 1.0, np.where(TILTED > 0.0, low, high)):
-        assert solved(hessian, slope, low, high, start) == pytest.approx(wanted, rel=1e-12, abs=1e-12)
+        assert solved(hessian, slope, low, high, start) == pytest.approx(
+            wanted, rel=1e-12, abs=1e-12
+        )
 
 
 def programs(condition: float):
@@ -63,7 +69,13 @@ def programs(condition: float):
         hessian = (turned * condition ** random.uniform(0.0, 1.0, SIZE)) @ turned.T
         low = -random.uniform(0.0, 1.0, SIZE)
         high = np.where(random.random(SIZE) < 0.1, low, random.uniform(0.0, 1.0, SIZE))
-        yield hessian, 3.0 * condition**0.5 * random.standard_normal(SIZE), low, high, random.uniform(-2.0, 2.0, SIZE)
+        yield (
+            hessian,
+            3.0 * condition**0.5 * random.standard_normal(SIZE),
+            low,
+            high,
+            random.uniform(-2.0, 2.0, SIZE),
+        )
 
 
 @functools.cache
@@ -103,7 +115,9 @@ def test_the_programs_of_the_law_are_solved_as_by_daqp(monkeypatch):
     def recorded(w: Program) -> None:
         lower = np.tril(np.array(w.hessian).reshape(SIZE, SIZE))
         hessian = lower + np.tril(lower, -1).T
-        solved_ones.append(by_daqp(hessian, *(np.array(each) for each in (w.slope, w.low, w.high)))[0])
+        solved_ones.append(
+            by_daqp(hessian, *(np.array(each) for each in (w.slope, w.low, w.high)))[0]
+        )
         solve(w)
 
     monkeypatch.setattr(predictive, "solve", recorded)

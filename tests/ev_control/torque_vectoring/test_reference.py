@@ -29,7 +29,14 @@ P = ReferenceParameters(lag=0.001)
 GRIP = 0.8 * GRAVITY
 
 
-def settled(kind: Reference, speed: float, angle: float, grip: float = GRIP, across: float = 0.0, slides: float = 0.0):
+def settled(
+    kind: Reference,
+    speed: float,
+    angle: float,
+    grip: float = GRIP,
+    across: float = 0.0,
+    slides: float = 0.0,
+):
     """Wanted motion after 1 s, a thousand times the lag."""
     state = ReferenceState()
     for _ in range(100):
@@ -40,7 +47,9 @@ def settled(kind: Reference, speed: float, angle: float, grip: float = GRIP, acr
 @pytest.mark.parametrize("speed", [3.0, 20.0, -20.0])
 def test_neutral_turns_by_geometry(speed):
     """The rate u delta/L: wheels to the left turn the car to the left ahead and to the right in reverse."""
-    assert settled(Reference.NEUTRAL, speed, 0.01).yaw_rate == pytest.approx(speed * 0.01 / 2.7, rel=1e-9)
+    assert settled(Reference.NEUTRAL, speed, 0.01).yaw_rate == pytest.approx(
+        speed * 0.01 / 2.7, rel=1e-9
+    )
 
 
 @pytest.mark.parametrize("kind", [Reference.NEUTRAL, Reference.UNDERSTEER])
@@ -67,7 +76,9 @@ def test_the_angle_of_the_designed_acceleration_is_the_drivers(speed, angle):
     linear = 0.5 * largest
     beyond = 0.002 * (linear - (largest - linear) * math.log((largest - a) / (largest - linear)))
     assert 0.0 <= a < largest
-    assert 2.7 * a / (speed * speed) + (0.002 * a if a <= linear else beyond) == pytest.approx(angle, abs=1e-9)
+    assert 2.7 * a / (speed * speed) + (0.002 * a if a <= linear else beyond) == pytest.approx(
+        angle, abs=1e-9
+    )
 
 
 def test_a_rear_axle_that_slides_is_given_the_yaw_rate_of_the_path():
@@ -79,7 +90,9 @@ def test_a_rear_axle_that_slides_is_given_the_yaw_rate_of_the_path():
 
 
 def test_limits_of_sideslip_have_an_order():
-    with pytest.raises(ParameterError, match=r"last_sideslip is 0.04 rad, expected more than first_sideslip"):
+    with pytest.raises(
+        ParameterError, match=r"last_sideslip is 0.04 rad, expected more than first_sideslip"
+    ):
         ReferenceParameters(last_sideslip=0.04)
 
 
@@ -91,7 +104,9 @@ def test_a_car_of_the_wanted_gradient_needs_no_moment():
     r = u * 0.02 / (2.7 + (front / 100e3 - rear / 150e3) * u * u)
     model = single_track(tyres, car, u)
     assert steady_moment(car, model, 0.02, r) == pytest.approx(0.0, abs=1e-8)
-    assert steady_lateral_velocity(model, 0.02, r) == pytest.approx(1.5 * r - rear * u * u * r / 150e3, rel=1e-9)
+    assert steady_lateral_velocity(model, 0.02, r) == pytest.approx(
+        1.5 * r - rear * u * u * r / 150e3, rel=1e-9
+    )
 
 
 def test_in_reverse_the_model_is_that_of_the_car_turned_round():

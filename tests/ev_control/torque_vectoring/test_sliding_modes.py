@@ -9,7 +9,11 @@ import pytest
 from helpers.differentials import ZHILEYKIN
 
 from ev_control.torque_vectoring.integral import MomentIntegral
-from ev_control.torque_vectoring.sliding_modes import SuboptimalParameters, SuboptimalState, suboptimal_moment
+from ev_control.torque_vectoring.sliding_modes import (
+    SuboptimalParameters,
+    SuboptimalState,
+    suboptimal_moment,
+)
 
 CAR = replace(ZHILEYKIN, yaw_inertia=2500.0)
 P = SuboptimalParameters(rate=12.0, layer=1e-6)  # as in the source, without a layer
@@ -23,7 +27,11 @@ def errors(disturbance: float, period: float, end: float, side: float = 1.0) -> 
         moment = suboptimal_moment(P, CAR, state, integral, period, s)
         pushed = (moment - before) / period / CAR.yaw_inertia
         pushed += side * math.copysign(disturbance, math.sin(math.pi * n * period + 0.1))
-        s, rate, before = s + period * rate + 0.5 * period * period * pushed, rate + period * pushed, moment
+        s, rate, before = (
+            s + period * rate + 0.5 * period * period * pushed,
+            rate + period * pushed,
+            moment,
+        )
         found.append(s)
     return found
 
@@ -32,7 +40,8 @@ def errors(disturbance: float, period: float, end: float, side: float = 1.0) -> 
 def test_the_error_vanishes_in_finite_time_whatever_disturbs_it(disturbance: float):
     """F < V_M/2: it is on the surface within 2 s and stays there to the order of T^2, as on all of second order.
 
-    (V_M + F) T^2/2 is the way of a period; 20 (V_M + F) T^2 is allowed, a few periods until an extremum is seen.
+    (V_M + F) T^2/2 is the way of a period; 20 (V_M + F) T^2 is allowed, a few periods until an
+    extremum is seen.
     """
     for period in (1e-2, 1e-3):
         settled = errors(disturbance, period, 4.0)[round(2.0 / period) :]
@@ -50,7 +59,9 @@ def test_within_the_layer_a_steady_disturbance_leaves_what_the_layer_says():
     state, integral, s, rate, period = SuboptimalState(), MomentIntegral(), 0.1, 0.0, 1e-3
     for _ in range(4000):
         before = integral.moment
-        pushed = (suboptimal_moment(p, CAR, state, integral, period, s) - before) / period / CAR.yaw_inertia + 6.0
+        pushed = (
+            suboptimal_moment(p, CAR, state, integral, period, s) - before
+        ) / period / CAR.yaw_inertia + 6.0
         s, rate = s + period * rate + 0.5 * period * period * pushed, rate + period * pushed
     assert s == pytest.approx(2.0 * 6.0 * 0.05 / 12.0, rel=0.05)
 

@@ -6,13 +6,19 @@ import numpy as np
 import pytest
 from helpers.quadratic_programs import by_daqp
 
-from ev_control.torque_vectoring.weighted_least_squares import LEAST_GRIP, Demand, bounded_least_squares
+from ev_control.torque_vectoring.weighted_least_squares import (
+    LEAST_GRIP,
+    Demand,
+    bounded_least_squares,
+)
 from ev_msgs_py.contract.wheels import Wheels
 
 ARM = Wheels(-2.5, 2.5, -2.3, 2.3)
 
 
-def demand(total: float, moment: float, grip, least, most, weight: float = 1e4, moment_weight: float = 1.0) -> Demand:
+def demand(
+    total: float, moment: float, grip, least, most, weight: float = 1e4, moment_weight: float = 1.0
+) -> Demand:
     """Demand as `least_squares` makes it."""
     whole = (grip[0] + grip[1]) + (grip[2] + grip[3])
     slack = whole * whole / weight
@@ -31,8 +37,8 @@ def optimum(d: Demand) -> np.ndarray:
 def test_torques_are_those_of_daqp():
     """To 1e-3 N m, over all weights that are allowed; every fourth wheel has no range, every second none around zero.
 
-    The worst of these problems has a condition number of 9e9. There daqp is 3.5e-4 N m from the optimum in 60 digits,
-    and what we find 5e-13.
+    The worst of these problems has a condition number of 9e9. There daqp is 3.5e-4 N m from the
+    optimum in 60 digits, and what we find 5e-13.
     """
     random = np.random.default_rng(1)
     for _ in range(1000):
@@ -80,7 +86,9 @@ def test_without_bounds_both_demands_are_met_with_the_least_use_of_grip():
 
 def test_a_wheel_on_ice_is_given_little_and_the_others_make_up_for_it():
     """Use goes with the square of grip: a tenth of the grip is given a hundredth of the torque."""
-    u = bounded_least_squares(demand(1000.0, 0.0, [200.0, 200.0, 2000.0, 2000.0], [-1e4] * 4, [1e4] * 4, weight=1e8))
+    u = bounded_least_squares(
+        demand(1000.0, 0.0, [200.0, 200.0, 2000.0, 2000.0], [-1e4] * 4, [1e4] * 4, weight=1e8)
+    )
     assert u.front_left / u.rear_left == pytest.approx(0.01, rel=1e-6)
     assert sum(u) == pytest.approx(1000.0, abs=1e-2)
 
@@ -99,10 +107,16 @@ def test_where_both_do_not_fit_the_weights_decide(moment_weight, keeps_moment):
 def test_a_mirrored_demand_is_given_mirrored_torques_to_the_bit():
     rng = np.random.default_rng(1)
     for _ in range(200):
-        grip, least, most = rng.uniform(1.0, 2000.0, 4), -rng.uniform(0.0, 900.0, 4), rng.uniform(0.0, 900.0, 4)
+        grip, least, most = (
+            rng.uniform(1.0, 2000.0, 4),
+            -rng.uniform(0.0, 900.0, 4),
+            rng.uniform(0.0, 900.0, 4),
+        )
         total, moment = rng.uniform(-2000.0, 2000.0), rng.uniform(-3000.0, 3000.0)
         left, right = (
-            bounded_least_squares(demand(total, side * moment, *(row[order] for row in (grip, least, most))))
+            bounded_least_squares(
+                demand(total, side * moment, *(row[order] for row in (grip, least, most)))
+            )
             for side, order in ((1.0, [0, 1, 2, 3]), (-1.0, [1, 0, 3, 2]))
         )
         assert left == (right[1], right[0], right[3], right[2])

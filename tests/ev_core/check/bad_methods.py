@@ -18,7 +18,9 @@ from ev_core.methods.method_record import Method
 class Gain:
     """What can be set."""
 
-    gain: float = parameter(1.0, unit="1", low=0.0, high=10.0, about="torque over what is asked for")
+    gain: float = parameter(
+        1.0, unit="1", low=0.0, high=10.0, about="torque over what is asked for"
+    )
 
 
 @dataclass(slots=True)
@@ -31,7 +33,11 @@ class Count:
 def configuration_of(factory: Any, parameters: Any = Gain) -> Configuration:
     """A method of a class or a law."""
     return Configuration(
-        "asr", Method("asr", "toy", factory, (WheelTorqueRequest,), parameters), parameters(), CommonParameters(), None
+        "asr",
+        Method("asr", "toy", factory, (WheelTorqueRequest,), parameters),
+        parameters(),
+        CommonParameters(),
+        None,
     )
 
 
@@ -133,7 +139,10 @@ class Poisoned(Good):
     def answer(self, request: WheelTorqueRequest) -> WheelTorqueCommand:
         huge = request.drive[0] * 1e300
         self.state = [self.state[0] + (huge - huge)]
-        return times(0.0 if math.isnan(self.state[0]) else 0.5, WheelTorqueRequest(Wheels.all(1.0), request.brake))
+        return times(
+            0.0 if math.isnan(self.state[0]) else 0.5,
+            WheelTorqueRequest(Wheels.all(1.0), request.brake),
+        )
 
 
 class Overflowing(Good):
@@ -141,7 +150,8 @@ class Overflowing(Good):
 
     def answer(self, request: WheelTorqueRequest) -> WheelTorqueCommand:
         return times(
-            float(math.floor(request.drive[0] * 1e200) % 2), WheelTorqueRequest(Wheels.all(1.0), request.brake)
+            float(math.floor(request.drive[0] * 1e200) % 2),
+            WheelTorqueRequest(Wheels.all(1.0), request.brake),
         )
 
 
@@ -216,7 +226,9 @@ def wrapping(p: Gain, s: Count, request: WheelTorqueRequest) -> WheelTorqueComma
     s.steps += 1.0
     large = int(s.steps) * 4611686018427387904 * 4
     _, front_right, rear_left, rear_right = request.drive
-    return WheelTorqueCommand(Wheels(float(large), front_right, rear_left, rear_right), request.brake)
+    return WheelTorqueCommand(
+        Wheels(float(large), front_right, rear_left, rear_right), request.brake
+    )
 
 
 WRAPPING = Law(wrapping, Gain, Count)

@@ -16,11 +16,24 @@ CHOICES = {
     "all driven": ALL_DRIVEN,
     "friction alone": {"blending": "friction", **ALL_DRIVEN},
     "without yaw": {"yaw.gain": 0.0, "slip.filter_time": 0.0, "lag": 0.0},
-    "firm": {"yaw.gain": 100.0, "yaw.yielding": 0.01, "yaw.deadband": 0.0, "slip.target": 0.03, "use": 0.0},
-    "slow battery": {"vehicle.battery.charge_power": 10e3, "standing": 5.0, "slip.release": 0.0, **ALL_DRIVEN},
+    "firm": {
+        "yaw.gain": 100.0,
+        "yaw.yielding": 0.01,
+        "yaw.deadband": 0.0,
+        "slip.target": 0.03,
+        "use": 0.0,
+    },
+    "slow battery": {
+        "vehicle.battery.charge_power": 10e3,
+        "standing": 5.0,
+        "slip.release": 0.0,
+        **ALL_DRIVEN,
+    },
 }
 
 
 @pytest.mark.parametrize("choice", CHOICES)
 def test_contract_is_kept(choice):
-    check_configuration(configure("asr", {"method": "blended_brakes", **CHOICES[choice]}), steps=300, seeds=[1])
+    check_configuration(
+        configure("asr", {"method": "blended_brakes", **CHOICES[choice]}), steps=300, seeds=[1]
+    )

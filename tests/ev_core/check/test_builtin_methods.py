@@ -11,12 +11,14 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 
 pytestmark = pytest.mark.slow
 
-# Plain Python takes about 10 ms for a step of the planar plants of 1 ms; a control period has five or ten of those.
+# Plain Python takes about 10 ms for a step of the planar plants of 1 ms; a control period has five
+# or ten of those.
 FEWER_STEPS = 15
 # Laws of other sources need rear drives, or all four.
 FRONT = {"vehicle.driven_wheels": ["front_left", "front_right"], "control_period": 0.005}
 VALUES = {"circuits_on_can": FRONT, "can": FRONT | {"gear_ratio": 2.65}}
-SIDED = ("circuits_on_can", "can")  # identifiers and what is lost are not those of the other circuit
+# identifiers and what is lost are not those of the other circuit
+SIDED = ("circuits_on_can", "can")
 REAR = ["rear_left", "rear_right"]
 DRIVEN = {"slip_target": REAR, "wheel_speed": REAR, "axle_redistribution": list(WHEEL_NAMES)}
 METHODS = [(role, name) for role in ROLES for name in own_methods(role)]
@@ -29,7 +31,9 @@ def test_methods_of_all_roles_are_there():
 @pytest.mark.parametrize(("role", "name"), METHODS)
 def test_contract_is_kept(role, name):
     values = {"vehicle.driven_wheels": DRIVEN[name]} if name in DRIVEN else VALUES.get(name, {})
-    check_method(role, name, values, steps=FEWER_STEPS if name.startswith("planar") else 40, whole=False)
+    check_method(
+        role, name, values, steps=FEWER_STEPS if name.startswith("planar") else 40, whole=False
+    )
 
 
 @pytest.mark.parametrize(("role", "name"), METHODS)

@@ -15,8 +15,16 @@ CHOICES = {
     "sticks and meets its stops": {"method": "manual", "dry_friction": 20.0, "max_angle": 0.3},
     "overdamped": {"method": "manual", "damping": 100.0, "dry_friction": 1.0},
     "wheels with inertia": {"method": "powered", "wheel_inertia": 0.5, "dry_friction": 5.0},
-    "on another car": {"method": "powered", "vehicle.steering_ratio": 12.0, "vehicle.front_track": 1.6},
-    "by wire between stops": {"method": "by_wire", "max_angle": 0.1, "steering_wheel.dry_friction": 0.5},
+    "on another car": {
+        "method": "powered",
+        "vehicle.steering_ratio": 12.0,
+        "vehicle.front_track": 1.6,
+    },
+    "by wire between stops": {
+        "method": "by_wire",
+        "max_angle": 0.1,
+        "steering_wheel.dry_friction": 0.5,
+    },
     "by wire, overdamped": {"method": "by_wire", "damping": 200.0, "steering_wheel.damping": 2.0},
     "actuated, with feel": {"method": "actuated", "feel.share": 1.0, "actuator.max_angle": 0.2},
     "sine": {

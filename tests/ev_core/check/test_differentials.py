@@ -15,7 +15,8 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 pytestmark = pytest.mark.slow
 
 STEPS = 100
-FEWER = {"direct_yaw_moment": 40}  # in plain Python a step of its optimiser takes a tenth of a second
+# in plain Python a step of its optimiser takes a tenth of a second
+FEWER = {"direct_yaw_moment": 40}
 ALL_DRIVEN = {"vehicle.driven_wheels": list(WHEEL_NAMES)}
 REAR_DRIVEN = {"vehicle.driven_wheels": list(REAR)}
 NEEDED = {"axle_redistribution": ALL_DRIVEN, "slip_target": REAR_DRIVEN, "wheel_speed": REAR_DRIVEN}
@@ -27,7 +28,12 @@ CHOICES: dict[str, tuple[dict, ...]] = {
     ),
     "adhesion_share": (
         {"friction": "estimated"},
-        {"friction": "estimated", "estimate.learning_slip": 0.05, "error_factor": 1.5, **REAR_DRIVEN},
+        {
+            "friction": "estimated",
+            "estimate.learning_slip": 0.05,
+            "error_factor": 1.5,
+            **REAR_DRIVEN,
+        },
         {"friction": "estimated", "estimate.filter_time": 0.0, **ALL_DRIVEN},
         {"friction": "estimated", "estimate.reference.source": "observer"},
     ),
@@ -43,7 +49,12 @@ CHOICES: dict[str, tuple[dict, ...]] = {
         {"against": "both", "yaw_gain": 5000.0, "error_factor": 3.0},
     ),
     "direct_yaw_moment": (
-        {"reference": "sideslip_limit", "controller": "super_twisting", "allocation": "least_squares", **ALL_DRIVEN},
+        {
+            "reference": "sideslip_limit",
+            "controller": "super_twisting",
+            "allocation": "least_squares",
+            **ALL_DRIVEN,
+        },
         {
             "reference": "neutral",
             "controller": "lqr",
@@ -64,7 +75,10 @@ CHOICES: dict[str, tuple[dict, ...]] = {
     "drive_by_wire": ({"gain": 20.0, "brake.front_share": 0.3}, ALL_DRIVEN),
     "equal_torque": ({"vehicle.driven_wheels": ["rear_left"]}, ALL_DRIVEN),
     "limited_slip": ({"locking_ratio": 3.0, "locking_speed": 20.0}, ALL_DRIVEN),
-    "limited_slip_variable": ({"largest_locking_ratio": 3.0, "full_locking_speed": 50.0}, ALL_DRIVEN),
+    "limited_slip_variable": (
+        {"largest_locking_ratio": 3.0, "full_locking_speed": 50.0},
+        ALL_DRIVEN,
+    ),
     "load_proportional": ({"rolling_resistance": [1.0, 2.0, 3.0, 4.0], **ALL_DRIVEN}, REAR_DRIVEN),
     "open_differential": ({"vehicle.motor.peak_torque": 50.0}, ALL_DRIVEN),
     "power_steering": ({"gamma": 1.0, "k_ck": 1.0}, ALL_DRIVEN),
@@ -74,8 +88,15 @@ CHOICES: dict[str, tuple[dict, ...]] = {
         {"reading": "increment", "layer_width": 0.5, "largest_correction": 1.0},
         {"road.target": "fitted", "road.peak.window": 0.05, "road.share": 0.5},
     ),
-    "steer_by_wire": ({"disturbance_rate": 0.0}, {"max_torque_difference": 5.0, "damping_ratio": 0.3}),
-    "steering_correction": ({"axle": "rear", **ALL_DRIVEN}, REAR_DRIVEN, {"gain": 10.0, "largest_correction": 0.2}),
+    "steer_by_wire": (
+        {"disturbance_rate": 0.0},
+        {"max_torque_difference": 5.0, "damping_ratio": 0.3},
+    ),
+    "steering_correction": (
+        {"axle": "rear", **ALL_DRIVEN},
+        REAR_DRIVEN,
+        {"gain": 10.0, "largest_correction": 0.2},
+    ),
     "wheel_speed": ({"mean": "speed"}, {"proportional_gain": 0.0, "largest_correction": 1.0}),
 }
 
@@ -85,7 +106,8 @@ def test_every_law_has_choices():
 
 
 @pytest.mark.parametrize(
-    ("name", "changed"), [(name, changed) for name, choices in CHOICES.items() for changed in ({}, *choices)]
+    ("name", "changed"),
+    [(name, changed) for name, choices in CHOICES.items() for changed in ({}, *choices)],
 )
 def test_contract_is_kept(name, changed):
     configuration = configure(ROLE, {"method": name, **NEEDED.get(name, {}), **changed})

@@ -75,7 +75,9 @@ CHOICES = {
 
 def slow(configuration: Configuration) -> Configuration:
     """The same driver, asked rarely."""
-    return dataclasses.replace(configuration, common=dataclasses.replace(configuration.common, control_period=PERIOD))
+    return dataclasses.replace(
+        configuration, common=dataclasses.replace(configuration.common, control_period=PERIOD)
+    )
 
 
 @pytest.mark.parametrize("choice", CHOICES)

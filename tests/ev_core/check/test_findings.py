@@ -7,7 +7,16 @@ import re
 from dataclasses import dataclass
 
 import pytest
-from check.bad_methods import FINDINGS, WRAPPING, AnsweringNan, Good, Hiding, Leaning, Sleeping, configuration_of
+from check.bad_methods import (
+    FINDINGS,
+    WRAPPING,
+    AnsweringNan,
+    Good,
+    Hiding,
+    Leaning,
+    Sleeping,
+    configuration_of,
+)
 
 from ev_core.check.method import ContractError, check_configuration, check_method
 from ev_core.check.mirror import mirrored_configuration, mirrored_numbers
@@ -38,7 +47,9 @@ def test_a_good_method_passes():
     check_configuration(configuration_of(Good))
 
 
-@pytest.mark.parametrize(("factory", "finding"), FINDINGS, ids=[getattr(bad, "__name__", "law") for bad, _ in FINDINGS])
+@pytest.mark.parametrize(
+    ("factory", "finding"), FINDINGS, ids=[getattr(bad, "__name__", "law") for bad, _ in FINDINGS]
+)
 def test_what_is_wrong_is_found(factory, finding):
     """It comes first; others may follow from it: a random answer differs in the mirror and after loading as well."""
     assert finding in found_in(factory)[0]
@@ -47,11 +58,22 @@ def test_what_is_wrong_is_found(factory, finding):
 def test_the_error_lists_all_findings():
     class Both(Hiding):
         def answer(self, request):
-            return super().answer(request)._replace(drive=Wheels(super().answer(request).drive[0], 0.0, 0.0, 0.0))
+            return (
+                super()
+                .answer(request)
+                ._replace(drive=Wheels(super().answer(request).drive[0], 0.0, 0.0, 0.0))
+            )
 
     findings = found_in(Both)
-    assert [finding.partition(", ")[2][:9] for finding in findings] == ["the state", "parameter", "left and "]
-    with pytest.raises(ContractError, match=r"asr method toy breaks the contract:\n- in plain Python, .*\n- in plain"):
+    assert [finding.partition(", ")[2][:9] for finding in findings] == [
+        "the state",
+        "parameter",
+        "left and ",
+    ]
+    with pytest.raises(
+        ContractError,
+        match=r"asr method toy breaks the contract:\n- in plain Python, .*\n- in plain",
+    ):
         check_configuration(configuration_of(Both))
 
 
@@ -71,13 +93,17 @@ def test_symmetry_is_asked_of_those_who_claim_it():
 
 def test_difference_of_compiled_code_says_where():
     (finding,) = found_in(WRAPPING)
-    assert finding.startswith("compiled and interpreted differ, step 0: WheelTorqueCommand.drive.front_left is ")
+    assert finding.startswith(
+        "compiled and interpreted differ, step 0: WheelTorqueCommand.drive.front_left is "
+    )
 
 
 def test_what_was_never_called_is_a_finding_and_what_was_reached_is_said():
     """With all inputs of the check: whoever asks for less, for values that leave something out, says so."""
     configuration = configuration_of(Sleeping)
-    with pytest.raises(ContractError, match=r"\n- in 200 steps for each of 2 seeds never called: Sleeping\.work \("):
+    with pytest.raises(
+        ContractError, match=r"\n- in 200 steps for each of 2 seeds never called: Sleeping\.work \("
+    ):
         check_configuration(configuration, whole=True)
     of = check_configuration(configuration)
     assert [name.partition(" ")[0] for name in of.never_called] == ["Sleeping.work"]
@@ -100,7 +126,9 @@ def test_unknown_methods_and_values_are_refused_as_everywhere():
         check_method("asr", "of")
     with pytest.raises(ParameterError, match=r"regulator\.target"):
         check_method("asr", "pi_slip", {"regulator.target": 7.0})
-    with pytest.raises(ParameterError, match=r"method pi_slip does not have it, its name there is regulator"):
+    with pytest.raises(
+        ParameterError, match=r"method pi_slip does not have it, its name there is regulator"
+    ):
         check_method("asr", "pi_slip", {"reference.trust.watch": True})
 
 
@@ -114,9 +142,13 @@ def mirrored(signal):
 
 def test_what_turns_or_points_to_the_left_changes_its_sign():
     assert mirrored(DriverCommand(1.0, 2.0, 3.0)) == DriverCommand(1.0, 2.0, -3.0)
-    assert mirrored(SteeringColumnState(1.0, 2.0, 3.0, 4.0, 5.0)) == SteeringColumnState(-1.0, -2.0, -3.0, -4.0, -5.0)
+    assert mirrored(SteeringColumnState(1.0, 2.0, 3.0, 4.0, 5.0)) == SteeringColumnState(
+        -1.0, -2.0, -3.0, -4.0, -5.0
+    )
     assert mirrored(BodyVelocity(1.0, 2.0, 3.0)) == BodyVelocity(1.0, -2.0, -3.0)
-    assert mirrored(BatteryCondition(1.0, 2.0, 3.0, 4.0, 5.0)) == BatteryCondition(1.0, 2.0, 3.0, 4.0, 5.0)
+    assert mirrored(BatteryCondition(1.0, 2.0, 3.0, 4.0, 5.0)) == BatteryCondition(
+        1.0, 2.0, 3.0, 4.0, 5.0
+    )
 
 
 def test_heading_is_negated():
@@ -125,7 +157,9 @@ def test_heading_is_negated():
 
 
 def test_wheels_change_sides():
-    rows = [Wheels(10.0 * n + 1.0, 10.0 * n + 2.0, 10.0 * n + 3.0, 10.0 * n + 4.0) for n in range(6)]
+    rows = [
+        Wheels(10.0 * n + 1.0, 10.0 * n + 2.0, 10.0 * n + 3.0, 10.0 * n + 4.0) for n in range(6)
+    ]
     image = mirrored(TireForces(*rows))
     assert image.longitudinal_force == Wheels(2.0, 1.0, 4.0, 3.0)
     assert image.lateral_force == Wheels(-12.0, -11.0, -14.0, -13.0)
@@ -150,7 +184,10 @@ def test_parameters_have_a_mirror_image():
 
 
 def test_values_by_wheel_change_sides():
-    law = configure("electronic_differential", {"method": "load_proportional", "rolling_resistance": [1, 2, 3, 4]})
+    law = configure(
+        "electronic_differential",
+        {"method": "load_proportional", "rolling_resistance": [1, 2, 3, 4]},
+    )
     assert mirrored_configuration(law).parameters.rolling_resistance == (2.0, 1.0, 4.0, 3.0)
 
 
@@ -165,7 +202,9 @@ def test_what_names_a_wheel_or_a_side_names_the_other_one():
 
     image = mirrored_configuration(configuration_of(Good, Named)).parameters
     assert (image.wheel, image.side, image.left_handed) == ("rear_right", "right", True)
-    car = configure("plant", {"method": "planar", "faults": ["motor_share front_left 0", "puncture right 1"]})
+    car = configure(
+        "plant", {"method": "planar", "faults": ["motor_share front_left 0", "puncture right 1"]}
+    )
     assert mirrored_configuration(car).faults == ("motor_share front_right 0", "puncture left 1")
 
 

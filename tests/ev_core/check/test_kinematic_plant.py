@@ -15,9 +15,18 @@ PWM = {"drive": "switched", "switched.current_control": "pwm", "switched.pwm_fre
 # Choices, and how many steps plain Python can take in a second.
 CHOICES = {
     "rear drive": ({**REAR, "sub_step": 4e-4, "initial_speed": -8.0}, 300),
-    "averaged on a low bus": ({**REAR, "drive": "averaged", "bus_voltage": 200.0, "motor.resistance": 0.4}, 100),
-    "switched on a low bus": ({"drive": "switched", "bus_voltage": 250.0, "initial_speed": 9.0}, 20),
-    "pulse width modulation": ({**PWM, "switched.current_controller.bandwidth": 1000.0, "initial_speed": 5.0}, 20),
+    "averaged on a low bus": (
+        {**REAR, "drive": "averaged", "bus_voltage": 200.0, "motor.resistance": 0.4},
+        100,
+    ),
+    "switched on a low bus": (
+        {"drive": "switched", "bus_voltage": 250.0, "initial_speed": 9.0},
+        20,
+    ),
+    "pulse width modulation": (
+        {**PWM, "switched.current_controller.bandwidth": 1000.0, "initial_speed": 5.0},
+        20,
+    ),
 }
 STEPS = {"ideal": 500, "averaged": 100, "switched": 20}
 

@@ -15,7 +15,10 @@ PERIODS = 15  # plain Python takes about 10 ms for a step of 1 ms
 ALL_DRIVEN = {"vehicle.driven_wheels": list(WHEEL_NAMES)}
 REAR_DRIVEN = {"vehicle.driven_wheels": ["rear_left", "rear_right"]}
 MAGIC = {"vehicle.tyre.curve": "magic_formula", "vehicle.tyre.coefficients": [10.0, 1.6, 0.9, 0.5]}
-TWO_EXPONENTIAL = {"vehicle.tyre.curve": "two_exponential", "vehicle.tyre.coefficients": [0.35, 0.05, 0.15, 0.0]}
+TWO_EXPONENTIAL = {
+    "vehicle.tyre.curve": "two_exponential",
+    "vehicle.tyre.coefficients": [0.35, 0.05, 0.15, 0.0],
+}
 RATIONAL = {"vehicle.tyre.curve": "rational", "vehicle.tyre.coefficients": [0.8, 0.2, 0.0, 0.0]}
 LINEAR = {"vehicle.tyre.curve": "linear", "vehicle.tyre.coefficients": [20.0, 0.0, 0.0, 0.0]}
 UNCOUPLED = {"vehicle.tyre.combined": "uncoupled"}
@@ -26,24 +29,51 @@ MAP = {
 }
 SPLIT = {"road.left": ["packed_snow_1"], "road.right": ["dry_asphalt"]}
 SHORT_SEGMENTS = {"road.pattern": "random", "road.random_shortest": 0.1, "road.random_longest": 0.5}
-SLOPES = {"road.slope_distance": [0.0, 1.0], "road.grade": [0.0, 0.2], "road.side_slope": [0.0, 0.05]}
+SLOPES = {
+    "road.slope_distance": [0.0, 1.0],
+    "road.grade": [0.0, 0.2],
+    "road.side_slope": [0.0, 0.05],
+}
 SMALL_BATTERY = {"vehicle.battery.discharge_power": 5e3, "vehicle.battery.charge_power": 1e3}
 CHOICES = {
     "as it comes": {},
     "four motors on split friction": {**ALL_DRIVEN, **SPLIT, "initial_speed": 15.0},
     "clutches": {**ALL_DRIVEN, **TWO_EXPONENTIAL, "vehicle.driveline.coupling": "clutch"},
-    "limited slip": {**REAR_DRIVEN, **MAGIC, "vehicle.driveline.coupling": "limited_slip", "initial_speed": 5.0},
-    "open differential": {**RATIONAL, "vehicle.driveline.coupling": "open", "vehicle.steering_geometry": "parallel"},
+    "limited slip": {
+        **REAR_DRIVEN,
+        **MAGIC,
+        "vehicle.driveline.coupling": "limited_slip",
+        "initial_speed": 5.0,
+    },
+    "open differential": {
+        **RATIONAL,
+        "vehicle.driveline.coupling": "open",
+        "vehicle.steering_geometry": "parallel",
+    },
     "blended brakes": {**UNCOUPLED, "vehicle.blend_brakes": True, "initial_speed": 10.0},
-    "linear tyres": {**LINEAR, **UNCOUPLED, "vehicle.tyre.lateral_curve": "linear", "initial_speed": 20.0},
+    "linear tyres": {
+        **LINEAR,
+        **UNCOUPLED,
+        "vehicle.tyre.lateral_curve": "linear",
+        "initial_speed": 20.0,
+    },
     "efficiency map": {**MAP, "initial_speed": 8.0, "vehicle.motor.rotor_inertia": 0.05},
     "small battery": {**SMALL_BATTERY, "initial_speed": 20.0, "vehicle.motor.gear_efficiency": 0.9},
     "random road": {**SHORT_SEGMENTS, "initial_speed": 25.0},
     "slopes": {**SLOPES, "initial_speed": -10.0, "step": 7e-4},
     "held speed": {"speed": "held", "initial_speed": 12.0},
-    "imposed speed": {"speed": "imposed", "imposed_speed.time": [0.0, 0.1], "imposed_speed.speed": [0.0, 1.0]},
-    "an axle with a differential and one without": vehicle_file("layout_1_8_b").values_for("/ev/plant"),
-    "centre differential with DCCD": {**vehicle_file("centre_dccd").values_for("/ev/plant"), **SPLIT},
+    "imposed speed": {
+        "speed": "imposed",
+        "imposed_speed.time": [0.0, 0.1],
+        "imposed_speed.speed": [0.0, 1.0],
+    },
+    "an axle with a differential and one without": vehicle_file("layout_1_8_b").values_for(
+        "/ev/plant"
+    ),
+    "centre differential with DCCD": {
+        **vehicle_file("centre_dccd").values_for("/ev/plant"),
+        **SPLIT,
+    },
     "engine": {**vehicle_file("engine_4x4").values_for("/ev/plant"), "initial_speed": 10.0},
     "ideal drives": {"drive": "ideal", "initial_speed": 5.0},
     "averaged drives": {"drive": "averaged", "initial_speed": 5.0},
@@ -60,5 +90,7 @@ def test_choices(choice):
 
 def test_switched_drives():
     """They take many small steps, so fewer periods."""
-    configuration = configure("plant", {"method": "planar", "drive": "switched", "initial_speed": 3.0})
+    configuration = configure(
+        "plant", {"method": "planar", "drive": "switched", "initial_speed": 3.0}
+    )
     check_configuration(configuration, steps=3, seeds=[1])

@@ -15,14 +15,23 @@ pytestmark = pytest.mark.slow
 
 SEED = 1
 STEPS = 300
-FEWER_STEPS = 200  # of the laws whose state is long, for every number of it is looked at in every step
+# of the laws whose state is long, for every number of it is looked at in every step
+FEWER_STEPS = 200
 ALL_DRIVEN = {"vehicle.driven_wheels": list(WHEEL_NAMES)}
 REAR_DRIVEN = {"vehicle.driven_wheels": ["rear_left", "rear_right"]}
 ONE_DRIVEN = {"vehicle.driven_wheels": ["front_left"]}
 CHOICES: dict[str, tuple[dict, ...]] = {
-    "acceleration_ratio": ({"threshold": 0.3, "filter_time": 0.0, "reference.source": "observer"}, ALL_DRIVEN),
+    "acceleration_ratio": (
+        {"threshold": 0.3, "filter_time": 0.0, "reference.source": "observer"},
+        ALL_DRIVEN,
+    ),
     "adhesion_limit": (
-        {"learning_slip": 0.05, "use": 0.8, "vehicle.front_roll_share": 0.3, "vehicle.rear_track": 1.3},
+        {
+            "learning_slip": 0.05,
+            "use": 0.8,
+            "vehicle.front_roll_share": 0.3,
+            "vehicle.rear_track": 1.3,
+        },
         {"reference.source": "observer", "filter_time": 0.0, **REAR_DRIVEN},
         ALL_DRIVEN,
     ),
@@ -54,21 +63,41 @@ CHOICES: dict[str, tuple[dict, ...]] = {
         {"samples": 2, "template": "square", **REAR_DRIVEN},
         {"samples": 60, **ALL_DRIVEN},
     ),
-    "maximum_transmissible_torque": ({"relaxation": 0.5, "filter_time": 0.0}, {"margin": 0.0, **ALL_DRIVEN}),
-    "modified_lambda": ({"filter_time": 0.0, "rate": 40.0, "regulator.slip.observer": "derivative"}, REAR_DRIVEN),
+    "maximum_transmissible_torque": (
+        {"relaxation": 0.5, "filter_time": 0.0},
+        {"margin": 0.0, **ALL_DRIVEN},
+    ),
+    "modified_lambda": (
+        {"filter_time": 0.0, "rate": 40.0, "regulator.slip.observer": "derivative"},
+        REAR_DRIVEN,
+    ),
     "pi_slip": (
         {"regulator.slip.observer": "derivative", "regulator.target": 0.05},
-        {"regulator.slip.observer": "corrected_derivative", "regulator.slip.correction": 0.5, **ALL_DRIVEN},
+        {
+            "regulator.slip.observer": "corrected_derivative",
+            "regulator.slip.correction": 0.5,
+            **ALL_DRIVEN,
+        },
         {"regulator.slip.observer": "disturbance", "regulator.slip.filter_time": 0.0, **ONE_DRIVEN},
-        {"natural_frequency": 50.0, "damping_ratio": 0.3, "regulator.reference.gripping_rate": 100.0, **ALL_DRIVEN},
+        {
+            "natural_frequency": 50.0,
+            "damping_ratio": 0.3,
+            "regulator.reference.gripping_rate": 100.0,
+            **ALL_DRIVEN,
+        },
     ),
     "slip_window": (
         {"low": 0.05, "high": 0.05, "trend": 0.0, "side_force.correction": "ellipse"},
         {"slowest": 10.0, "rise": 1e5, **ALL_DRIVEN},
     ),
     "speed_by_acceleration_ratio": ({"criterion.threshold": 0.3, "raising": 500.0}, REAR_DRIVEN),
-    "speed_by_slip": ({"thresholds.low": 0.05, "thresholds.high": 0.08, "release": 0.0, **ALL_DRIVEN},),
-    "speed_corridor": ({"regime": "winter", "lowering": 2000.0}, {"regime": "terrain", **ALL_DRIVEN}),
+    "speed_by_slip": (
+        {"thresholds.low": 0.05, "thresholds.high": 0.08, "release": 0.0, **ALL_DRIVEN},
+    ),
+    "speed_corridor": (
+        {"regime": "winter", "lowering": 2000.0},
+        {"regime": "terrain", **ALL_DRIVEN},
+    ),
 }
 CASES = [(name, changed) for name, choices in CHOICES.items() for changed in ({}, *choices)]
 
@@ -90,8 +119,12 @@ def test_contract_is_kept(name, changed):
 @pytest.mark.parametrize("name", CHOICES)
 def test_the_inputs_reach_every_function(name):
     """With one of the choices at least: what is never called is never checked."""
-    subjects = [Subject(configured(name, **changed), False, STEPS) for changed in ({}, *CHOICES[name])]
-    assert set.intersection(*(set(reached(each, [SEED]).never_called) for each in subjects)) == set()
+    subjects = [
+        Subject(configured(name, **changed), False, STEPS) for changed in ({}, *CHOICES[name])
+    ]
+    assert (
+        set.intersection(*(set(reached(each, [SEED]).never_called) for each in subjects)) == set()
+    )
 
 
 @pytest.mark.parametrize(("name", "changed"), CASES)

@@ -64,7 +64,10 @@ REQUEST = WheelTorqueRequest(Wheels(3.0, 5.0, 7.0, 11.0), NO_WHEELS)
 def namespace(numbers: dict[str, int]) -> dict[str, Any]:
     """The law with these numbers in its cells, as a new process has it."""
     module = ModuleType(NAME)
-    exec("\n".join((IMPORTS, *(text.format(n=numbers[cell]) for cell, text in CELLS.items()), LAW)), vars(module))
+    exec(
+        "\n".join((IMPORTS, *(text.format(n=numbers[cell]) for cell, text in CELLS.items()), LAW)),
+        vars(module),
+    )
     return vars(module)
 
 

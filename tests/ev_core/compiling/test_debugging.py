@@ -51,8 +51,16 @@ LOOKS = {
     "prints a format": ('print(f"{share:.2f}")', LINES + 1, "print needs Python"),
     "prints to an end": ('print(share, end="")', LINES + 1, "print needs Python"),
     "prints sometimes": ("if share > 2.0:\n        print(share)", LINES + 2, "print needs Python"),
-    "stands at a breakpoint": ("if share > 2.0:\n        breakpoint()", LINES + 2, "breakpoint needs Python"),
-    "calls what prints": ("share = helper(share)", HEAD[: HEAD.index("print(")].count("\n") + 1, "print needs"),
+    "stands at a breakpoint": (
+        "if share > 2.0:\n        breakpoint()",
+        LINES + 2,
+        "breakpoint needs Python",
+    ),
+    "calls what prints": (
+        "share = helper(share)",
+        HEAD[: HEAD.index("print(")].count("\n") + 1,
+        "print needs",
+    ),
     "calls what numba made and prints": (
         "share = jitted(share)",
         HEAD[: HEAD.index("print(x)")].count("\n") + 1,
@@ -74,7 +82,9 @@ def configuration_of(folder: Path, text: str) -> Configuration:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("look", LOOKS)
-def test_such_a_law_runs_in_plain_python_with_a_note(tmp_path: Path, look: str, capfd: pytest.CaptureFixture[str]):
+def test_such_a_law_runs_in_plain_python_with_a_note(
+    tmp_path: Path, look: str, capfd: pytest.CaptureFixture[str]
+):
     """Nodes and offline runs make their part by the same function; a batch, which is for compiled laws, is refused."""
     text, line, what = LOOKS[look]
     configuration = configuration_of(tmp_path, text)
@@ -86,21 +96,31 @@ def test_such_a_law_runs_in_plain_python_with_a_note(tmp_path: Path, look: str, 
     assert capfd.readouterr().out == ""  # it has not been stepped for anybody to see
     common = configuration.common
     with pytest.raises(NeedsPython):
-        CompiledPart(configuration.method, configuration.given, common.vehicle, common.control_period)
+        CompiledPart(
+            configuration.method, configuration.given, common.vehicle, common.control_period
+        )
 
 
 @pytest.mark.slow
-def test_offline_it_prints_and_has_the_bits_of_the_law_without(tmp_path: Path, capfd: pytest.CaptureFixture[str]):
+def test_offline_it_prints_and_has_the_bits_of_the_law_without(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+):
     """In a run of 0.1 s it prints at each of 11 instants."""
     printing = configuration_of(tmp_path, 'print("share", share)').method.name
     one = ev_stack.run("shchur2019", method={"asr": printing}, duration=0.1)
     assert capfd.readouterr().out.count("share 0.5") == 11
-    other = ev_stack.run("shchur2019", method={"asr": configuration_of(tmp_path, "pass").method.name}, duration=0.1)
+    other = ev_stack.run(
+        "shchur2019", method={"asr": configuration_of(tmp_path, "pass").method.name}, duration=0.1
+    )
     assert one.hash == other.hash
 
 
 @pytest.mark.slow
 def test_in_a_batch_it_is_refused_in_one_line(tmp_path: Path):
     name = configuration_of(tmp_path, "print(share)").method.name
-    with pytest.raises(ParameterError, match=rf"^{name}, line {LINES + 1}: asr law mine: print needs Python.*$"):
-        ev_stack.batch("shchur2019", method={"asr": name}, vary={"asr.share": [0.1, 0.2]}, duration=0.1)
+    with pytest.raises(
+        ParameterError, match=rf"^{name}, line {LINES + 1}: asr law mine: print needs Python.*$"
+    ):
+        ev_stack.batch(
+            "shchur2019", method={"asr": name}, vary={"asr.share": [0.1, 0.2]}, duration=0.1
+        )

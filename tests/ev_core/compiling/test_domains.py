@@ -151,7 +151,9 @@ def law(p, s, request: WheelTorqueRequest) -> WheelTorqueCommand:
     return WheelTorqueCommand(Wheels(x, s.steps, 0.0, 0.0), NO_WHEELS)
 
 
-METHOD = Method("asr", "at_a_limit", Law(law, Parameters, state=State), (WheelTorqueRequest,), Parameters)
+METHOD = Method(
+    "asr", "at_a_limit", Law(law, Parameters, state=State), (WheelTorqueRequest,), Parameters
+)
 # Powers as large as an integer takes, and whole numbers of 64 bits, are the same in both.
 numbers = st.one_of(st.sampled_from((0.0, -0.0, 1.0, -1.0, 0.5, -0.5, -8.0)), st.floats(-1e3, 1e3))
 
@@ -206,9 +208,13 @@ def calls_numba_later(p, request: WheelTorqueRequest) -> WheelTorqueCommand:
     return WheelTorqueCommand(Wheels(x, x, 0.0, 0.0), NO_WHEELS)
 
 
-def test_a_function_of_numba_can_be_called_in_plain_python_after_its_law_was_compiled(tmp_path, monkeypatch):
+def test_a_function_of_numba_can_be_called_in_plain_python_after_its_law_was_compiled(
+    tmp_path, monkeypatch
+):
     """Also where Python has not called it before: it is machine code of its own, not only within its caller."""
     monkeypatch.setattr(code_store, "cache_folder", lambda: tmp_path)  # so that it is compiled here
-    method = Method("asr", "later", Law(calls_numba_later, Parameters), (WheelTorqueRequest,), Parameters)
+    method = Method(
+        "asr", "later", Law(calls_numba_later, Parameters), (WheelTorqueRequest,), Parameters
+    )
     CompiledPart(method, Parameters(1.0), Vehicle(), 0.01)
     assert doubled(3.0) == 6.0

@@ -24,7 +24,9 @@ from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import Wheels
 
 BEGIN = dict.fromkeys(CELLS, 1)
-edits = st.lists(st.tuples(st.sampled_from(sorted(CELLS)), st.integers(1, 9)), min_size=1, max_size=6)
+edits = st.lists(
+    st.tuples(st.sampled_from(sorted(CELLS)), st.integers(1, 9)), min_size=1, max_size=6
+)
 
 
 def reach(space: dict) -> Reach:
@@ -35,7 +37,8 @@ def reach(space: dict) -> Reach:
 def text_of(numbers: dict[str, int]) -> tuple[int, ...]:
     """Equal for equal texts: two cells only ask whether their number is even."""
     return tuple(
-        n % 2 if cell in ("order of a named tuple", "class of parameters") else n for cell, n in numbers.items()
+        n % 2 if cell in ("order of a named tuple", "class of parameters") else n
+        for cell, n in numbers.items()
     )
 
 
@@ -67,9 +70,12 @@ EVERY = f"{NEW}for numbers in json.loads(sys.argv[1]):\n    print(*said(namespac
 def in_new_process(text: str, *arguments: str, folders: Sequence[Path]) -> list[str]:
     """What a new process prints, line by line."""
     path = os.pathsep.join((*map(str, folders), os.environ.get("PYTHONPATH", "")))
-    # Without files of bytecode: Python takes an old one where two texts of one length are of the same second.
+    # Without files of bytecode: Python takes an old one where two texts of one length are of the
+    # same second.
     command = [sys.executable, "-B", "-c", text, *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "PYTHONPATH": path})
+    done = subprocess.run(
+        command, capture_output=True, text=True, env={**os.environ, "PYTHONPATH": path}
+    )
     assert done.returncode == 0, done.stderr
     return done.stdout.splitlines()
 
@@ -87,8 +93,12 @@ def test_the_compiled_law_is_the_plain_one_after_every_edit():
         assert compiled == plain
         heard.append(tuple(map(float, compiled)))
     assert len(set(heard)) == len(STATES)
-    said_again = in_new_process(EVERY, json.dumps(STATES[::-1]), folders=Path(__file__).parents[1:3])
-    assert [eval(line.partition(") ")[0] + ")", {"Wheels": Wheels}) for line in said_again] == heard[::-1]
+    said_again = in_new_process(
+        EVERY, json.dumps(STATES[::-1]), folders=Path(__file__).parents[1:3]
+    )
+    assert [
+        eval(line.partition(") ")[0] + ")", {"Wheels": Wheels}) for line in said_again
+    ] == heard[::-1]
 
 
 @pytest.mark.slow
@@ -111,7 +121,9 @@ def test_one_law_with_two_classes_of_parameters_reads_each_where_it_stands():
     law, one = space["law"], space["P"]
     edit(space, "class of parameters", 2)
     methods = [method_of(law, kind) for kind in (one, space["P"])]
-    sources = [part_source(each, Given(each.law, each.parameters(), Vehicle(), 0.01)) for each in methods]
+    sources = [
+        part_source(each, Given(each.law, each.parameters(), Vehicle(), 0.01)) for each in methods
+    ]
     assert reach_of(*sources[0]).digits != reach_of(*sources[1]).digits
 
 

@@ -134,7 +134,12 @@ def law(p, c, s, request: WheelTorqueRequest) -> WheelTorqueCommand:
 METHOD = Method(
     "asr",
     "at_an_index",
-    Law(law, Parameters, state=State, prepare=lambda p, v, t: Constants((1.0, 2.0, 3.0), (4.0, 5.0, 6.0, 7.0))),
+    Law(
+        law,
+        Parameters,
+        state=State,
+        prepare=lambda p, v, t: Constants((1.0, 2.0, 3.0), (4.0, 5.0, 6.0, 7.0)),
+    ),
     (WheelTorqueRequest,),
     Parameters,
 )
@@ -148,13 +153,17 @@ def made_around_ours(request: WheelTorqueRequest) -> WheelTorqueCommand:
 
 def test_a_law_that_takes_the_name_of_one_of_ours_is_checked():
     """`functools.wraps` gives it the module of ours, whose indices are tested once and not in each run."""
-    made = Method("asr", "mine", Law(made_around_ours, NoParameters), (WheelTorqueRequest,), NoParameters)
+    made = Method(
+        "asr", "mine", Law(made_around_ours, NoParameters), (WheelTorqueRequest,), NoParameters
+    )
     assert made.package == "ev_control"
     assert is_checked(made)
     assert not is_checked(find_method("asr", "off"))
 
 
-indices = st.one_of(st.integers(-8, 8), st.integers(-(10**6), 10**6), st.integers(-(10**17), 10**17))
+indices = st.one_of(
+    st.integers(-8, 8), st.integers(-(10**6), 10**6), st.integers(-(10**17), 10**17)
+)
 
 
 @pytest.mark.slow
@@ -178,9 +187,9 @@ def test_an_index_does_compiled_what_it_does_in_plain_python(kind: str, index: i
         what = rf"\S.*\] is out of range: index {index}, length \d, expected"
         if kind == "jitted":  # of which numba shows neither
             what = "IndexError: getitem out of range"
-        assert re.match(rf"^at 0 s: {re.escape(__file__)}, line \d+: asr law law: {what}", str(raised.value)), (
-            raised.value
-        )
+        assert re.match(
+            rf"^at 0 s: {re.escape(__file__)}, line \d+: asr law law: {what}", str(raised.value)
+        ), raised.value
         assert np.array_equal(compiled.state, before)
         return
     compiled.step(here, ones)
@@ -244,7 +253,11 @@ def test_the_check_finds_it_at_the_end_of_the_range(late: str):
 def test_in_a_batch_the_run_stops_alone(late: str):
     """Its neighbours go on; the line stands where that of a number that is not finite does."""
     done = ev_stack.batch(
-        "shchur2019", method={"asr": late}, vary={"asr.delay": [0.03, 0.2, 0.04]}, duration=0.1, signals=["time"][:0]
+        "shchur2019",
+        method={"asr": late},
+        vary={"asr.delay": [0.03, 0.2, 0.04]},
+        duration=0.1,
+        signals=["time"][:0],
     )
     assert done.failed == {1: f"at 0 s: {said_of(late)}"}
 
@@ -270,9 +283,15 @@ def reads_all(p: P, {arguments}) -> WheelTorqueRequest:
 
 def test_a_law_may_read_all_that_its_role_may(tmp_path):
     """The compiler follows what may raise by recursion, however many numbers there are."""
-    reads = [signal for signal in ROLES["electronic_differential"].reads if signal.__module__.endswith(".signals")]
+    reads = [
+        signal
+        for signal in ROLES["electronic_differential"].reads
+        if signal.__module__.endswith(".signals")
+    ]
     names = ["driver", *(f"signal_{n}" for n in range(1, len(reads)))]
-    arguments = ", ".join(f"{name}: {signal.__name__}" for name, signal in zip(names, reads, strict=True))
+    arguments = ", ".join(
+        f"{name}: {signal.__name__}" for name, signal in zip(names, reads, strict=True)
+    )
     file = tmp_path / "reads_all.py"
     file.write_text(READS_ALL.format(arguments=arguments))
     configuration = configure("electronic_differential", {"method": str(file)})

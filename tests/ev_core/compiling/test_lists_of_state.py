@@ -1,6 +1,7 @@
 """Parts of a state by other names: what is not refused means the same with lists of Python as with numbers in a row.
 
-Records of numpy stand for compiled code here: they copy, slice and count as it does, and nothing has to be compiled.
+Records of numpy stand for compiled code here: they copy, slice and count as it does, and nothing
+has to be compiled.
 """
 
 from __future__ import annotations
@@ -58,7 +59,9 @@ PICKED = st.one_of(
     st.builds("Pair({}, {}).one".format, RECORDS, RECORDS),
     st.builds("({}, {})[1]".format, RECORDS, RECORDS),
 )
-LISTS = st.one_of(st.sampled_from(["s.now", "s.old", "r", "q"]), st.builds("{}.window".format, RECORDS))
+LISTS = st.one_of(
+    st.sampled_from(["s.now", "s.old", "r", "q"]), st.builds("{}.window".format, RECORDS)
+)
 SLICES = st.builds("{}{}".format, LISTS, st.sampled_from(["[:]", "[:2]", "[1:]"]))
 ANY = st.one_of(LISTS, SLICES)
 PLACES = st.one_of(
@@ -67,9 +70,9 @@ PLACES = st.one_of(
     st.builds("{}[{}]".format, SLICES, st.integers(0, 1)),
 )
 SIMPLE = st.one_of(
-    st.builds("{} = {}".format, st.sampled_from(["w", "v", "w = v", "w: Tyre", "v, w"]), PICKED).map(
-        lambda text: text if ", w" not in text[:5] else f"{text}, w"
-    ),
+    st.builds(
+        "{} = {}".format, st.sampled_from(["w", "v", "w = v", "w: Tyre", "v, w"]), PICKED
+    ).map(lambda text: text if ", w" not in text[:5] else f"{text}, w"),
     st.builds("{} = {}".format, st.sampled_from(["r", "q", "r = q"]), ANY),
     st.builds("{} = {}".format, RECORDS, PICKED),
     st.builds("{}, {} = {}, {}".format, RECORDS, RECORDS, RECORDS, RECORDS),
@@ -91,14 +94,23 @@ SIMPLE = st.one_of(
 )
 HEADS = st.one_of(
     st.sampled_from(
-        ["for w in s.tyres:", "for i, w in enumerate(s.tyres):", "for w, v in zip(s.tyres, reversed(s.tyres)):"]
+        [
+            "for w in s.tyres:",
+            "for i, w in enumerate(s.tyres):",
+            "for w, v in zip(s.tyres, reversed(s.tyres)):",
+        ]
     ),
     st.builds("for x in {}:".format, ANY),
     st.builds("for w in ({}, {}):".format, RECORDS, RECORDS),
     st.just("if x > 2.0:"),
 )
 BODIES = st.lists(
-    st.one_of(SIMPLE, st.builds(lambda head, body: "\n    ".join([head, *body]), HEADS, st.lists(SIMPLE, min_size=1))),
+    st.one_of(
+        SIMPLE,
+        st.builds(
+            lambda head, body: "\n    ".join([head, *body]), HEADS, st.lists(SIMPLE, min_size=1)
+        ),
+    ),
     min_size=1,
     max_size=6,
 )
@@ -106,7 +118,9 @@ BODIES = st.lists(
 
 def function_of(name: str, arguments: str, begin: str, body: list[str]) -> str:
     lines = [line for text in (begin, *body, "return x") for line in text.splitlines()]
-    return "\n".join(["@compilable", f"def {name}({arguments}):", *(f"    {line}" for line in lines)])
+    return "\n".join(
+        ["@compilable", f"def {name}({arguments}):", *(f"    {line}" for line in lines)]
+    )
 
 
 def of_states(text: str) -> tuple[dict[Any, Any], Any]:
@@ -193,10 +207,16 @@ def test_what_means_two_things_is_found(text):
             "helped(x, s.now[:2])",
             "r[0] is written, in plain Python a slice that is handed over is a copy",
         ),
-        ("return r", "helped(x, s.now[:2])", "a slice is given back, in plain Python that is a copy"),
+        (
+            "return r",
+            "helped(x, s.now[:2])",
+            "a slice is given back, in plain Python that is a copy",
+        ),
     ],
 )
 def test_it_is_found_in_what_the_law_calls(helper, call, said):
     own = function_of("helped", "w, r", "x = 0.0", [helper])
-    found, _ = of_states("\n".join([HELPERS, own, function_of("law", "s", "x = 0.0", [f"x = {call}"])]))
+    found, _ = of_states(
+        "\n".join([HELPERS, own, function_of("law", "s", "x = 0.0", [f"x = {call}"])])
+    )
     assert list(found) == ["helped"] and found["helped"][0][1].startswith(said)

@@ -56,7 +56,10 @@ def first_wheel(value: str) -> str:
 
 MISTAKES = {
     "a function without the mark": (first_wheel("helper(fl)"), "helper is not marked @compilable"),
-    "a function of numpy": (first_wheel("np.clip(fl, 0.0, 1.0)"), "clip is not compiled for what it is given"),
+    "a function of numpy": (
+        first_wheel("np.clip(fl, 0.0, 1.0)"),
+        "clip is not compiled for what it is given",
+    ),
     "a generator": (
         "return WheelTorqueCommand(Wheels(*(min(t, 1.0) for t in request.drive)), request.brake)",
         "a generator or inner function is used, write its terms out",
@@ -69,21 +72,33 @@ MISTAKES = {
         first_wheel("fl * car.wheel_base"),
         "wheel_base is not known here, perhaps wheelbase",
     ),
-    "no such parameter": (first_wheel("fl * p.shar"), "shar is not known here, perhaps share is meant"),
-    "no such field": (first_wheel("request.driv.front_left"), "driv is not known here, perhaps drive is meant"),
+    "no such parameter": (
+        first_wheel("fl * p.shar"),
+        "shar is not known here, perhaps share is meant",
+    ),
+    "no such field": (
+        first_wheel("request.driv.front_left"),
+        "driv is not known here, perhaps drive is meant",
+    ),
     "no such state": (f"s.y = 1.0; {first_wheel('fl')}", "'S' object has no attribute 'y'"),
     "no such name": (first_wheel("fl * nothing"), "name 'nothing' is not defined"),
     "a dictionary": (
         first_wheel('fl * table["a"]'),
         "table is of type dict, expected numbers, tuples and functions",
     ),
-    "a list of the module": (f"counter[0] += 1; {first_wheel('fl * counter[0]')}", "counter is a list, expected"),
+    "a list of the module": (
+        f"counter[0] += 1; {first_wheel('fl * counter[0]')}",
+        "counter is a list, expected",
+    ),
     "an object": (first_wheel("fl * k.x"), "x is not known here"),
     "a text": (first_wheel('len(f"{fl:.2f}")'), "a text is made, expected numbers"),
     "too few arguments": (first_wheel("max()"), "max expected at least 1 argument, got 0"),
     "no answer": ("s.x = fl", "it returns NoneType, expected WheelTorqueCommand"),
     "another answer": ("return fl", "it returns float, expected WheelTorqueCommand"),
-    "no end": (f"while True:\n        fl = 0.5 * fl\n    {first_wheel('fl')}", "the loop never ends, give it a bound"),
+    "no end": (
+        f"while True:\n        fl = 0.5 * fl\n    {first_wheel('fl')}",
+        "the loop never ends, give it a bound",
+    ),
     "recursion": ("return mine(p, car, s, request)", "mine calls itself, write a loop"),
     "a caught exception": (
         f"try:\n        fl = fl / rl\n    except:\n        fl = 0.0\n    {first_wheel('fl')}",
@@ -101,14 +116,23 @@ MISTAKES = {
         first_wheel('fl if p.kind == "sport" else 0.0'),
         "a choice is compared with a text, expected a member of its Choice",
     ),
-    "a text made of a number": (first_wheel("float(str(fl))"), "str makes a text, expected numbers"),
-    "a parameter that is written": (f"p.share = 1.0; {first_wheel('fl')}", "p.share is written, p is only read: what"),
+    "a text made of a number": (
+        first_wheel("float(str(fl))"),
+        "str makes a text, expected numbers",
+    ),
+    "a parameter that is written": (
+        f"p.share = 1.0; {first_wheel('fl')}",
+        "p.share is written, p is only read: what",
+    ),
     "an input that is written": (
         "request.drive.front_left = 0.0; return WheelTorqueCommand(request.drive, request.brake)",
         "request.drive.front_left is written, request is only read: make a new signal",
     ),
     "an entry by its text": (f's["x"] = fl; {first_wheel("fl")}', 's["x"] is not known, write s.x'),
-    "no number in the state": (f"s.x = request.drive; {first_wheel('fl')}", "s.x becomes Wheels, expected a number"),
+    "no number in the state": (
+        f"s.x = request.drive; {first_wheel('fl')}",
+        "s.x becomes Wheels, expected a number",
+    ),
     "another signal": (
         "return WheelTorqueRequest(request.drive, request.brake)",
         "it returns WheelTorqueRequest, expected WheelTorqueCommand",
@@ -130,7 +154,8 @@ MISTAKES = {
         "more stands for any number of arguments, name each",
     ),
 }
-# Those that are known only where the law ends, or of which the compiler names no line: named is its first line.
+# Those that are known only where the law ends, or of which the compiler names no line: named is its
+# first line.
 ENDS = (
     "no answer",
     "another answer",
@@ -189,7 +214,9 @@ def test_a_mistake_is_one_line(tmp_path: Path, name: str):
         ),
     ],
 )
-def test_what_a_compiled_law_raises_ends_the_run_with_its_line(tmp_path: Path, text: str, said: str):
+def test_what_a_compiled_law_raises_ends_the_run_with_its_line(
+    tmp_path: Path, text: str, said: str
+):
     """Plain Python takes the step again, and has the line; of what divides by zero as well, which is NaN compiled."""
     file = law_file(tmp_path, text)
     with pytest.raises(LawError, match=re.escape(f"at 0 s: {file}, {said}")) as raised:
@@ -197,7 +224,9 @@ def test_what_a_compiled_law_raises_ends_the_run_with_its_line(tmp_path: Path, t
     assert "\n" not in str(raised.value)
 
 
-def test_the_command_line_shows_the_rest_on_demand(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+def test_the_command_line_shows_the_rest_on_demand(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
     words = [
         "shchur2019",
         "--offline",
@@ -253,7 +282,11 @@ DECLARATIONS = {
         '"mine", needs=FRONT_WHEELS_DRIVEN',
         "needs= is no tuple, write needs=(...,)",
     ),
-    "an object as state": ("s: S", "s: S()", "state=S(x=0.0) is refused, expected a class marked @dataclass"),
+    "an object as state": (
+        "s: S",
+        "s: S()",
+        "state=S(x=0.0) is refused, expected a class marked @dataclass",
+    ),
     "no start value": (
         ' = entry(unit="1", about="a number")',
         "",
@@ -265,10 +298,26 @@ DECLARATIONS = {
         "S.x begins as str, expected a number: entry(",
     ),
     "another word": ('"mine"', '"mine", sate=S', "unknown argument 'sate'; did you mean state"),
-    "state without annotation": ("s: S", "s", "s has no annotation, expected the dataclass of its state"),
-    "parameters without annotation": ("p: P", "p", "p has no annotation, expected the dataclass of its parameters"),
-    "constants without prepare": ("(p: P, s", "(p: P, c, s", "c is asked for and not made, declare prepare="),
-    "any number of signals": ("Request) ->", "Request, *more: WheelTorqueRequest) ->", "more stands for any number of"),
+    "state without annotation": (
+        "s: S",
+        "s",
+        "s has no annotation, expected the dataclass of its state",
+    ),
+    "parameters without annotation": (
+        "p: P",
+        "p",
+        "p has no annotation, expected the dataclass of its parameters",
+    ),
+    "constants without prepare": (
+        "(p: P, s",
+        "(p: P, c, s",
+        "c is asked for and not made, declare prepare=",
+    ),
+    "any number of signals": (
+        "Request) ->",
+        "Request, *more: WheelTorqueRequest) ->",
+        "more stands for any number of",
+    ),
     "a word of one's own": (
         "(p: P, s",
         "(params, s",
@@ -293,7 +342,9 @@ def test_a_mistake_in_a_declaration_is_one_line(tmp_path: Path, name: str):
     with pytest.raises(ParameterError) as refused:
         find_method("asr", str(file))
     first = text[: text.index("@method")].count("\n") + 1
-    line, _, rest = str(refused.value).removeprefix(f"asr method {file}: line ").partition(": TypeError: ")
+    line, _, rest = (
+        str(refused.value).removeprefix(f"asr method {file}: line ").partition(": TypeError: ")
+    )
     assert int(line) in range(first, first + 3)
     assert rest.removeprefix("asr method ").removeprefix("mine: ").startswith(said), refused.value
     assert "\n" not in str(refused.value)
@@ -302,9 +353,12 @@ def test_a_mistake_in_a_declaration_is_one_line(tmp_path: Path, name: str):
 def test_what_prepare_gives_is_refused_in_one_line(tmp_path: Path):
     file = tmp_path / "my_law.py"
     file.write_text(
-        DECLARATION.replace('"mine"', '"mine", prepare=lambda p, v, t: [1.0]').replace("(p: P, s", "(p: P, c, s")
+        DECLARATION.replace('"mine"', '"mine", prepare=lambda p, v, t: [1.0]').replace(
+            "(p: P, s", "(p: P, c, s"
+        )
     )
     with pytest.raises(
-        ParameterError, match=r"my_law\.py, line 14: asr law mine: TypeError: prepare gives a list of float, exp"
+        ParameterError,
+        match=r"my_law\.py, line 14: asr law mine: TypeError: prepare gives a list of float, exp",
     ):
         ev_stack.run("shchur2019", method={"asr": str(file)}, duration=0.1)

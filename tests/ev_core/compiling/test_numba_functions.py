@@ -53,7 +53,10 @@ def test_a_constant_acts_that_numba_has_frozen(made: str, monkeypatch: pytest.Mo
     """GAIN 1, then 2, each in a new object of the law, and once more from disk; Python has called it before."""
     module = ModuleType("numba_cells")
     jitclass = "from numba.experimental import jitclass\n"
-    exec("\n".join((IMPORTS, MORE, jitclass, "GAIN = 1.0", MADE[made], PARAMETERS, LAW)), vars(module))
+    exec(
+        "\n".join((IMPORTS, MORE, jitclass, "GAIN = 1.0", MADE[made], PARAMETERS, LAW)),
+        vars(module),
+    )
     space, helper = vars(module), vars(module)["helper"]
     assert helper(3.0) == 3.0
     for gain in (1.0, 2.0):

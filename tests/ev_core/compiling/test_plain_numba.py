@@ -29,9 +29,13 @@ def forgets():
 @pytest.mark.slow
 def test_a_graph_that_is_compiled_in_the_plain_way_has_the_same_signal_hash(tmp_path: Path):
     """Driver, law, ASR, column and plant, in a process with an empty cache; and the tool starts."""
-    done = subprocess.run([sys.executable, TOOL, "--smoke"], cwd=tmp_path, capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, TOOL, "--smoke"], cwd=tmp_path, capture_output=True, text=True
+    )
     assert done.returncode == 0, done.stdout + done.stderr
-    rows = [re.split(r" *\| *", line)[1:-1] for line in done.stdout.splitlines() if line.startswith("|")]
+    rows = [
+        re.split(r" *\| *", line)[1:-1] for line in done.stdout.splitlines() if line.startswith("|")
+    ]
     expected = ev_stack.run("shchur2019", duration=0.5).hash[:12]
     assert [(way, shown, said) for way, _, _, shown, said in rows[2:]] == [
         ("plain", expected, "same bits"),
@@ -42,22 +46,34 @@ def test_a_graph_that_is_compiled_in_the_plain_way_has_the_same_signal_hash(tmp_
 def test_a_touch_that_is_none_is_refused_in_one_line(monkeypatch: pytest.MonkeyPatch):
     inside_numba.switched_off.cache_clear()
     monkeypatch.setenv(inside_numba.VARIABLE, "stack, stak")
-    with pytest.raises(ParameterError, match="EV_STACK_PLAIN_NUMBA: 'stak' is refused, expected all, or some of"):
+    with pytest.raises(
+        ParameterError, match="EV_STACK_PLAIN_NUMBA: 'stak' is refused, expected all, or some of"
+    ):
         inside_numba.switched_off()
 
 
-def test_a_touch_whose_names_are_gone_is_not_used(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
+def test_a_touch_whose_names_are_gone_is_not_used(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
     """One line says so; all those of the installed numba are there."""
     assert all(map(inside_numba.is_used, inside_numba.TOUCHES))
     inside_numba.is_used.cache_clear()
     monkeypatch.setitem(inside_numba.TOUCHES, "stack", "core.cgutils:alloca_twice")
     assert not inside_numba.is_used("stack")
     said = capsys.readouterr().err
-    assert re.fullmatch("numba is another one, so stack goes the plain way, .*alloca_twice.*\n", said)
+    assert re.fullmatch(
+        "numba is another one, so stack goes the plain way, .*alloca_twice.*\n", said
+    )
 
 
 def test_no_other_file_touches_it():
     """Others import what is documented: carray, cfunc, njit, types. Symbols of ELF files are not numba's."""
-    inside = re.compile(r"numba\.(core|cpython|np|experimental)|_impl_cache|\._library\b|\._cache\b|c_helpers")
+    inside = re.compile(
+        r"numba\.(core|cpython|np|experimental)|_impl_cache|\._library\b|\._cache\b|c_helpers"
+    )
     files = [path for path in (ROOT / "src").rglob("*.py") if inside.search(path.read_text())]
-    assert sorted(path.name for path in files) == ["inside_numba.py", "inside_numba_checks.py", "inside_numba_code.py"]
+    assert sorted(path.name for path in files) == [
+        "inside_numba.py",
+        "inside_numba_checks.py",
+        "inside_numba_code.py",
+    ]

@@ -131,7 +131,10 @@ def test_what_older_rules_have_let_pass_is_looked_at_anew(tmp_path, monkeypatch)
     mine, ours = configure("asr", {"method": str(file)}), configure("asr", {"method": "pi_slip"})
     keys = [code_key(each.method, *_given(each)) for each in (mine, ours)]
     monkeypatch.setattr(part, "_rules", lambda: "of tomorrow")
-    assert [code_key(each.method, *_given(each)) == key for each, key in zip((mine, ours), keys, strict=True)] == [
+    assert [
+        code_key(each.method, *_given(each)) == key
+        for each, key in zip((mine, ours), keys, strict=True)
+    ] == [
         False,
         True,
     ]
@@ -195,16 +198,29 @@ def _indented(lines: list[str]) -> list[str]:
 
 
 def _blocks(bodies: st.SearchStrategy[list[str]]) -> st.SearchStrategy[str]:
-    one = st.builds(lambda head, body: "\n".join([head, *_indented(body)]), st.sampled_from(HEADS), bodies)
+    one = st.builds(
+        lambda head, body: "\n".join([head, *_indented(body)]), st.sampled_from(HEADS), bodies
+    )
     other = st.builds(lambda body: "\n".join(["else:", *_indented(body)]), bodies)
     return st.one_of(
-        one, st.builds("{}\n{}".format, one, other), st.lists(_cases(bodies), min_size=1, max_size=3).map(_matched)
+        one,
+        st.builds("{}\n{}".format, one, other),
+        st.lists(_cases(bodies), min_size=1, max_size=3).map(_matched),
     )
 
 
 def _cases(bodies: st.SearchStrategy[list[str]]) -> st.SearchStrategy[str]:
-    heads = ["case 0:", "case 1 if a:", "case b if next(way):", "case 1 as a:", "case (0, c) | (c, 1):", "case _ if b:"]
-    return st.builds(lambda head, body: "\n".join([head, *_indented(body)]), st.sampled_from(heads), bodies)
+    heads = [
+        "case 0:",
+        "case 1 if a:",
+        "case b if next(way):",
+        "case 1 as a:",
+        "case (0, c) | (c, 1):",
+        "case _ if b:",
+    ]
+    return st.builds(
+        lambda head, body: "\n".join([head, *_indented(body)]), st.sampled_from(heads), bodies
+    )
 
 
 def _matched(cases: list[str]) -> str:
@@ -220,7 +236,10 @@ BODIES = st.recursive(
 
 
 @settings(deadline=None, max_examples=300)
-@given(body=BODIES, ways=st.lists(st.lists(st.integers(0, 1), min_size=30, max_size=30), min_size=8, max_size=8))
+@given(
+    body=BODIES,
+    ways=st.lists(st.lists(st.integers(0, 1), min_size=30, max_size=30), min_size=8, max_size=8),
+)
 def test_where_nothing_is_found_every_name_has_a_value(body, ways):
     """On all ways through a function that are tried, plain Python raises no UnboundLocalError."""
     text = "\n".join(["def function(way):", *_indented(body)])
@@ -237,5 +256,6 @@ def test_where_nothing_is_found_every_name_has_a_value(body, ways):
             space["function"](iter(way))
         except NameError:  # UnboundLocalError is one, and that of a comprehension
             assert found, text
-        except (StopIteration, RuntimeError, TypeError):  # a loop that goes on and on, or counts with what is no number
+        # a loop that goes on and on, or counts with what is no number
+        except (StopIteration, RuntimeError, TypeError):
             pass

@@ -55,8 +55,14 @@ def folder(monkeypatch, **named: Path) -> Path:
 def test_it_is_the_users_own(tmp_path, monkeypatch):
     """Made with mode 0700; a name of its own goes before that of the desktop, and this before the home."""
     assert folder(monkeypatch, HOME=tmp_path) == tmp_path / ".cache" / "ev_stack"
-    assert folder(monkeypatch, HOME=tmp_path, XDG_CACHE_HOME="relative") == tmp_path / ".cache" / "ev_stack"
-    assert folder(monkeypatch, HOME=tmp_path, XDG_CACHE_HOME=tmp_path / "xdg") == tmp_path / "xdg" / "ev_stack"
+    assert (
+        folder(monkeypatch, HOME=tmp_path, XDG_CACHE_HOME="relative")
+        == tmp_path / ".cache" / "ev_stack"
+    )
+    assert (
+        folder(monkeypatch, HOME=tmp_path, XDG_CACHE_HOME=tmp_path / "xdg")
+        == tmp_path / "xdg" / "ev_stack"
+    )
     made = folder(monkeypatch, XDG_CACHE_HOME=tmp_path / "xdg", EV_STACK_CACHE=tmp_path / "own")
     assert made == tmp_path / "own"
     assert made.stat().st_mode & 0o777 == 0o700
@@ -68,7 +74,8 @@ def test_what_others_may_write_into_is_refused(tmp_path, monkeypatch, mode):
     (tmp_path / "own").mkdir()
     (tmp_path / "own").chmod(mode)
     with pytest.raises(
-        ParameterError, match=rf"^what is compiled .*{tmp_path}/own: others may write into .* {mode:04o}"
+        ParameterError,
+        match=rf"^what is compiled .*{tmp_path}/own: others may write into .* {mode:04o}",
     ):
         folder(monkeypatch, EV_STACK_CACHE=tmp_path / "own")
 
@@ -79,7 +86,9 @@ def test_what_lies_in_a_folder_of_everybody_is_refused(tmp_path, monkeypatch):
     (tmp_path / "open").chmod(0o777)
     (tmp_path / "link").symlink_to(tmp_path / "open")
     for way in ("open", "link"):
-        with pytest.raises(ParameterError, match=rf"others may write into {tmp_path}/open \(mode 0777\)"):
+        with pytest.raises(
+            ParameterError, match=rf"others may write into {tmp_path}/open \(mode 0777\)"
+        ):
             folder(monkeypatch, EV_STACK_CACHE=tmp_path / way / "own")
     (tmp_path / "open").chmod(0o1777)
     assert folder(monkeypatch, EV_STACK_CACHE=tmp_path / "link" / "own")
@@ -98,7 +107,9 @@ def test_what_belongs_to_another_user_is_refused(tmp_path, monkeypatch, whose):
         return os.stat_result((*real[:4], other, *real[5:])) if path == theirs else real
 
     monkeypatch.setattr(Path, "lstat", lstat)
-    with pytest.raises(ParameterError, match=rf"{theirs} belongs to user {other}; expected a folder of your own"):
+    with pytest.raises(
+        ParameterError, match=rf"{theirs} belongs to user {other}; expected a folder of your own"
+    ):
         folder(monkeypatch, EV_STACK_CACHE=tmp_path / "link")
 
 
@@ -109,9 +120,7 @@ def test_without_a_home_it_goes_with_the_process(tmp_path, monkeypatch, capsys):
     try:
         assert made.stat().st_mode & 0o777 == 0o700
         assert os.environ[user_cache.VARIABLE] == str(made)
-        said = (
-            f"{tmp_path}/file/.cache/ev_stack cannot be written: what is compiled is kept in {made} until this ends\n"
-        )
+        said = f"{tmp_path}/file/.cache/ev_stack cannot be written: what is compiled is kept in {made} until this ends\n"
         assert capsys.readouterr().err == said
     finally:
         made.rmdir()
@@ -120,7 +129,11 @@ def test_without_a_home_it_goes_with_the_process(tmp_path, monkeypatch, capsys):
         folder(monkeypatch, EV_STACK_CACHE=tmp_path / "file")
 
 
-@given(content=st.binary(max_size=200), at=st.floats(0.0, 1.0, exclude_max=True), change=st.integers(0, 255))
+@given(
+    content=st.binary(max_size=200),
+    at=st.floats(0.0, 1.0, exclude_max=True),
+    change=st.integers(0, 255),
+)
 def test_a_file_is_read_whole_or_not_at_all(tmp_path_factory, content, at, change):
     """Change 0 cuts it off there, any other changes a byte."""
     file = tmp_path_factory.mktemp("files") / "some.code"
@@ -151,13 +164,18 @@ def test_damaged_files_are_named_and_made_anew(tmp_path):
         content = file.read_bytes()
         half = len(content) // 2
         file.write_bytes(
-            content[:half] + (b"" if "column" in file.name else bytes([content[half] ^ 1]) + content[half + 1 :])
+            content[:half]
+            + (b"" if "column" in file.name else bytes([content[half] ^ 1]) + content[half + 1 :])
         )
     environment = {**os.environ, user_cache.VARIABLE: str(copy)}
     for again in (False, True):
-        done = subprocess.run([sys.executable, "-c", DRIVE], capture_output=True, text=True, env=environment)
+        done = subprocess.run(
+            [sys.executable, "-c", DRIVE], capture_output=True, text=True, env=environment
+        )
         assert (done.returncode, done.stdout.strip()) == (0, expected), done.stderr
-        named = re.findall(r"^(\S+) does not fit its checksum: it is removed and made again$", done.stderr, re.M)
+        named = re.findall(
+            r"^(\S+) does not fit its checksum: it is removed and made again$", done.stderr, re.M
+        )
         assert bool(named) is not again
         parts = {Path(name).name.rpartition("_")[0] for name in named}
         assert parts == (set() if again else {"powered_steering_column", "run_instants"})
@@ -178,7 +196,17 @@ def test_the_fingerprint_changes_with_all_that_is_reached():
     other = long.copy()
     other[1000] = -1.0
     assert text(1.0, 2.0, long) == text(1.0, 2.0, long.copy())
-    assert len({text(1.0, 2.0, long), text(1.5, 2.0, long), text(1.0, 2.5, long), text(1.0, 2.0, other)}) == 4
+    assert (
+        len(
+            {
+                text(1.0, 2.0, long),
+                text(1.5, 2.0, long),
+                text(1.0, 2.5, long),
+                text(1.0, 2.0, other),
+            }
+        )
+        == 4
+    )
 
 
 def test_the_fingerprint_tells_apart_what_stands_side_by_side():
@@ -211,7 +239,8 @@ def test_the_fingerprint_tells_apart_what_stands_side_by_side():
     different = (
         ("x * A + B", {"A": 1.0, "B": 10.0}, {"A": 1.01, "B": 0.0}),
         ("x * A[0][1]", {"A": (row,)}, {"A": (row + 1e-12,)}),
-        ("x * A.K", *({"A": module("profile", K=k)} for k in (1.0, 2.0))),  # as one of Python's own is called
+        # as one of Python's own is called
+        ("x * A.K", *({"A": module("profile", K=k)} for k in (1.0, 2.0))),
         ("x * A.inner.K", *({"A": module("a", inner=module("b", K=k))} for k in (1.0, 2.0))),
         ("x * A.ON", *({"A": IntEnum("A", {"ON": k})} for k in (1, 2))),
         ("A[0](x)", {"A": (plus(1),)}, {"A": (plus(2),)}),

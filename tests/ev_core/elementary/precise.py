@@ -14,10 +14,26 @@ from hypothesis import strategies as st
 from ev_core import elementary
 from ev_msgs_py.compilable import FUNCTIONS
 
-# The largest double needs 1024 bits before the point and as many behind it if it is an angle to be reduced.
+# The largest double needs 1024 bits before the point and as many behind it if it is an angle to be
+# reduced.
 BITS = {"sin": 1300, "cos": 1300, "tan": 1300}
 
-ONE = ("sin", "cos", "tan", "asin", "acos", "atan", "exp", "expm1", "log", "log1p", "sinh", "cosh", "tanh", "atanh")
+ONE = (
+    "sin",
+    "cos",
+    "tan",
+    "asin",
+    "acos",
+    "atan",
+    "exp",
+    "expm1",
+    "log",
+    "log1p",
+    "sinh",
+    "cosh",
+    "tanh",
+    "atanh",
+)
 TWO = ("atan2", "hypot")
 ODD = ("sin", "tan", "asin", "atan", "sinh", "tanh", "atanh")
 EVEN = ("cos", "cosh")

@@ -47,7 +47,9 @@ def test_source_takes_only_exact_functions_from_elsewhere(source):
         if isinstance(node, ast.ImportFrom):
             taken = {alias.name for alias in node.names}
             ours = node.module.startswith(("ev_core.elementary.", "ev_msgs_py.compilable"))
-            assert ours or node.module == "__future__" or (node.module == "math" and taken <= EXACT), ast.unparse(node)
+            assert (
+                ours or node.module == "__future__" or (node.module == "math" and taken <= EXACT)
+            ), ast.unparse(node)
 
 
 @pytest.mark.parametrize("source", SOURCES, ids=lambda source: source.stem)

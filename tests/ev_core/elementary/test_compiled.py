@@ -13,7 +13,21 @@ from ev_core import elementary
 pytestmark = pytest.mark.slow
 
 COUNT = 100_000
-SPECIAL = (0.0, -0.0, 1.0, -1.0, 5e-324, -2.2e-308, 1.7e308, 1048576.0, 709.75, -745.0, math.inf, -math.inf, math.nan)
+SPECIAL = (
+    0.0,
+    -0.0,
+    1.0,
+    -1.0,
+    5e-324,
+    -2.2e-308,
+    1.7e308,
+    1048576.0,
+    709.75,
+    -745.0,
+    math.inf,
+    -math.inf,
+    math.nan,
+)
 
 
 def any_numbers(seed: int) -> np.ndarray:
@@ -48,7 +62,9 @@ def test_two_arguments(name):
     y[: COUNT // 2] = any_numbers(4)[: COUNT // 2]
     out = np.empty_like(x)
     compiled(function, 2)(x, y, out)
-    assert_same_bits(out, np.array([function(*values) for values in zip(x.tolist(), y.tolist(), strict=True)]))
+    assert_same_bits(
+        out, np.array([function(*values) for values in zip(x.tolist(), y.tolist(), strict=True)])
+    )
 
 
 def sine_less_twice_cosine(x: float) -> float:

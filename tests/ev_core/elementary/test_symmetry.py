@@ -68,14 +68,17 @@ def test_rises_with_its_argument(name):
     limit = math.pi / 2 if name in ("sin", "tan") else 4.0
     function = getattr(elementary, name)
     generator = np.random.default_rng(3)
-    for x in generator.uniform(max(-limit, low or -limit), min(limit, high or limit), 2000).tolist():
+    for x in generator.uniform(
+        max(-limit, low or -limit), min(limit, high or limit), 2000
+    ).tolist():
         assert function(x) <= function(x + 4.0 * math.ulp(x)), x
 
 
 @given(st.floats(-1e6, 1e6))
 def test_squares_of_sine_and_cosine_add_up_to_one(x):
     sine, cosine = elementary.sin_cos(x)
-    assert sine * sine + cosine * cosine == pytest.approx(1.0, abs=4.5e-16)  # 1 ulp of each of three roundings
+    # 1 ulp of each of three roundings
+    assert sine * sine + cosine * cosine == pytest.approx(1.0, abs=4.5e-16)
 
 
 @given(st.floats(1e-100, 1e100), st.floats(-math.pi, math.pi))
@@ -83,4 +86,6 @@ def test_polar_coordinates_there_and_back(length, angle):
     """Five ulp of 1 for the roundings of sine, cosine, both products and the way back."""
     sine, cosine = elementary.sin_cos(angle)
     assert elementary.hypot(length * cosine, length * sine) == pytest.approx(length, rel=1.1e-15)
-    assert elementary.atan2(length * sine, length * cosine) == pytest.approx(angle, rel=1.1e-15, abs=1e-200)
+    assert elementary.atan2(length * sine, length * cosine) == pytest.approx(
+        angle, rel=1.1e-15, abs=1e-200
+    )

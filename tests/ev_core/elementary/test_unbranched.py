@@ -11,7 +11,9 @@ from ev_core.elementary import unbranched
 
 GENERATOR = np.random.default_rng(11)
 ANGLES = GENERATOR.uniform(-1.5707963267948966, 1.5707963267948966, 1000)
-QUOTIENTS = np.concatenate([10.0 ** GENERATOR.uniform(-8.0, 6.0, 500), GENERATOR.uniform(0.0, 3.0, 500)])
+QUOTIENTS = np.concatenate(
+    [10.0 ** GENERATOR.uniform(-8.0, 6.0, 500), GENERATOR.uniform(0.0, 3.0, 500)]
+)
 EXPONENTS = GENERATOR.uniform(-4.0, 4.0, 1000)
 
 
@@ -35,7 +37,10 @@ def test_relative_error(ours, exact, arguments, error):
 
 
 def multiples(x: float) -> float:
-    sine, cosine = unbranched.sine_of_multiple(2.9, x, 0.4), unbranched.cosine_of_multiple(3.9, x, 0.4)
+    sine, cosine = (
+        unbranched.sine_of_multiple(2.9, x, 0.4),
+        unbranched.cosine_of_multiple(3.9, x, 0.4),
+    )
     return (sine - 2.0 * cosine) * unbranched.moderate_exp(0.001 * x)
 
 

@@ -58,11 +58,14 @@ def test_a_dead_motor_turns_the_car_to_its_own_side(side, sign):
     force = of(run, f"tire_forces.longitudinal_force.front_{'right' if side == 'left' else 'left'}")
     moment = 0.5 * 1.462 * force[103]
     growth = np.gradient(of(run, "twist.yaw_rate"), 0.01)[103] * 1900.0
-    assert 0.5 * moment < sign * growth < 1.1 * moment  # rolling resistance of the others, tyres that begin to resist
+    # rolling resistance of the others, tyres that begin to resist
+    assert 0.5 * moment < sign * growth < 1.1 * moment
 
 
 def test_mirrored_faults_are_mirrored_to_the_bit():
-    left, right = (of(driven(f"motor_share {side} 0 from 1"), "twist.yaw_rate") for side in ("left", "right"))
+    left, right = (
+        of(driven(f"motor_share {side} 0 from 1"), "twist.yaw_rate") for side in ("left", "right")
+    )
     assert (left == -right).all()
 
 
@@ -97,7 +100,8 @@ def test_a_delayed_inverter_does_the_same_later():
     run = driven("inverter_delay front 0.2")
     command = of(run, "torque_command.drive.front_left")
     assert not effort(run, "front_left")[:20].any()
-    assert effort(run, "front_left")[60:] == pytest.approx(command[39:-21], rel=0.01)  # less half a period and a lag
+    # less half a period and a lag
+    assert effort(run, "front_left")[60:] == pytest.approx(command[39:-21], rel=0.01)
 
 
 def test_the_battery_limits_both_alike():
@@ -107,19 +111,25 @@ def test_the_battery_limits_both_alike():
         assert abs(effort(cut, wheel)[110:]).max() < GONE
     assert not of(cut, "twist.yaw_rate").any()
     full, half = (driven(*f, battery=30e3) for f in ((), ("battery_share battery 0.5",)))
-    power = [float((-of(r, "battery.voltage") * of(r, "battery.current")).max()) for r in (full, half)]
+    power = [
+        float((-of(r, "battery.voltage") * of(r, "battery.current")).max()) for r in (full, half)
+    ]
     assert power[1] < 1.01 * 15e3 < 29e3 < power[0] < 1.01 * 30e3
 
 
 def test_a_puncture_pulls_to_its_side_and_ends():
     left, right = (driven(f"puncture front_{side} 1 from 1") for side in ("left", "right"))
-    assert of(left, "twist.yaw_rate")[150] > 1e-3  # harder to roll and turning faster: the left side stays behind
+    # harder to roll and turning faster: the left side stays behind
+    assert of(left, "twist.yaw_rate")[150] > 1e-3
     assert (of(left, "twist.yaw_rate") == -of(right, "twist.yaw_rate")).all()
     turns = of(left, "wheel_states.velocity.front_left") / of(left, "twist.longitudinal")
     rolls = turns * (1.0 - of(left, "tire_forces.slip_ratio.front_left"))
-    assert rolls[-1] / rolls[90] == pytest.approx(1 / 0.9, rel=0.005)  # the wheel's own speed in the turn
+    # the wheel's own speed in the turn
+    assert rolls[-1] / rolls[90] == pytest.approx(1 / 0.9, rel=0.005)
     over = driven("puncture front_left 1 from 1 until 1.5")
-    ratio = of(over, "wheel_states.velocity.front_left") / of(over, "wheel_states.velocity.front_right")
+    ratio = of(over, "wheel_states.velocity.front_left") / of(
+        over, "wheel_states.velocity.front_right"
+    )
     assert ratio[-1] == pytest.approx(1.0, abs=0.01)
 
 
@@ -128,14 +138,22 @@ def test_a_soft_tyre_has_a_smaller_slope_and_the_same_peak():
     from ev_sim.tyres.curve import FRICTION_CURVES, Coefficients, friction, soften
 
     for curve, c in enumerate(
-        [(1.0, 17.0, 0.5, 0.0), (1.0, 0.1, 0.0, 0.0), (0.8, 0.05, 0.4, 0.0), (10.0, 1.6, 1.0, 0.5), (20.0, 0, 0, 0)]
+        [
+            (1.0, 17.0, 0.5, 0.0),
+            (1.0, 0.1, 0.0, 0.0),
+            (0.8, 0.05, 0.4, 0.0),
+            (10.0, 1.6, 1.0, 0.5),
+            (20.0, 0, 0, 0),
+        ]
     ):
         tyre = TyreRecord(*c)
         soften(curve, tyre, 0.3)
         after = Coefficients(tyre.c0, tyre.c1, tyre.c2, tyre.c3)
         for slip in (0.01, 0.2, 1.0):
             want = friction(curve, 0.3 * slip, Coefficients(*c))
-            assert friction(curve, slip, after) == pytest.approx(want, rel=1e-12), FRICTION_CURVES[curve]
+            assert friction(curve, slip, after) == pytest.approx(want, rel=1e-12), FRICTION_CURVES[
+                curve
+            ]
 
 
 def test_a_stuck_hall_sensor_costs_a_third_of_the_torque():
@@ -144,5 +162,7 @@ def test_a_stuck_hall_sensor_costs_a_third_of_the_torque():
     shares = np.array([torque_share(a) for a in angles])
     assert shares.mean() == pytest.approx(2 / 3, abs=1e-3)
     assert (shares == 0.0).mean() == pytest.approx(1 / 6, abs=1e-3)
-    assert [torque_share(a - math.tau) for a in angles[::500]] == pytest.approx(shares[::500].tolist(), abs=1e-9)
+    assert [torque_share(a - math.tau) for a in angles[::500]] == pytest.approx(
+        shares[::500].tolist(), abs=1e-9
+    )
     assert cos(0.0) == torque_share(0.0)

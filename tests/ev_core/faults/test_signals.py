@@ -20,8 +20,17 @@ from ev_msgs_py.contract.signals import WheelTorqueCommand
 
 PLACE = frame.channels()
 PERIOD = 0.01
-SINGLE = [p for s in ROLES["plant"].writes for p, one in zip(frame.places(s), shape_of(s).single, strict=True) if one]
-YAW, LEFT, RIGHT = "imu.yaw_rate", "wheel_states.velocity.front_left", "wheel_states.velocity.front_right"
+SINGLE = [
+    p
+    for s in ROLES["plant"].writes
+    for p, one in zip(frame.places(s), shape_of(s).single, strict=True)
+    if one
+]
+YAW, LEFT, RIGHT = (
+    "imu.yaw_rate",
+    "wheel_states.velocity.front_left",
+    "wheel_states.velocity.front_right",
+)
 
 
 def struck(*texts: str, steps: int = 12, seed: int = 0, compiled: bool = False) -> np.ndarray:
@@ -72,7 +81,12 @@ def test_no_fault_makes_a_brake_torque_negative(compiled, kind, value, brake):
         assert call(function, 0, numbers.ctypes.data, state, constants) == 0
     else:
         row.step(numbers)
-    expected = {"constant": value, "scaled": brake * value, "offset": brake + value, "swapped": value}
+    expected = {
+        "constant": value,
+        "scaled": brake * value,
+        "offset": brake + value,
+        "swapped": value,
+    }
     assert numbers[BRAKE] >= 0.0
     if kind in expected:
         assert numbers[BRAKE] == max(expected[kind], 0.0)
@@ -118,7 +132,8 @@ def test_chance_is_that_of_the_seed():
     assert abs(lost.mean() - 1 / 3) < 4 * math.sqrt(2 / 9 / 2000)
     assert (np.diff(one[:, PLACE["imu.lateral_acceleration"]]) == 0.0).tolist() == lost.tolist()
     noise = (struck("noisy imu.yaw_rate 0.5", steps=2000) - struck(steps=2000))[:, PLACE[YAW]]
-    assert abs(noise.std() - 0.5) < 4 * 0.5 / math.sqrt(2 * 2000)  # the standard error of a deviation
+    # the standard error of a deviation
+    assert abs(noise.std() - 0.5) < 4 * 0.5 / math.sqrt(2 * 2000)
     assert abs(noise.mean()) < 4 * 0.5 / math.sqrt(2000)
 
 
@@ -135,9 +150,13 @@ def test_what_is_shown_is_what_its_message_carries(kind):
 def test_two_faults_of_the_same_text_have_random_numbers_of_their_own():
     """The sum of two has sqrt(2) of the deviation and not twice; the first one is what it is alone."""
     text, steps = "noisy imu.yaw_rate 0.5", 2000
-    one, two, sound = (struck(*texts, steps=steps)[:, PLACE[YAW]] for texts in ((text,), (text, text), ()))
+    one, two, sound = (
+        struck(*texts, steps=steps)[:, PLACE[YAW]] for texts in ((text,), (text, text), ())
+    )
     first, second = one - sound, two - one
-    assert (two - sound).std() == pytest.approx(0.5 * math.sqrt(2.0), abs=4 * 0.5 / math.sqrt(steps))
+    assert (two - sound).std() == pytest.approx(
+        0.5 * math.sqrt(2.0), abs=4 * 0.5 / math.sqrt(steps)
+    )
     assert abs(np.corrcoef(first, second)[0, 1]) < 4 / math.sqrt(steps)
 
 

@@ -15,7 +15,13 @@ from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 def test_a_text_in_full():
     (fault,) = parsed(("motor_share left 0.5 from 2 until 3.5",))
-    assert (fault.kind, fault.where, fault.value, fault.begin, fault.end) == ("motor_share", "left", 0.5, 2.0, 3.5)
+    assert (fault.kind, fault.where, fault.value, fault.begin, fault.end) == (
+        "motor_share",
+        "left",
+        0.5,
+        2.0,
+        3.5,
+    )
     assert fault.wheels() == (1.0, 0.0, 1.0, 0.0)
     assert fault.periods(0.01) == (200.0, 350.0)
     assert parsed(("frozen imu from 0.3",))[0].periods(0.01)[0] == 30.0  # 0.3 / 0.01 is 29.999...
@@ -46,7 +52,9 @@ REFUSED = {
 @pytest.mark.parametrize("text", REFUSED)
 def test_refused_in_one_line(text):
     with pytest.raises(ParameterError) as refusal:
-        part = configure("plant", {"method": "planar", "vehicle.driven_wheels": ["front_left", "front_right"]})
+        part = configure(
+            "plant", {"method": "planar", "vehicle.driven_wheels": ["front_left", "front_right"]}
+        )
         part_of(part.changed({"faults": [text]}), compiled=True)
     assert REFUSED[text] in str(refusal.value) and "\n" not in str(refusal.value)
     assert repr(text) in str(refusal.value)
@@ -71,12 +79,17 @@ def test_faults_may_be_set_while_a_node_runs():
         plant.step(Frame(), there)
         seen.append(there.numbers[channels()["imu.yaw_rate"]])
     assert seen == [0.0, 0.5, 0.0]
-    assert there.numbers[channels()["pose.x"]] == pytest.approx(0.3, rel=0.01)  # three periods of 10 m/s
+    # three periods of 10 m/s
+    assert there.numbers[channels()["pose.x"]] == pytest.approx(0.3, rel=0.01)
 
 
 def test_a_fault_as_short_as_a_period_strikes_once():
     """Refused is only what lies between two instants; 0.3 / 0.01 is 29.999..."""
-    texts = ("frozen imu from 0.3 until 0.301", "frozen imu from 0.295 until 0.305", "frozen imu from 0.3 until 0.31")
+    texts = (
+        "frozen imu from 0.3 until 0.301",
+        "frozen imu from 0.295 until 0.305",
+        "frozen imu from 0.3 until 0.31",
+    )
     assert [fault.periods(0.01) for fault in parsed(texts)] == [(30.0, 31.0)] * 3
     configure("plant", {"faults": texts})
 
@@ -87,10 +100,14 @@ def test_who_is_restarted_says_nothing_at_all():
     said = "unknown topic of this node 'torque_command.drive.front_left'"
     with pytest.raises(ParameterError, match=said):
         configure("asr", {"faults": [part]})
-    asr = configure("asr", {"method": "speed_corridor", "faults": ["restarted torque_command until 1"]})
+    asr = configure(
+        "asr", {"method": "speed_corridor", "faults": ["restarted torque_command until 1"]}
+    )
     row = FaultRow(parsed(asr.faults), asr.method.writes, 0, 0.01)
     assert len(asr.method.writes) == 2
-    struck = {int(row.constants[n + PLACE]) for n in range(FAULTS_HEAD, len(row.constants), FAULT_WIDTH)}
+    struck = {
+        int(row.constants[n + PLACE]) for n in range(FAULTS_HEAD, len(row.constants), FAULT_WIDTH)
+    }
     assert struck == {place for signal in asr.method.writes for place in places(signal)}
 
 
@@ -98,7 +115,11 @@ def test_what_goes_on_goes_on_though_another_fault_comes_or_goes():
     """The wheel speed was frozen at the start, and stays what it was; the new fault begins now."""
     configuration, there = configure("plant", {"method": "planar", "initial_speed": 10.0}), Frame()
     speed, x = channels()["wheel_states.velocity.rear_left"], channels()["pose.x"]
-    lists = (["frozen pose.x"], ["delayed twist 0.02", "frozen pose.x"], ["frozen pose.x", "frozen wheel_states"])
+    lists = (
+        ["frozen pose.x"],
+        ["delayed twist 0.02", "frozen pose.x"],
+        ["frozen pose.x", "frozen wheel_states"],
+    )
     plant, seen = None, []
     for texts in lists:
         after = part_of(configuration.changed({"faults": texts}), compiled=True)
@@ -116,11 +137,17 @@ def test_what_goes_on_goes_on_though_another_fault_comes_or_goes():
 @pytest.mark.parametrize(("begin", "notes"), [("0.5", 0), ("0.51", 1)])
 def test_a_fault_that_begins_after_the_end_is_noted(begin, notes):
     values = [("plant", "faults", [f"frozen imu from {begin}"])]
-    found = load_scenario("step_steer", Overrides(values=values, duration=0.5), only=("left",)).notes
-    assert [f"'frozen imu from {begin}' begins after the end at 0.5 s" in note for note in found] == [True] * notes
+    found = load_scenario(
+        "step_steer", Overrides(values=values, duration=0.5), only=("left",)
+    ).notes
+    assert [
+        f"'frozen imu from {begin}' begins after the end at 0.5 s" in note for note in found
+    ] == [True] * notes
 
 
 def test_what_is_not_asked_for_is_not_there():
     assert len(compiled_parts(configure("asr", {}))) == 1
     assert len(compiled_parts(configure("asr", {"faults": ["lost torque_command 0.1"]}))) == 2
-    assert len(compiled_parts(configure("asr", {"faults": ["restarted torque_command until 1"]}))) == 3
+    assert (
+        len(compiled_parts(configure("asr", {"faults": ["restarted torque_command until 1"]}))) == 3
+    )

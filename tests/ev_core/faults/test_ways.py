@@ -24,17 +24,26 @@ FAULTS = {
         "delayed twist 0.05 from 0.3",
         "lost battery 0.2",
     ],
-    "steering_column": ["offset steering_column/state.angle 0.05", "reordered steering_column/state 0.3"],
+    "steering_column": [
+        "offset steering_column/state.angle 0.05",
+        "reordered steering_column/state 0.3",
+    ],
     "driver": ["lost driver/command 0.2"],
     "electronic_differential": ["restarted torque_request from 0.5 until 0.7"],
     "asr": ["scaled torque_command.drive 0.9 from 0.6"],
 }
-LAW = ("electronic_differential", "method", "steer_by_wire")  # its integral is what a restart forgets
+# its integral is what a restart forgets
+LAW = ("electronic_differential", "method", "steer_by_wire")
 COLUMN = ("steering_column", "method", "by_wire")
 
 
 def run(faults: dict[str, list[str]], seed: int = 3) -> Run:
-    values = [LAW, COLUMN, ("*", "seed", seed), *((role, "faults", texts) for role, texts in faults.items())]
+    values = [
+        LAW,
+        COLUMN,
+        ("*", "seed", seed),
+        *((role, "faults", texts) for role, texts in faults.items()),
+    ]
     return load_scenario("double_lane_change", Overrides(values=values, duration=1.0)).runs[0]
 
 
@@ -65,7 +74,9 @@ def test_each_role_feels_its_faults():
 def test_a_restart_keeps_the_last_answer_and_then_forgets():
     """From 0.5 s to 0.7 s nothing new is asked for; then the law's integral is that of its first step."""
     asked = driven(3, "electronic_differential").channels["torque_request.drive.front_left"]
-    sound = run_offline(dict(run({}).configurations), 1.0).channels["torque_request.drive.front_left"]
+    sound = run_offline(dict(run({}).configurations), 1.0).channels[
+        "torque_request.drive.front_left"
+    ]
     assert (asked[50:70] == asked[49]).all() and (asked[:50] == sound[:50]).all()
     assert asked[70] != asked[69]
 
@@ -76,7 +87,8 @@ def test_a_network_that_loses_messages_changes_nothing():
     network.begin()
     network.run()
     assert network.signals() == {
-        name: [float.hex(number) for number in column.tolist()] for name, column in driven().channels.items()
+        name: [float.hex(number) for number in column.tolist()]
+        for name, column in driven().channels.items()
     }
 
 
@@ -84,7 +96,11 @@ def test_a_recorded_driver_has_faults_too(tmp_path):
     """Offline and as nodes, where each fault is put in behind what was recorded."""
     file = tmp_path / "driver.npz"
     np.savez(file, time=driven().time, **driven().channels)
-    values = [("*", "seed", 3), ("driver", "method", str(file)), ("driver", "faults", ["scaled driver/command 0.5"])]
+    values = [
+        ("*", "seed", 3),
+        ("driver", "method", str(file)),
+        ("driver", "faults", ["scaled driver/command 0.5"]),
+    ]
     chosen = load_scenario("double_lane_change", Overrides(values=values, duration=1.0)).runs[0]
     network = FakeNetwork(dict(chosen.configurations), 100, seed=1)
     network.begin()
@@ -98,7 +114,9 @@ def test_a_recorded_driver_has_faults_too(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("way", ["one process", pytest.param("processes", marks=pytest.mark.weekly)])
+@pytest.mark.parametrize(
+    "way", ["one process", pytest.param("processes", marks=pytest.mark.weekly)]
+)
 def test_over_dds_the_same_hash(way, tmp_path):
     chosen = run(FAULTS)
     if way == "processes":

@@ -91,7 +91,12 @@ class mine:
 """
 COMPILED = FUNCTIONS.replace("def mine", "@compilable\ndef mine").replace("    pass  # step\n", "")
 FORMS = {"function": FUNCTIONS, "compiled": COMPILED, "class": CLASS}
-HOOKS = [(form, line.partition("# ")[2]) for form, text in FORMS.items() for line in text.splitlines() if "# " in line]
+HOOKS = [
+    (form, line.partition("# ")[2])
+    for form, text in FORMS.items()
+    for line in text.splitlines()
+    if "# " in line
+]
 
 
 def driven(file: Path, compiled: bool) -> None:

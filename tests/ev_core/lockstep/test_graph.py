@@ -41,7 +41,13 @@ def test_the_chain_of_the_design():
     """design.md: driver -> electronic_differential -> asr -> plant; plant and column speak first."""
     answering = ("driver", "electronic_differential", "asr", "inverter_gateway")
     assert step_order(ROLES) == answering
-    assert sequence(ROLES) == ("plant", "steering_column", "rear_steering", "test_bench", *answering)
+    assert sequence(ROLES) == (
+        "plant",
+        "steering_column",
+        "rear_steering",
+        "test_bench",
+        *answering,
+    )
 
 
 @given(st.permutations(range(6)), st.data())
@@ -138,7 +144,10 @@ def test_a_method_that_reads_what_its_role_may_not_is_refused(register, signal):
     Seer.step.__annotations__["ahead"] = signal
     with pytest.raises(TypeError) as error:
         method("driver", "seer")(Seer)
-    assert str(error.value) == f"driver method seer: a driver does not read {signal.__name__} (see roles.py)"
+    assert (
+        str(error.value)
+        == f"driver method seer: a driver does not read {signal.__name__} (see roles.py)"
+    )
     assert "seer" not in register["driver"]
 
 
@@ -168,7 +177,9 @@ def test_an_unknown_method_is_asked_for_or_the_known_ones_are_listed(name):
         find_method("electronic_differential", name)
     text = str(error.value)
     assert text.startswith(f"unknown electronic_differential method {name!r}; ")
-    assert ("; known: " in text and "equal_torque" in text) or "; did you mean power_steering" in text
+    assert (
+        "; known: " in text and "equal_torque" in text
+    ) or "; did you mean power_steering" in text
 
 
 def test_every_role_has_the_method_that_it_plays_by_default():
@@ -188,7 +199,11 @@ def test_every_role_has_the_method_that_it_plays_by_default():
         ("steering_column", (DriverCommand, WheelStates), (DriverCommand, WheelStates)),
         # the master hears the column, to know that it has stepped
         ("plant", (WheelTorqueCommand,), (WheelTorqueCommand, SteeringColumnState)),
-        ("plant", (SteeringColumnState, WheelTorqueCommand), (SteeringColumnState, WheelTorqueCommand)),
+        (
+            "plant",
+            (SteeringColumnState, WheelTorqueCommand),
+            (SteeringColumnState, WheelTorqueCommand),
+        ),
         # the clock alone tells nobody when to step
         ("driver", (Instant,), (BodyVelocity,)),
         ("asr", (), (WheelTorqueRequest,)),

@@ -30,7 +30,10 @@ def test_a_class_that_answers_needs_a_step():
     class Lacking:
         parameters = NoParameters
 
-    assert refused("asr", Lacking) == "asr method lacking: class Lacking lacks step (see Answering in methods/hooks.py)"
+    assert (
+        refused("asr", Lacking)
+        == "asr method lacking: class Lacking lacks step (see Answering in methods/hooks.py)"
+    )
 
 
 def test_a_class_that_integrates_needs_outputs_and_advance():
@@ -39,7 +42,9 @@ def test_a_class_that_integrates_needs_outputs_and_advance():
 
         def step(self, request: WheelTorqueRequest) -> None: ...
 
-    assert refused("plant", Lacking).startswith("plant method lacking: class Lacking lacks outputs and advance (")
+    assert refused("plant", Lacking).startswith(
+        "plant method lacking: class Lacking lacks outputs and advance ("
+    )
 
 
 def test_a_class_needs_parameters():
@@ -53,13 +58,16 @@ def test_a_law_that_integrates_needs_outputs():
     def lacking(driver: DriverCommand) -> None: ...
 
     with pytest.raises(
-        TypeError, match="steering_column method lacking: a steering_column integrates, so its law needs"
+        TypeError,
+        match="steering_column method lacking: a steering_column integrates, so its law needs",
     ):
         method("steering_column", "lacking", parameters=NoParameters)(lacking)
     assert "lacking" not in methods_of("steering_column")
 
 
-@pytest.mark.parametrize(("role", "name"), [(role, name) for role, named in all_methods().items() for name in named])
+@pytest.mark.parametrize(
+    ("role", "name"), [(role, name) for role, named in all_methods().items() for name in named]
+)
 def test_objects_of_laws_have_the_same_hooks(role, name):
     """What docs and hooks say of classes holds for laws as well: nodes treat both alike."""
     law = all_methods()[role][name].law

@@ -9,7 +9,17 @@ from typing import Any
 import pytest
 
 from ev_core.check.method import check_method
-from ev_core.law import NO_WHEELS, Choice, Instant, Vehicle, Wheels, WheelStates, WheelTorqueRequest, group, parameter
+from ev_core.law import (
+    NO_WHEELS,
+    Choice,
+    Instant,
+    Vehicle,
+    Wheels,
+    WheelStates,
+    WheelTorqueRequest,
+    group,
+    parameter,
+)
 from ev_core.lockstep.finding import find_method
 from ev_core.methods.method_record import create
 from ev_core.parameters.declaration import entries, flatten, number_tree
@@ -125,7 +135,10 @@ def test_a_choice_is_compared_with_its_member(law, side, right):
 def test_a_truth_value_lasts_between_steps(law):
     """Once a wheel has turned the limit is half, also when it stands again; in a row of the state true is 1."""
     made = made_of(law, is_soft=True)
-    limits = [made.step(Instant(0.0), REQUEST, wheels(speed)).drive.front_left for speed in (0.0, 2.0, 0.0)]
+    limits = [
+        made.step(Instant(0.0), REQUEST, wheels(speed)).drive.front_left
+        for speed in (0.0, 2.0, 0.0)
+    ]
     assert limits == [100.0, 50.0, 50.0]
     assert made.state == [1.0]
 
@@ -154,5 +167,7 @@ def test_a_choice_is_a_text_outside_and_a_number_for_laws():
     assert number_tree(made) == {"inner": {"kind": 1.0}}
     (entry,) = entries(Outer)
     assert (entry.type, entry.default, entry.spec.choices) == (str, "small", ("small", "large_one"))
-    with pytest.raises(ParameterError, match=r"inner\.kind: 'huge' is refused, expected one of small, large_one"):
+    with pytest.raises(
+        ParameterError, match=r"inner\.kind: 'huge' is refused, expected one of small, large_one"
+    ):
         build(Outer, {"inner.kind": "huge"})

@@ -47,9 +47,7 @@ PARAMETERS = {
 @pytest.mark.parametrize("declared", PARAMETERS)
 def test_a_parameter_has_a_type_that_a_file_can_give(declared, tmp_path):
     file = tmp_path / "my_law.py"
-    group = (
-        f"@dataclass(frozen=True, slots=True)\nclass Noise:\n    {declared}\n\n\n@dataclass(frozen=True, slots=True)"
-    )
+    group = f"@dataclass(frozen=True, slots=True)\nclass Noise:\n    {declared}\n\n\n@dataclass(frozen=True, slots=True)"
     text = (HEAD + FUNCTIONS).replace("@dataclass(frozen=True, slots=True)", group, 1)
     file.write_text(text.replace("class P:\n", "class P:\n    noise: Noise = group(Noise)\n"))
     with pytest.raises(ParameterError, match=PARAMETERS[declared]):
@@ -60,7 +58,9 @@ def test_a_parameter_of_ros_is_no_name_for_ones_own(tmp_path):
     """A node would take it for that of ROS, and the law would never get it."""
     file = tmp_path / "my_law.py"
     file.write_text((HEAD + FUNCTIONS).replace("    window:", "    use_sim_time:"))
-    with pytest.raises(ParameterError, match="parameter use_sim_time is refused: every node has one of this name"):
+    with pytest.raises(
+        ParameterError, match="parameter use_sim_time is refused: every node has one of this name"
+    ):
         find_method("asr", str(file))
 
 
@@ -128,7 +128,10 @@ def test_a_live_change_of_the_length_of_the_state_is_refused(compiled, before, a
     file = tmp_path / "my_law.py"
     file.write_text(WINDOW)
     configuration = configure("asr", {"method": str(file), "window": before})
-    parts = [part_of(each, compiled) for each in (configuration, configuration.changed({"window": after}))]
+    parts = [
+        part_of(each, compiled)
+        for each in (configuration, configuration.changed({"window": after}))
+    ]
     said = f"^window: a state of {before:g} numbers would have {after:g}, expected as many; .* declared read_only"
     with pytest.raises(ParameterError, match=said):
         hand_over(parts[0], parts[1], ["window"])
@@ -138,7 +141,10 @@ def test_a_live_change_of_the_length_of_the_state_is_refused(compiled, before, a
 def test_the_check_finds_a_live_parameter_that_sets_the_length_of_the_state(tmp_path):
     file = tmp_path / "my_law.py"
     file.write_text(WINDOW)
-    with pytest.raises(ContractError, match=r"window = 2\.0 has 2 numbers, 1\.0 has 1: what sets its length is to be"):
+    with pytest.raises(
+        ContractError,
+        match=r"window = 2\.0 has 2 numbers, 1\.0 has 1: what sets its length is to be",
+    ):
         check_method("asr", str(file))
     file.write_text(WINDOW.replace('about="samples"', 'about="samples", read_only=True'))
     check_method("asr", str(file))

@@ -54,10 +54,22 @@ def test_a_law_is_chosen_by_the_path_of_its_file_offline_and_over_dds(tmp_path):
     """With its parameters; and a share of 1 is `off`, to the bit."""
     file = law_file(tmp_path)
     signals = driven(file, set={"asr.share": 0.25}).signals
-    assert (signals["torque_command.drive.front_left"] == 0.25 * signals["torque_request.drive.front_left"]).all()
+    assert (
+        signals["torque_command.drive.front_left"]
+        == 0.25 * signals["torque_request.drive.front_left"]
+    ).all()
     off = ev_stack.run("shchur2019", duration=1.0).hash
     assert driven(file, set={"asr.share": 1.0}).hash == off
-    words = [RUN, "shchur2019", "--no-record", "--no-report", "--duration", "1", "--method", f"asr={file}"]
+    words = [
+        RUN,
+        "shchur2019",
+        "--no-record",
+        "--no-report",
+        "--duration",
+        "1",
+        "--method",
+        f"asr={file}",
+    ]
     words += ["--set", "asr.share=1", "--out", str(tmp_path / "out")]
     said = subprocess.run(words, env=ENVIRONMENT, check=True, capture_output=True, text=True).stdout
     assert f"signal hash {off}" in said
@@ -76,7 +88,9 @@ def test_what_is_edited_acts_at_once(tmp_path):
 def test_it_hides_no_built_in_law_of_its_name(tmp_path):
     """And what it imports is there for all as before."""
     known = methods_of("asr")
-    assert driven(law_file(tmp_path, "pi_slip")).hash != ev_stack.run("shchur2019", duration=1.0).hash
+    assert (
+        driven(law_file(tmp_path, "pi_slip")).hash != ev_stack.run("shchur2019", duration=1.0).hash
+    )
     assert methods_of("asr") == known
 
 
@@ -84,10 +98,13 @@ def test_one_of_several_is_named_behind_the_path():
     """The two laws of the example are one law."""
     file = EXAMPLES / "own_law.py"
     with pytest.raises(
-        ParameterError, match=r"several laws: limit_in_python, limit_compiled; choose one by own_law\.py:"
+        ParameterError,
+        match=r"several laws: limit_in_python, limit_compiled; choose one by own_law\.py:",
     ):
         find_method("asr", str(file))
-    with pytest.raises(ParameterError, match="no law 'limit', expected one of limit_in_python, limit_compiled"):
+    with pytest.raises(
+        ParameterError, match="no law 'limit', expected one of limit_in_python, limit_compiled"
+    ):
         find_method("asr", f"{file}:limit")
     hashes = {driven(f"{file}:{name}").hash for name in ("limit_in_python", "limit_compiled")}
     assert len(hashes) == 1
@@ -127,7 +144,9 @@ def test_no_file_of_data_may_name_one(tmp_path):
     law, more = law_file(tmp_path), tmp_path / "more.yaml"
     for name in (law, f"{law}:share"):
         more.write_text(f"/**/asr:\n  ros__parameters:\n    method: {name}\n")
-        with pytest.raises(ParameterError, match=r"is refused, expected from a file a name: .*code is named on the"):
+        with pytest.raises(
+            ParameterError, match=r"is refused, expected from a file a name: .*code is named on the"
+        ):
             ev_stack.run("shchur2019", params=[more], duration=0.1)
 
 
@@ -138,14 +157,21 @@ def test_what_is_not_there_is_refused(tmp_path):
 
 def test_the_check_refuses_what_another_c_library_rounds_otherwise(tmp_path):
     """By module, by name and of numpy; the exact ones of math are none."""
-    for take, used in (("import math", "math.tan"), ("from math import tan", "tan"), ("import numpy as np", "np.sin")):
+    for take, used in (
+        ("import math", "math.tan"),
+        ("from math import tan", "tan"),
+        ("import numpy as np", "np.sin"),
+    ):
         file = law_file(tmp_path, share=f"{used}(p.share)")
         file.write_text(f"{take}\n{file.read_text()}")
         name = used.replace("np.", "numpy.")
         with pytest.raises(
-            ContractError, match=rf"{file}, line 19: {name} is rounded otherwise elsewhere, take it from"
+            ContractError,
+            match=rf"{file}, line 19: {name} is rounded otherwise elsewhere, take it from",
         ):
             check_method("asr", str(file))
     file = law_file(tmp_path, share="math.sqrt(TABLE[0] * p.share)")
-    file.write_text(f"import math\nimport numpy as np\nTABLE = np.array([1.0, 2.0])\n{file.read_text()}")
+    file.write_text(
+        f"import math\nimport numpy as np\nTABLE = np.array([1.0, 2.0])\n{file.read_text()}"
+    )
     check_method("asr", str(file))

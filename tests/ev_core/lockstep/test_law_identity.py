@@ -69,16 +69,21 @@ def run(text: str, name: str = "somebodys_laws") -> None:
 
 
 @pytest.mark.parametrize("is_loaded", [False, True])
-def test_the_name_of_a_law_of_ours_is_taken(registered, is_loaded: bool, monkeypatch: pytest.MonkeyPatch):
+def test_the_name_of_a_law_of_ours_is_taken(
+    registered, is_loaded: bool, monkeypatch: pytest.MonkeyPatch
+):
     """Whether our laws of the role are imported by then or not; ours stays."""
     ours = methods_of("asr")["pi_slip"]
     if not is_loaded:
         del registered["asr"]
         monkeypatch.setattr(
-            register, "load_installed_methods", lambda role: registered.setdefault(role, {"pi_slip": ours})
+            register,
+            "load_installed_methods",
+            lambda role: registered.setdefault(role, {"pi_slip": ours}),
         )
     with pytest.raises(
-        TypeError, match=r"^asr method pi_slip is there already, ev_control\S+: take another name for som"
+        TypeError,
+        match=r"^asr method pi_slip is there already, ev_control\S+: take another name for som",
     ):
         run(LAW.format(name="pi_slip", function="pi_slip"))
     assert registered["asr"]["pi_slip"] is ours
@@ -90,7 +95,8 @@ def test_the_name_of_another_module_is_taken_and_a_cell_may_be_run_again(registe
     run(text)
     run(text)
     with pytest.raises(
-        TypeError, match=r"asr method somebodys is there already, somebodys_laws\.mine: take another name"
+        TypeError,
+        match=r"asr method somebodys is there already, somebodys_laws\.mine: take another name",
     ):
         run(text, "others_laws")
     with pytest.raises(TypeError, match=r"take another name for somebodys_laws\.other"):
@@ -114,7 +120,8 @@ def test_two_laws_of_one_name_in_a_file_are_one_line(tmp_path: Path):
     assert find_method("asr", str(file)).place[1] == "one"
     file.write_text(file.read_text() + LAW.format(name="pi_slip", function="two"))
     with pytest.raises(
-        ParameterError, match=r"laws\.py: line \d+: TypeError: asr method pi_slip is there already, .*one"
+        ParameterError,
+        match=r"laws\.py: line \d+: TypeError: asr method pi_slip is there already, .*one",
     ):
         find_method("asr", str(file))
     assert load_installed_methods("asr") == ()
@@ -135,7 +142,11 @@ def test_a_configuration_keeps_its_law(tmp_path: Path):
     assert pickle.loads(saved).method.law == one.method.law
     for text in (HEAD + PLANT.replace("1.0 * command", "-5.0 * command"), "no Python at all", None):
         file.write_text(text) if text is not None else file.unlink()
-        for changes in ({"real_time_factor": 2.0}, {"gain": 2.0}, {"real_time_factor": 3.0, "gain": 3.0}):
+        for changes in (
+            {"real_time_factor": 2.0},
+            {"gain": 2.0},
+            {"real_time_factor": 3.0, "gain": 3.0},
+        ):
             assert one.changed(changes).method.law is one.method.law
         assert one.changed({"real_time_factor": 2.0}).extra.real_time_factor == 2.0
         assert copy.deepcopy(one).method.law is one.method.law

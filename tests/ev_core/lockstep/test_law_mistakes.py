@@ -40,11 +40,17 @@ def test_whatever_an_author_raises_is_one_line(hook, fault):
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "my_law.py"
         file.write_text(HEAD + FORMS[form].replace(f"pass  # {name}\n", f"{fault}  # {name}\n"))
-        line = next(n for n, text in enumerate(file.read_text().splitlines(), 1) if text.endswith(f"# {name}"))
+        line = next(
+            n
+            for n, text in enumerate(file.read_text().splitlines(), 1)
+            if text.endswith(f"# {name}")
+        )
         with pytest.raises(LawError) as refused:
             driven(file, form == "compiled")
     text, cause = str(refused.value), refused.value.__cause__
-    what = "[][3] is out of range: index 3" if isinstance(cause, IndexError) else type(cause).__name__
+    what = (
+        "[][3] is out of range: index 3" if isinstance(cause, IndexError) else type(cause).__name__
+    )
     assert f"{file}, line {line}: asr law mine: {what}" in text
     assert text.isprintable()
     assert "site-packages" not in text
@@ -85,15 +91,25 @@ def test_an_answer_in_another_shape_than_the_signal_is_refused(answer, tmp_path)
 
 def test_wheels_may_be_a_plain_tuple_of_four_in_plain_python(tmp_path):
     file = tmp_path / "my_law.py"
-    file.write_text(HEAD + FUNCTIONS.replace("Command(request.drive,", "Command(tuple(request.drive),"))
+    file.write_text(
+        HEAD + FUNCTIONS.replace("Command(request.drive,", "Command(tuple(request.drive),")
+    )
     driven(file, compiled=False)
 
 
 RESULTS = {
     "return S()": ("start", "return {'now': 1.0}", r"start gives dict, expected S\(\.\.\.\)"),
     'return ""': ("need", "return True", "a need gives bool, expected a text"),
-    "return parameters\n": ("load_files", "pass\n", "load_files gives nothing, expected P: return the parameters"),
-    'return (f"{s.now[0]:g} N m",)': ("notes", "return 'lost'", "notes gives str, expected a tuple of texts"),
+    "return parameters\n": (
+        "load_files",
+        "pass\n",
+        "load_files gives nothing, expected P: return the parameters",
+    ),
+    'return (f"{s.now[0]:g} N m",)': (
+        "notes",
+        "return 'lost'",
+        "notes gives str, expected a tuple of texts",
+    ),
     "pass  # prepare": (
         "prepare",
         "return ((2.0, (3.0,)),)",
@@ -110,7 +126,11 @@ def test_a_hook_that_gives_something_else_is_refused(right, tmp_path):
     with pytest.raises(LawError, match=rf"^{file}, line \d+: asr law mine: .*{said}") as refused:
         driven(file, compiled=True)
     if hook != "need":  # its line is that of the law
-        begin = next(n for n, text in enumerate(file.read_text().splitlines(), 1) if text.startswith(f"def {hook}("))
+        begin = next(
+            n
+            for n, text in enumerate(file.read_text().splitlines(), 1)
+            if text.startswith(f"def {hook}(")
+        )
         assert f"line {begin}:" in str(refused.value)
 
 
@@ -129,14 +149,17 @@ def test_lists_of_the_state_are_copied_not_shared(assigned, tmp_path):
     """Compiled the numbers are copied; in plain Python both names would be one list from then on."""
     file = tmp_path / "my_law.py"
     text = HEAD + COMPILED.replace(
-        "    return WheelTorqueCommand(request.", f"    {assigned}\n    return WheelTorqueCommand(request."
+        "    return WheelTorqueCommand(request.",
+        f"    {assigned}\n    return WheelTorqueCommand(request.",
     )
     file.write_text(text)
     if not SHARED[assigned]:
         driven(file, compiled=True)
         return
     line = next(n for n, each in enumerate(text.splitlines(), 1) if each.strip() == assigned)
-    with pytest.raises(LawError, match=f"line {line}: asr law mine: s.before.*.* one list, .* {SHARED[assigned]}"):
+    with pytest.raises(
+        LawError, match=f"line {line}: asr law mine: s.before.*.* one list, .* {SHARED[assigned]}"
+    ):
         driven(file, compiled=True)
 
 

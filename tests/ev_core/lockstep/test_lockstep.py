@@ -53,7 +53,8 @@ from ev_stack.scenarios.scenario import load_scenario
 
 PERIOD = 10_000_000
 OTHERS = tuple(role for role in REQUIRED if role != MASTER)
-# What a method of the role cannot do without: the chain from driver to plant, by bus and bench if they are there.
+# What a method of the role cannot do without: the chain from driver to plant, by bus and bench if
+# they are there.
 ESSENTIAL = {
     "plant": (WheelTorqueCommand, RearSteeringState, BenchShafts),
     "steering_column": (DriverCommand,),
@@ -68,7 +69,8 @@ faults = st.builds(Faults, st.floats(0, 0.4), st.floats(0, 0.3), st.sampled_from
 changes = st.tuples(st.integers(0, 80), st.sampled_from(tuple(ROLES)), st.floats(0.01, 0.99))
 
 
-# One in 400 of the resets below: a message of instant zero that comes late restarts the column with its new parameters.
+# One in 400 of the resets below: a message of instant zero that comes late restarts the column with
+# its new parameters.
 LATE_ZERO = toy_graph(
     roles=REQUIRED,
     plant=(WheelTorqueCommand, SteeringColumnState),
@@ -85,7 +87,11 @@ def graphs(draw: st.DrawFn) -> dict[str, Configuration]:
     """Toys of which each reads what it needs and some of what it may read besides; with or without optional roles."""
     roles, reads = draw(st.sampled_from((tuple(ROLES), REQUIRED))), {}
     for name in roles:
-        readable = [s for s in ROLES[name].reads if s not in OFFERED and (s not in EXTRA or roles != REQUIRED)]
+        readable = [
+            s
+            for s in ROLES[name].reads
+            if s not in OFFERED and (s not in EXTRA or roles != REQUIRED)
+        ]
         optional = [signal for signal in readable if signal not in ESSENTIAL.get(name, ())]
         chosen = draw(st.sets(st.sampled_from(optional))) if optional else set()
         reads[name] = tuple(s for s in readable if s in chosen or s in ESSENTIAL.get(name, ()))
@@ -107,7 +113,10 @@ def play(network: FakeNetwork, turns: int) -> None:
 
 
 def bits(recording: Recording) -> dict[str, list[str]]:
-    return {name: [float.hex(number) for number in column.tolist()] for name, column in recording.channels.items()}
+    return {
+        name: [float.hex(number) for number in column.tolist()]
+        for name, column in recording.channels.items()
+    }
 
 
 def assert_each_stepped_once(network: FakeNetwork, but: str = "") -> None:
@@ -175,7 +184,9 @@ def test_topics_that_connect_late_change_no_bit(configurations, seed, faults):
 @settings(max_examples=40)
 @given(graphs(), st.integers(0, 2**32), faults, st.lists(changes, max_size=5))
 @example(LATE_ZERO, 2120580269, LATE_FAULTS, [(13, "steering_column", 0.95)])
-def test_resets_and_changes_at_any_time_end_in_a_fresh_run_with_the_same_values(configurations, seed, faults, changes):
+def test_resets_and_changes_at_any_time_end_in_a_fresh_run_with_the_same_values(
+    configurations, seed, faults, changes
+):
     """Also at the first instants, of what answers and what integrates, while messages of runs before are under way."""
     configurations = dict(configurations)
     network = FakeNetwork(configurations, 6, seed, faults)
@@ -211,8 +222,8 @@ def test_a_restarted_node_lets_the_run_go_on(configurations, role, seed, faults,
 def test_a_retry_leads_to_a_bounded_number_of_messages(configurations, seed, turns):
     """Repetitions run down the graph only, so a retry ends; counted along the declared order of the roles.
 
-    A node answers each repeated message of those before it with its last answer, one that integrates with the last
-    two; where a step becomes possible it answers once more.
+    A node answers each repeated message of those before it with its last answer, one that
+    integrates with the last two; where a step becomes possible it answers once more.
     """
     network = FakeNetwork(configurations, 6, seed, Faults(0.3))
     network.begin()
@@ -381,12 +392,19 @@ def test_incomplete_steps_do_not_pile_up():
 
 
 @given(
-    st.lists(st.tuples(st.sampled_from((DriverCommand, WheelStates, SteeringColumnState)), st.integers(0, 3))),
+    st.lists(
+        st.tuples(
+            st.sampled_from((DriverCommand, WheelStates, SteeringColumnState)), st.integers(0, 3)
+        )
+    ),
     st.sampled_from((frozenset(), frozenset({SteeringColumnState}))),
 )
 def test_what_is_missing_is_what_has_not_come(messages, followed):
     """Asked after every message, as a node does, or only at the end: the same."""
-    asked, unasked = (inbox((DriverCommand, WheelStates, SteeringColumnState), followed=followed) for _ in range(2))
+    asked, unasked = (
+        inbox((DriverCommand, WheelStates, SteeringColumnState), followed=followed)
+        for _ in range(2)
+    )
     for box in (asked, unasked):
         box.expect(0)
     kept = []
@@ -445,7 +463,9 @@ def compiled_inbox() -> Callable[[int, Steps, np.ndarray, np.ndarray], list[int]
     return taken
 
 
-STAMPS = st.integers(-2, 12).map(lambda step: step * PERIOD) | st.sampled_from([7, RUN, RUNS, 3 * PERIOD + RUN])
+STAMPS = st.integers(-2, 12).map(lambda step: step * PERIOD) | st.sampled_from(
+    [7, RUN, RUNS, 3 * PERIOD + RUN]
+)
 
 
 @given(
@@ -460,7 +480,9 @@ def test_the_protocol_means_the_same_compiled(compiled_inbox, messages, constant
     ways = []
     for judge_all in (compiled_inbox, compiled_inbox.py_func):
         done, stamps = np.array([0 if under_way else NEVER, NEVER, NEVER]), np.full(ROWS, NEVER)
-        steps = Steps(done, stamps, np.zeros(ROWS, np.int64), 7, heralds, followed, PERIOD, lead, may_skip)
+        steps = Steps(
+            done, stamps, np.zeros(ROWS, np.int64), 7, heralds, followed, PERIOD, lead, may_skip
+        )
         found = judge_all(steps, *(np.array(column) for column in zip(*messages, strict=True)))
         ways.append((found, [each.tolist() for each in steps[:3]]))
     assert ways[0] == ways[1]
@@ -576,20 +598,26 @@ def test_realtime_answers_to_nobody_who_is_gone(lost):
     answered = [answer.stamp for n in range(1, 60) for answer in feed(stepper, n * PERIOD, *others)]
     assert answered == [n * PERIOD for n in range(1, HELD // PERIOD + 1)]
     assert feed(stepper, 60 * PERIOD)[-1].stamp == 60 * PERIOD
-    assert [answer.stamp for n in (61, 62) for answer in feed(stepper, n * PERIOD, *others)] == [61 * PERIOD]
+    assert [answer.stamp for n in (61, 62) for answer in feed(stepper, n * PERIOD, *others)] == [
+        61 * PERIOD
+    ]
 
 
 def test_realtime_goes_on_for_ever_where_it_integrates():
     """A column keeps its wheel: it has a time of its own, and what it says is no torque of the drives."""
     stepper = WatchedStepper(toy("steering_column", (DriverCommand, WheelStates)), may_skip=True)
     feed(stepper, 0)
-    answered = [answer.stamp for n in range(1, 60) for answer in feed(stepper, n * PERIOD, WheelStates)]
+    answered = [
+        answer.stamp for n in range(1, 60) for answer in feed(stepper, n * PERIOD, WheelStates)
+    ]
     assert answered == [n * PERIOD for n in range(2, 60)]
 
 
 @pytest.mark.parametrize("period", [PERIOD, HELD // 2, 2 * HELD])
 def test_realtime_holds_for_two_steps_whatever_their_period(period):
-    box = HoldingInbox(Inputs((DriverCommand, WheelStates), period), frozenset({WheelStates}), neutral=False)
+    box = HoldingInbox(
+        Inputs((DriverCommand, WheelStates), period), frozenset({WheelStates}), neutral=False
+    )
     for kind in box.reads:
         box.offer(kind, 0, [0.0] * shape_of(kind).size)
     box.take(0)
@@ -600,7 +628,9 @@ def test_realtime_holds_for_two_steps_whatever_their_period(period):
 
 def test_realtime_hears_who_is_late_each_time():
     """A command that always comes when its step has been taken without it stands in the next one."""
-    box = HoldingInbox(Inputs((DriverCommand, WheelStates), PERIOD), frozenset({WheelStates}), neutral=True)
+    box = HoldingInbox(
+        Inputs((DriverCommand, WheelStates), PERIOD), frozenset({WheelStates}), neutral=True
+    )
     sizes = {kind: shape_of(kind).size for kind in box.reads}
     for n in range(4):
         assert box.offer(WheelStates, (n + 1) * PERIOD, [0.0] * sizes[WheelStates]) is Arrival.NEW
@@ -637,7 +667,8 @@ def test_the_plant_says_first_what_the_others_wait_for():
 def test_who_integrates_is_followed_by_the_master():
     """Every other integrating role speaks to the master, else one of them could be left behind.
 
-    The master reads something of an optional one where it is played, and hears none where it is not.
+    The master reads something of an optional one where it is played, and hears none where it is
+    not.
     """
     for name, role in ROLES.items():
         if role.optional:

@@ -46,9 +46,16 @@ def test_code_is_loaded_without_the_compiler_and_gives_the_bits_of_plain_python(
         "from ev_core.lockstep.configuration import configure",
         "from ev_core.lockstep.parts import is_compiled, part_of",
     )
-    asks = "".join(f"print(is_compiled(configure({role!r}, {{'method': {method!r}}})))\n" for role, method in LAWS)
-    text = "\n".join((*imports, inspect.getsource(stepped), calls, asks, "print('numba' in sys.modules)"))
-    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True, env={**os.environ})
+    asks = "".join(
+        f"print(is_compiled(configure({role!r}, {{'method': {method!r}}})))\n"
+        for role, method in LAWS
+    )
+    text = "\n".join(
+        (*imports, inspect.getsource(stepped), calls, asks, "print('numba' in sys.modules)")
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", text], capture_output=True, text=True, check=True, env={**os.environ}
+    )
     said = done.stdout.splitlines()
     for line, (role, method) in zip(said, LAWS, strict=False):
         kind, *numbers = line.split()
@@ -66,7 +73,9 @@ def test_only_the_newest_texts_of_a_name_are_kept(tmp_path, monkeypatch):
                 (tmp_path / file).touch()
                 os.utime(tmp_path / file, (n, n))
     code_store.forget_older(f"off_{9:012x}")
-    kept = sorted(file.name for file in tmp_path.glob("off_*") if not file.name.startswith("off_asr"))
+    kept = sorted(
+        file.name for file in tmp_path.glob("off_*") if not file.name.startswith("off_asr")
+    )
     assert {name.split(".")[0] for name in kept} == {f"off_{n:012x}" for n in range(2, 10)}
     assert len(kept) == 8 * 2
     assert len(list(tmp_path.glob("off_asr_*"))) == 10 * 2
@@ -74,8 +83,12 @@ def test_only_the_newest_texts_of_a_name_are_kept(tmp_path, monkeypatch):
 
 def test_all_methods_can_be_compiled_beforehand():
     """With the vehicle and the period that the command takes; what it leaves out would be compiled by the first run."""
-    laws = [method for of_role in all_methods().values() for method in of_role.values() if method.law]
-    assert {id(method) for method in chain.from_iterable(compiling.sharing(laws))} == {*map(id, laws)}
+    laws = [
+        method for of_role in all_methods().values() for method in of_role.values() if method.law
+    ]
+    assert {id(method) for method in chain.from_iterable(compiling.sharing(laws))} == {
+        *map(id, laws)
+    }
     assert all(compiling._by_default(method) is not None for method in laws)
 
 
@@ -97,11 +110,16 @@ def test_a_node_compiles_what_it_plays_but_not_while_real_time_waits(monkeypatch
     """A law that is switched to in the middle of a run runs in plain Python, or is refused if it is too heavy."""
     made = []
     monkeypatch.setattr(parts, "is_kept", lambda _: False)
-    monkeypatch.setattr(parts, "method_part", lambda configuration, compiled: made.append(configuration.method.name))
+    monkeypatch.setattr(
+        parts, "method_part", lambda configuration, compiled: made.append(configuration.method.name)
+    )
     law, plant = configure("asr", {"method": "off"}), configure("plant", {"method": "kinematic"})
     assert is_compiled(law) and is_compiled(plant)
     assert made == ["off", "kinematic"]
     assert not is_compiled(law, may_wait=False)
-    with pytest.raises(ParameterError, match=r"^plant=kinematic is not compiled.*: ev-stack compile plant=kinematic$"):
+    with pytest.raises(
+        ParameterError,
+        match=r"^plant=kinematic is not compiled.*: ev-stack compile plant=kinematic$",
+    ):
         is_compiled(plant, may_wait=False)
     assert made == ["off", "kinematic"]

@@ -39,7 +39,9 @@ def test_two_packages_do_not_share_a_name(offer):
     """Which of them a run would get hangs on the order of folders."""
     offer("coast_down", "ev_stack.manoeuvres.coast_down")  # the same one, installed twice
     assert report_for("coast_down")
-    assert offered_module(GROUP, "report", "coast_down").__name__ == "ev_stack.manoeuvres.coast_down"
+    assert (
+        offered_module(GROUP, "report", "coast_down").__name__ == "ev_stack.manoeuvres.coast_down"
+    )
     offer("coast_down", "somebody.report")
     said = r"^ev_stack\.reports 'coast_down' is offered by ev_stack\S+ and by somebody\.report, expected one$"
     with pytest.raises(ParameterError, match=said):
@@ -49,17 +51,22 @@ def test_two_packages_do_not_share_a_name(offer):
 def test_what_does_not_load_is_one_line_and_harms_only_who_wants_it(offer):
     offer("braking", "somebody.report")
     with pytest.raises(
-        ParameterError, match=r"^report braking: somebody\.report is not loaded: ModuleNotFoundError: No"
+        ParameterError,
+        match=r"^report braking: somebody\.report is not loaded: ModuleNotFoundError: No",
     ):
         report_for("braking")
     assert report_for("hill_start")
-    assert offered_module(GROUP, "report", "hill_start").__name__ == "ev_stack.manoeuvres.hill_start"
+    assert (
+        offered_module(GROUP, "report", "hill_start").__name__ == "ev_stack.manoeuvres.hill_start"
+    )
     assert load_scenario("coast_down").runs
 
 
 def test_an_unknown_name_lists_those_that_there_are():
     with pytest.raises(ParameterError, match=r"^unknown study 'sweeps'; did you mean sweep?"):
         study_named("sweeps")
-    with pytest.raises(ParameterError, match=r"^unknown report 'braking'; did you mean zhileykin2018_braking\?$"):
+    with pytest.raises(
+        ParameterError, match=r"^unknown report 'braking'; did you mean zhileykin2018_braking\?$"
+    ):
         offered_module(GROUP, "report", "braking")
     assert "coast_down" in offered(GROUP)

@@ -24,7 +24,9 @@ def test_every_name_is_there_and_in_the_docstring_or_its_group(door: str):
     assert all(hasattr(module, name) for name in module.__all__)
     signals = {signal.__name__ for role in ROLES.values() for signal in (*role.reads, *role.writes)}
     grouped = signals | set(elementary.__all__) | {"FRONT_RIGHT", "REAR_LEFT"}
-    assert [name for name in module.__all__ if name not in grouped and f"`{name}`" not in module.__doc__] == []
+    assert [
+        name for name in module.__all__ if name not in grouped and f"`{name}`" not in module.__doc__
+    ] == []
 
 
 def test_every_signal_of_a_car_can_be_named():
@@ -36,7 +38,12 @@ def test_every_signal_of_a_car_can_be_named():
 @pytest.mark.parametrize("door", DOORS)
 def test_it_loads_neither_the_compiler_nor_ros(door: str):
     code = f"import sys, {door}; print(*(name for name in ('numba', 'llvmlite', 'rclpy') if name in sys.modules))"
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "\n"
+    assert (
+        subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=True
+        ).stdout
+        == "\n"
+    )
 
 
 def test_the_core_does_not_go_in_by_its_own_door():

@@ -67,18 +67,36 @@ class of_class:
 '''
 WHEELS = "Wheels(-2.0, -2.0, -2.0, -2.0), Wheels(1.0, 0.0, p.here, 0.0)"
 ROLES = {  # signal, answer, channel
-    "driver": ("DriverCommand", "DriverCommand(-2.0, p.here, -2.0)", "brake_torque", "driver.command.brake_torque"),
+    "driver": (
+        "DriverCommand",
+        "DriverCommand(-2.0, p.here, -2.0)",
+        "brake_torque",
+        "driver.command.brake_torque",
+    ),
     "electronic_differential": (
         "WheelTorqueRequest",
         f"WheelTorqueRequest({WHEELS})",
         "brake.rear_left",
         "torque_request.brake.rear_left",
     ),
-    "asr": ("WheelTorqueCommand", f"WheelTorqueCommand({WHEELS})", "brake.rear_left", "torque_command.brake.rear_left"),
+    "asr": (
+        "WheelTorqueCommand",
+        f"WheelTorqueCommand({WHEELS})",
+        "brake.rear_left",
+        "torque_command.brake.rear_left",
+    ),
 }
 FORMS = ("compiled", "plain", "of_class")
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False) | st.sampled_from(
-    (-0.0, -5e-324, 0.1 + 0.2 - 0.3 - 1e-16, -NEGLIGIBLE, math.nextafter(-NEGLIGIBLE, -1.0), -50.0, -1.7e308)
+    (
+        -0.0,
+        -5e-324,
+        0.1 + 0.2 - 0.3 - 1e-16,
+        -NEGLIGIBLE,
+        math.nextafter(-NEGLIGIBLE, -1.0),
+        -50.0,
+        -1.7e308,
+    )
 )
 
 
@@ -86,7 +104,9 @@ NUMBERS = st.floats(allow_nan=False, allow_infinity=False) | st.sampled_from(
 def law_file(folder: Path, role: str) -> str:
     signal, answer, *_ = ROLES[role]
     file = folder / f"signs_of_{role}.py"
-    file.write_text(LAWS.format(role=role, signal=signal, signals="Instant, Wheels, " + signal, answer=answer))
+    file.write_text(
+        LAWS.format(role=role, signal=signal, signals="Instant, Wheels, " + signal, answer=answer)
+    )
     return str(file)
 
 
@@ -121,7 +141,9 @@ WAYS: dict[str, Callable[..., Any]] = {
     "offline": lambda law: ev_stack.run(
         "double_lane_change", method={"asr": law}, set={"asr.here": -3.0}, duration=0.05
     ),
-    "stepped": lambda law: ev_stack.Simulation("double_lane_change", method={"asr": law}, set={"asr.here": -3.0}),
+    "stepped": lambda law: ev_stack.Simulation(
+        "double_lane_change", method={"asr": law}, set={"asr.here": -3.0}
+    ),
 }
 
 
@@ -139,9 +161,13 @@ SPEED = "twist.longitudinal"
 def test_a_run_of_a_batch_ends_alone(folder):
     law = {"asr": f"{law_file(folder, 'asr')}:compiled"}
     varied = {"asr.here": [0.0, -3.0, -1e-17]}
-    found = ev_stack.batch("double_lane_change", vary=varied, method=law, signals=[SPEED], duration=0.5)
+    found = ev_stack.batch(
+        "double_lane_change", vary=varied, method=law, signals=[SPEED], duration=0.5
+    )
     assert [*found.failed] == [1]
-    assert found.failed[1].endswith("WheelTorqueCommand.brake.rear_left is -3.0, expected 0 or more")
+    assert found.failed[1].endswith(
+        "WheelTorqueCommand.brake.rear_left is -3.0, expected 0 or more"
+    )
     assert (found.signals[SPEED][0] == found.signals[SPEED][2]).all()
 
 
@@ -155,7 +181,10 @@ def test_the_check_finds_it(folder, form):
 def test_the_state_is_that_before_the_refused_step(folder, form):
     """So that plain Python can take the step again, and name what is wrong."""
     part, here = stepped(folder, "asr", form, 0.0)
-    wrong = part_of(configure("asr", {"method": f"{law_file(folder, 'asr')}:{form}", "here": -3.0}), form == "compiled")
+    wrong = part_of(
+        configure("asr", {"method": f"{law_file(folder, 'asr')}:{form}", "here": -3.0}),
+        form == "compiled",
+    )
     wrong.state = part.state
     with pytest.raises(SignalError):
         wrong.step(here, here)
@@ -169,7 +198,9 @@ BRAKE = "driver.command.brake_torque"
 @pytest.mark.parametrize("number", [-1e-17, 0.0, 3.0])
 def test_a_simulation_is_given_no_negative_brake_torque(number):
     simulation = ev_stack.Simulation("double_lane_change", without=["driver"])
-    with pytest.raises(ParameterError, match=rf"^input {BRAKE}: '?-0\.5'? is refused, expected 0 or more$"):
+    with pytest.raises(
+        ParameterError, match=rf"^input {BRAKE}: '?-0\.5'? is refused, expected 0 or more$"
+    ):
         simulation.step({"driver.command.drive_torque": 7.0, BRAKE: -0.5})
     simulation.step({"driver.command.drive_torque": 5.0, BRAKE: number})
     assert simulation.recording.channels[BRAKE].tolist() == [max(number, 0.0)]

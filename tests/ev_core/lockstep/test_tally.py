@@ -33,7 +33,12 @@ def signed(number: int) -> int:
 
 def by_definition(steps: list[list[float]]) -> int:
     """The sum over the steps of a topic in whole numbers of Python, which do not overflow."""
-    keys = [key | 1 for key in struct.unpack(f"<{2 + 2 * SIZE}q", hashlib.shake_256(KEY).digest(8 * (2 + 2 * SIZE)))]
+    keys = [
+        key | 1
+        for key in struct.unpack(
+            f"<{2 + 2 * SIZE}q", hashlib.shake_256(KEY).digest(8 * (2 + 2 * SIZE))
+        )
+    ]
     total = 0
     for step, numbers in enumerate(steps):
         mixed = signed((step + 1) * keys[0])
@@ -72,8 +77,14 @@ def test_whoever_changes_numbers_changes_the_sum(steps, data):
     """Also where only signs are turned, numbers change places, or steps do; zero and minus zero are two numbers."""
     others = [list(numbers) for numbers in steps]
     for _ in range(data.draw(st.integers(1, 3))):
-        step, place = data.draw(st.integers(0, len(steps) - 1)), data.draw(st.integers(0, WIDTH - 1))
-        other_step, other_place = data.draw(st.integers(0, len(steps) - 1)), data.draw(st.integers(0, WIDTH - 1))
+        step, place = (
+            data.draw(st.integers(0, len(steps) - 1)),
+            data.draw(st.integers(0, WIDTH - 1)),
+        )
+        other_step, other_place = (
+            data.draw(st.integers(0, len(steps) - 1)),
+            data.draw(st.integers(0, WIDTH - 1)),
+        )
         how = data.draw(st.sampled_from(["sign", "swap", "number"]))
         if how == "sign":
             others[step][place] = -others[step][place]
@@ -105,7 +116,9 @@ def test_a_node_that_integrates_outputs_the_step_ahead_of_its_inputs():
 def test_the_newest_step_of_an_inbox_is_added_where_it_stands(lead, run):
     """Over more steps than the inbox has rows, in a later run too, and of an output of the next instant."""
     inbox = Inbox(Inputs((DriverCommand,), PERIOD, lead=lead))
-    at_once, one_by_one = (Tally(KEY, (DriverCommand,), (WheelTorqueCommand,), lead // PERIOD) for _ in range(2))
+    at_once, one_by_one = (
+        Tally(KEY, (DriverCommand,), (WheelTorqueCommand,), lead // PERIOD) for _ in range(2)
+    )
     add = at_once.adder(inbox)
     for step in range(20):
         stamp = run + step * PERIOD
@@ -132,4 +145,6 @@ def test_a_run_that_begins_anew_is_added_up_anew():
         tally.forget()
         tally.add(0, frame.address, frame.address)
         tally.add(1, frame.address, frame.address)
-    assert tally.newest(1, -1)[READ][NAME]["1"] == by_definition([list(np.arange(1.0, 1.0 + WIDTH))] * 2)
+    assert tally.newest(1, -1)[READ][NAME]["1"] == by_definition(
+        [list(np.arange(1.0, 1.0 + WIDTH))] * 2
+    )

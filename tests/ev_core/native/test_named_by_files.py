@@ -62,7 +62,9 @@ def test_no_file_has_a_library_loaded(library, tmp_path, what):
 def test_the_command_line_and_python_have_it_loaded(library, tmp_path):
     """And say then that it has no law."""
     for words in (("--method", f"asr={library}"), ("--set", f"asr.method={library}")):
-        with pytest.raises(SystemExit, match=f"^error: asr: asr method {library}: it has no ev_asr"):
+        with pytest.raises(
+            SystemExit, match=f"^error: asr: asr method {library}: it has no ev_asr"
+        ):
             main(["double_lane_change", "--offline", "--out", str(tmp_path / "out"), *words])
     with pytest.raises(ParameterError, match="it has no ev_asr"):
         ev_stack.run("double_lane_change", method={"asr": str(library)})

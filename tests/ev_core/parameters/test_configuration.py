@@ -45,7 +45,13 @@ def test_without_values_the_default_method_plays_with_its_defaults(role):
 
 
 def test_values_reach_the_method_the_common_part_and_the_node():
-    values = {"method": "power_steering", "gamma": 3, "control_period": 0.001, "vehicle.mass": 900, "duration": 7}
+    values = {
+        "method": "power_steering",
+        "gamma": 3,
+        "control_period": 0.001,
+        "vehicle.mass": 900,
+        "duration": 7,
+    }
     found = configure(DIFFERENTIAL, values, MasterParameters)
     assert found.parameters.gamma == 3.0
     assert found.common.vehicle.mass == 900.0
@@ -66,8 +72,12 @@ def test_values_of_a_sibling_method_are_checked_and_named_as_unused():
     """One scenario file serves several methods; a mistake in it shows all the same."""
     found = configure(DIFFERENTIAL, {"method": "equal_torque", "gamma": 3.0})
     assert found.unused == ("gamma",)
-    assert refused(DIFFERENTIAL, {"method": "equal_torque", "gamma": -1.0}).startswith("parameter gamma: -1.0")
-    assert refused(DIFFERENTIAL, {"method": "equal_torque", "gamma": "much"}).startswith("parameter gamma: 'much'")
+    assert refused(DIFFERENTIAL, {"method": "equal_torque", "gamma": -1.0}).startswith(
+        "parameter gamma: -1.0"
+    )
+    assert refused(DIFFERENTIAL, {"method": "equal_torque", "gamma": "much"}).startswith(
+        "parameter gamma: 'much'"
+    )
 
 
 def test_an_unknown_name_asks_for_the_similar_one_and_lists_not_all_of_very_many():
@@ -93,14 +103,21 @@ def test_an_unknown_name_asks_for_the_similar_one_and_lists_not_all_of_very_many
     ],
 )
 def test_bad_common_and_further_values_are_refused_by_name(values):
-    assert refused("plant", values, MasterParameters).startswith(f"parameter {next(iter(values))}: ")
+    assert refused("plant", values, MasterParameters).startswith(
+        f"parameter {next(iter(values))}: "
+    )
 
 
 def test_the_entries_are_what_ros_declares():
     """`ros2 param list`: the method and the common part are fixed when the node starts, the rest can be set."""
-    entries = {entry.name: entry for entry in configure(DIFFERENTIAL, {"gamma": 2.0}, MasterParameters).entries()}
+    entries = {
+        entry.name: entry
+        for entry in configure(DIFFERENTIAL, {"gamma": 2.0}, MasterParameters).entries()
+    }
     assert entries["method"].spec.choices == tuple(methods_of(DIFFERENTIAL))
-    assert {"drive_by_wire", "equal_torque", "power_steering", "steer_by_wire"} <= {*methods_of(DIFFERENTIAL)}
+    assert {"drive_by_wire", "equal_torque", "power_steering", "steer_by_wire"} <= {
+        *methods_of(DIFFERENTIAL)
+    }
     fixed = {name for name, entry in entries.items() if entry.spec.read_only}
     assert {"method", "control_period", "mode", "seed", "vehicle.mass", "await_recorder"} <= fixed
     assert not {"gamma", "real_time_factor"} & fixed
@@ -116,7 +133,9 @@ def test_a_change_keeps_everything_else_and_leaves_the_old_one_alone():
     assert after.changed({}).values() == after.values()
 
 
-@pytest.mark.parametrize("values", [{"gamma": -1.0}, {"gamma": 4.0, "unknown": 1}, {"gamma": 4.0, "k_ck": "soft"}])
+@pytest.mark.parametrize(
+    "values", [{"gamma": -1.0}, {"gamma": 4.0, "unknown": 1}, {"gamma": 4.0, "k_ck": "soft"}]
+)
 def test_a_refused_change_changes_nothing(values):
     before = configure(DIFFERENTIAL, {"method": "power_steering"})
     shown = before.values()
@@ -155,7 +174,11 @@ def test_a_graph_of_defaults_fits_together():
 
 @pytest.mark.parametrize(
     ("name", "value", "other"),
-    [("control_period", 0.02, 0.01), ("vehicle.mass", 900.0, 1400.0), ("mode", "realtime", "lockstep")],
+    [
+        ("control_period", 0.02, 0.01),
+        ("vehicle.mass", 900.0, 1400.0),
+        ("mode", "realtime", "lockstep"),
+    ],
 )
 def test_nodes_that_differ_in_what_they_share_are_refused(name, value, other):
     """Only what differs is shown, and who says what."""
@@ -180,8 +203,12 @@ def test_a_signal_that_no_chosen_method_writes_is_refused():
 
     method = dataclasses.replace(plant.method, factory=Blind)
     configurations["plant"] = dataclasses.replace(plant, method=method)
-    text = refused_graph({**configurations, "asr": toy("asr", ()), DIFFERENTIAL: toy(DIFFERENTIAL, ())})
-    assert text.startswith("steering_column method toy reads BodyVelocity, which none of the chosen methods writes (")
+    text = refused_graph(
+        {**configurations, "asr": toy("asr", ()), DIFFERENTIAL: toy(DIFFERENTIAL, ())}
+    )
+    assert text.startswith(
+        "steering_column method toy reads BodyVelocity, which none of the chosen methods writes ("
+    )
 
 
 def test_a_law_that_requires_a_column_is_refused_with_another():
@@ -199,10 +226,15 @@ def test_a_driver_that_requires_an_imposed_speed_is_refused_with_a_free_one():
     check_graph(graph(driver=foot, plant={"method": "planar", "speed": "imposed"}))
     for plant, chosen in (({"method": "planar"}, "free"), ({"method": "kinematic"}, None)):
         text = refused_graph(graph(driver=foot, plant=plant))
-        assert text == f"driver method imposed_speed requires plant.speed imposed, but {chosen} is chosen"
+        assert (
+            text
+            == f"driver method imposed_speed requires plant.speed imposed, but {chosen} is chosen"
+        )
 
 
-@pytest.mark.parametrize("name", ["seed", "mode", "method", "faults", "vehicle", "sensors", "control_period"])
+@pytest.mark.parametrize(
+    "name", ["seed", "mode", "method", "faults", "vehicle", "sensors", "control_period"]
+)
 def test_a_law_with_a_parameter_of_every_node_is_refused_when_it_is_registered(name):
     """`seed` never reached the law, `mode` and `faults` were two in one."""
     own = make_dataclass("Own", [(name, float, parameter(1.0, unit="1", about="own"))], frozen=True)
@@ -213,13 +245,23 @@ def test_a_law_with_a_parameter_of_every_node_is_refused_when_it_is_registered(n
 
 
 def test_the_master_of_time_has_names_besides():
-    own = make_dataclass("Own", [("duration", float, parameter(1.0, unit="s", about="own"))], frozen=True)
-    with pytest.raises(ParameterError, match=r"^plant method own: parameter duration is refused: every node has"):
+    own = make_dataclass(
+        "Own", [("duration", float, parameter(1.0, unit="s", about="own"))], frozen=True
+    )
+    with pytest.raises(
+        ParameterError, match=r"^plant method own: parameter duration is refused: every node has"
+    ):
         refuse_taken("plant method own", own, entries_by_name(MasterParameters))
 
 
-@pytest.mark.parametrize(("role", "name"), [(role, name) for role, of in all_methods().items() for name in of])
+@pytest.mark.parametrize(
+    ("role", "name"), [(role, name) for role, of in all_methods().items() for name in of]
+)
 def test_no_parameter_of_a_method_hides_one_that_every_node_has(role, name):
     """Both would be declared under one name, and the node would take the one for the other."""
-    of_node = {*flatten(CommonParameters()), *(flatten(MasterParameters()) if role == MASTER else ()), "method"}
+    of_node = {
+        *flatten(CommonParameters()),
+        *(flatten(MasterParameters()) if role == MASTER else ()),
+        "method",
+    }
     assert not of_node & set(flatten(find_method(role, name).parameters()))

@@ -30,8 +30,12 @@ def vehicle_with(file: Path | str) -> Vehicle:
 
 
 def class_b(**motor: object) -> Vehicle:
-    values = ParameterFile(ROOT / "config/vehicles/dissertation_class_b.yaml").values_for("/ev/plant")
-    return configure("plant", {**values, **{f"vehicle.motor.{k}": v for k, v in motor.items()}}).common.vehicle
+    values = ParameterFile(ROOT / "config/vehicles/dissertation_class_b.yaml").values_for(
+        "/ev/plant"
+    )
+    return configure(
+        "plant", {**values, **{f"vehicle.motor.{k}": v for k, v in motor.items()}}
+    ).common.vehicle
 
 
 def test_a_relative_name_counts_from_the_config_folder_first(tmp_path, monkeypatch):
@@ -50,7 +54,9 @@ def test_a_relative_name_counts_from_the_config_folder_first(tmp_path, monkeypat
 def test_speed_profile_and_map_follow_the_same_rule(tmp_path, monkeypatch):
     monkeypatch.setenv("EV_STACK_CONFIG", str(tmp_path))
     (tmp_path / "cycle.csv").write_text("# made up\n\nt_s,v_mps\n0,1\n\n# comment\n2,3\n")
-    (tmp_path / "map.csv").write_text("speed_radps,torque_nm,efficiency\n1,2,.8\n3,2,.9\n3,4,.7\n1,4,.6\n")
+    (tmp_path / "map.csv").write_text(
+        "speed_radps,torque_nm,efficiency\n1,2,.8\n3,2,.9\n3,4,.7\n1,4,.6\n"
+    )
     driver = configure("driver", {"speed_profile.file": "cycle.csv"}).parameters
     assert (driver.speed_profile.time, driver.speed_profile.speed) == ((0.0, 2.0), (1.0, 3.0))
     for role in REQUIRED:  # the vehicle is one for all: a law may know the map too
@@ -62,7 +68,10 @@ def test_speed_profile_and_map_follow_the_same_rule(tmp_path, monkeypatch):
 
 def test_without_a_config_folder_the_way_out_is_named(tmp_path, monkeypatch):
     monkeypatch.setenv("EV_STACK_CONFIG", str(tmp_path / "gone"))
-    with pytest.raises(ParameterError, match=r"^vehicle.motor.map_file: map.csv: the config folder .*gone, named by"):
+    with pytest.raises(
+        ParameterError,
+        match=r"^vehicle.motor.map_file: map.csv: the config folder .*gone, named by",
+    ):
         with_map_from_file(vehicle_with("map.csv"))
 
 
@@ -73,13 +82,25 @@ def test_without_a_config_folder_the_way_out_is_named(tmp_path, monkeypatch):
             "speed,torque_nm,efficiency\n",
             "no header with the columns one of speed_radps and speed_rpm, torque_nm",
         ),
-        ("speed_rpm,torque_nm,efficiency,torque_nm\n", "line 1: column torque_nm is listed twice, expected once"),
-        (HEADER + "10,1,0.9\n20,1,0.9\n10,2,0.9\n", "2.0944 rad/s and 2 N m is there 0 times, expected once"),
+        (
+            "speed_rpm,torque_nm,efficiency,torque_nm\n",
+            "line 1: column torque_nm is listed twice, expected once",
+        ),
+        (
+            HEADER + "10,1,0.9\n20,1,0.9\n10,2,0.9\n",
+            "2.0944 rad/s and 2 N m is there 0 times, expected once",
+        ),
         (HEADER + "10,1,0.9\n10,1,0.8\n", "1.0472 rad/s and 1 N m is there 2 times, expected once"),
-        (HEADER + "10,1,0.9\n20,1,1.1\n10,2,1\n20,2,1\n", r"map_efficiency: .*1.1.* is refused, expected 0.01 to 1"),
+        (
+            HEADER + "10,1,0.9\n20,1,1.1\n10,2,1\n20,2,1\n",
+            r"map_efficiency: .*1.1.* is refused, expected 0.01 to 1",
+        ),
         (HEADER + "10,1,0.9\n20,1,0.9\n", "map_torque needs at least two elements and must rise"),
         (HEADER + "10,1,0.9\n20,one,0.9\n", "line 3: torque_nm is no finite number"),
-        (HEADER + "10,1,1\n20,1,0,95\n", "line 3: 4 columns, expected at most 3, as in the header, and a point in dec"),
+        (
+            HEADER + "10,1,1\n20,1,0,95\n",
+            "line 3: 4 columns, expected at most 3, as in the header, and a point in dec",
+        ),
     ],
 )
 def test_bad_maps_are_refused_in_one_line(tmp_path, text, message):
@@ -92,7 +113,9 @@ def test_bad_maps_are_refused_in_one_line(tmp_path, text, message):
 
 
 def test_the_plant_opens_no_files(tmp_path):
-    with pytest.raises(ParameterError, match=r"^vehicle.motor.map_file: map.csv has not been read into the map$"):
+    with pytest.raises(
+        ParameterError, match=r"^vehicle.motor.map_file: map.csv has not been read into the map$"
+    ):
         plant(vehicle_with("map.csv"))
 
 

@@ -32,7 +32,11 @@ REFUSED = (ParameterError, RecordingError)
 READERS: dict[str, tuple[str, int, Callable[[Path], object]]] = {
     "scenario": ("own.yaml", TEXT, lambda path: load_scenario(str(path))),
     "vehicle": ("car.yaml", TEXT, lambda path: vehicle_file(str(path))),
-    "parameters": ("more.yaml", TEXT, lambda path: load_scenario("shchur2019", Overrides(files=[path]))),
+    "parameters": (
+        "more.yaml",
+        TEXT,
+        lambda path: load_scenario("shchur2019", Overrides(files=[path])),
+    ),
     "tyre": ("tyre.tir", TEXT, lambda path: read_tyre("vehicle.tyre.front_file", str(path))),
     "cycle": ("cycle.csv", TABLE, lambda path: cycle_values(str(path))),
     "map": ("map.csv", TABLE, lambda path: configure("asr", {"vehicle.motor.map_file": str(path)})),
@@ -47,7 +51,10 @@ WRONG: dict[str, tuple[Callable[[Path, int], object], str]] = {
     "device": (lambda path, most: path.symlink_to("/dev/zero"), "it is a device"),
     "pipe": (lambda path, most: os.mkfifo(path), "it is a pipe"),
     "folder": (lambda path, most: path.mkdir(), "it is a folder"),
-    "large": (lambda path, most: (path.touch(), os.truncate(path, most + 2**20)), r"it is of \d+ MB"),
+    "large": (
+        lambda path, most: (path.touch(), os.truncate(path, most + 2**20)),
+        r"it is of \d+ MB",
+    ),
 }
 
 
@@ -100,14 +107,21 @@ def test_aliases_do_not_unfold(tmp_path):
     lines = ["a0: &a0 {x: 1.0}"]
     for n in range(1, 10):
         lines.append(f"a{n}: &a{n} {{{', '.join(f'k{i}: *a{n - 1}' for i in range(10))}}}")
-    (tmp_path / "bomb.yaml").write_text("/**/asr:\n  ros__parameters:\n" + "".join(f"    {line}\n" for line in lines))
-    with little_memory(), pytest.raises(ParameterError, match=r"bomb.yaml: not readable as YAML in line 4: an alias"):
+    (tmp_path / "bomb.yaml").write_text(
+        "/**/asr:\n  ros__parameters:\n" + "".join(f"    {line}\n" for line in lines)
+    )
+    with (
+        little_memory(),
+        pytest.raises(ParameterError, match=r"bomb.yaml: not readable as YAML in line 4: an alias"),
+    ):
         ParameterFile(tmp_path / "bomb.yaml")
 
 
 def npy(shape: tuple[int, ...], kind: str = "<f8", data: bytes = b"") -> bytes:
     header = io.BytesIO()
-    np.lib.format.write_array_header_1_0(header, {"descr": kind, "fortran_order": False, "shape": shape})
+    np.lib.format.write_array_header_1_0(
+        header, {"descr": kind, "fortran_order": False, "shape": shape}
+    )
     return header.getvalue() + data
 
 
@@ -125,7 +139,10 @@ def npy(shape: tuple[int, ...], kind: str = "<f8", data: bytes = b"") -> bytes:
 def test_arrays_are_what_they_say(tmp_path, content):
     with zipfile.ZipFile(tmp_path / "signals.npz", "w") as archive:
         archive.writestr("time.npy", content[1])
-    with little_memory(), pytest.raises(RecordingError, match=r"^\S+signals.npz holds no signals: "):
+    with (
+        little_memory(),
+        pytest.raises(RecordingError, match=r"^\S+signals.npz holds no signals: "),
+    ):
         load(tmp_path / "signals.npz")
 
 
@@ -186,8 +203,12 @@ def test_a_path_in_a_file_does_not_lead_out(tmp_path, elsewhere, node, name, fil
         load_scenario(str(own))
 
 
-@pytest.mark.parametrize(("node", "name", "file"), [path for path in PATHS if path[0] != "scenario"])
-def test_the_same_path_on_the_command_line_and_below_the_file_is_read(tmp_path, elsewhere, node, name, file):
+@pytest.mark.parametrize(
+    ("node", "name", "file"), [path for path in PATHS if path[0] != "scenario"]
+)
+def test_the_same_path_on_the_command_line_and_below_the_file_is_read(
+    tmp_path, elsewhere, node, name, file
+):
     """It is wrong in itself there, and says so."""
     given = Overrides(values=[(node, name, str(elsewhere / file))])
     own = scenario_with(elsewhere, node, name, str(elsewhere / file))
@@ -197,11 +218,15 @@ def test_the_same_path_on_the_command_line_and_below_the_file_is_read(tmp_path, 
         assert "is refused, allowed in" not in str(refused.value)
 
 
-@pytest.mark.skipif(not Path("/proc/self/pagemap").exists(), reason="no file here has more than it says")
+@pytest.mark.skipif(
+    not Path("/proc/self/pagemap").exists(), reason="no file here has more than it says"
+)
 def test_a_file_that_has_no_end_is_one_line():
     """In /proc files are regular and say that they are empty."""
     with (
         little_memory(),
-        pytest.raises(ParameterError, match=r"pagemap: it has more than it says, expected a regular"),
+        pytest.raises(
+            ParameterError, match=r"pagemap: it has more than it says, expected a regular"
+        ),
     ):
         cycle_values("/proc/self/pagemap")

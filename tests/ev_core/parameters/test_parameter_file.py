@@ -13,7 +13,8 @@ from ev_core.parameters.section import matches
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.scenarios.parameter_file import ParameterFile, flattened, read_yaml
 
-# What rclpy 9.1 gives to a node `driver` in these namespaces that declares its parameters from this file.
+# What rclpy 9.1 gives to a node `driver` in these namespaces that declares its parameters from this
+# file.
 SECTIONS = """
 /**:
   ros__parameters: {a: first, b: 1e-3, e: 1.0e3, f: 5, g: [1.0, 2.0]}
@@ -49,7 +50,10 @@ def file(tmp_path: Path):
 @pytest.mark.parametrize(
     ("node", "values"),
     [
-        ("/ev/driver", {**EVERYBODY, **DRIVERS, "a": "full", "c": "star", "m": False, "d": "token"}),
+        (
+            "/ev/driver",
+            {**EVERYBODY, **DRIVERS, "a": "full", "c": "star", "m": False, "d": "token"},
+        ),
         ("/driver", {**EVERYBODY, **DRIVERS, "z": "root"}),
         ("/ev/run/driver", {**EVERYBODY, **DRIVERS, "a": "run"}),
         ("/ev/asr", {**EVERYBODY, "c": "star", "m": False}),
@@ -92,11 +96,17 @@ def test_wildcards_mean_one_token_or_any_namespaces(pattern, node, match):
 def test_sections_for_all_nodes_can_be_left_out(file):
     """A scenario speaks about itself under its name; what is for all nodes is not for it."""
     parameters = ParameterFile(file(SECTIONS))
-    assert parameters.values_for("/ev/driver", by_name=True) == {**DRIVERS, "a": "full", "d": "token"}
+    assert parameters.values_for("/ev/driver", by_name=True) == {
+        **DRIVERS,
+        "a": "full",
+        "d": "token",
+    }
 
 
 names = st.text("abcdefg_", min_size=1, max_size=3)
-trees = st.recursive(st.integers(), lambda inner: st.dictionaries(names, inner, max_size=3), max_leaves=8)
+trees = st.recursive(
+    st.integers(), lambda inner: st.dictionaries(names, inner, max_size=3), max_leaves=8
+)
 
 
 @given(st.dictionaries(names, trees, max_size=4))
@@ -123,7 +133,9 @@ def test_a_number_is_a_number_however_it_is_written(value):
     assert read_yaml(yaml.safe_dump(value)) == value
 
 
-@pytest.mark.parametrize("text", ["e5", "1e", "1e5x", "1.2.3", "'1e5'", "front_left", "1e5 m", "nan", "e"])
+@pytest.mark.parametrize(
+    "text", ["e5", "1e", "1e5x", "1.2.3", "'1e5'", "front_left", "1e5 m", "nan", "e"]
+)
 def test_a_text_stays_a_text(text):
     assert read_yaml(text) == text.strip("'")
 
@@ -153,8 +165,14 @@ def test_a_missing_file_is_named(tmp_path):
         ("", "a ROS parameter file has sections such as '/**/driver:', this one has none"),
         ("- 1\n- 2", "a ROS parameter file has sections such as '/**/driver:', this one has none"),
         ("/**/driver: 5", "section '/**/driver' does not hold 'ros__parameters:' with parameters"),
-        ("/**/driver: {method: x}", "section '/**/driver' does not hold 'ros__parameters:' with parameters"),
-        ("/**/driver: {ros__parameters: 5}", "section '/**/driver' does not hold 'ros__parameters:' with parameters"),
+        (
+            "/**/driver: {method: x}",
+            "section '/**/driver' does not hold 'ros__parameters:' with parameters",
+        ),
+        (
+            "/**/driver: {ros__parameters: 5}",
+            "section '/**/driver' does not hold 'ros__parameters:' with parameters",
+        ),
         ("/**/driver: {ros__parameters: {a: 1}, more: 2}", "section '/**/driver' does not hold"),
         ("driver:\n  ros__parameters:\n", "section 'driver' does not hold"),
         ("a: &x 1\nb: *x", "not readable as YAML in line 2: an alias, expected what it stands for"),

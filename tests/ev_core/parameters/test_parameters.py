@@ -26,7 +26,9 @@ class Inner:
 
     def __post_init__(self) -> None:
         if self.low > self.high:
-            raise ParameterError(f"low: {self.low!r} is refused, expected at most high = {self.high:g}")
+            raise ParameterError(
+                f"low: {self.low!r} is refused, expected at most high = {self.high:g}"
+            )
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +67,8 @@ def test_groups_become_dotted_names_in_order_of_declaration():
         *("gain", "count", "name", "text", "points", "switches", "wheels"),
         *("middle.inner.low", "middle.inner.high", "middle.switch"),
     ]
-    assert ENTRIES["middle.inner.high"].default == 5.0  # the group changes the default of its dataclass
+    # the group changes the default of its dataclass
+    assert ENTRIES["middle.inner.high"].default == 5.0
     assert (ENTRIES["points"].type, ENTRIES["points"].is_array) == (float, True)
     assert (ENTRIES["count"].type, ENTRIES["count"].is_array) == (int, False)
     assert ENTRIES["gain"].spec.source == "a paper"
@@ -90,17 +93,36 @@ def test_a_number_of_numpy_is_a_number(kind, value):
     number = np.dtype(kind).type(value)
     names = ["gain", "count"] if value == 1 else ["gain"]
     made = build(Outer, {**dict.fromkeys(names, number), "points": [number, number]})
-    assert build(Outer, {"points": np.array([number, number])}).points == made.points == (value, value)
+    assert (
+        build(Outer, {"points": np.array([number, number])}).points == made.points == (value, value)
+    )
     assert {type(number) for number in (made.gain, *made.points)} == {float}
     assert (made.gain, made.count, type(made.count)) == (value, 1 if value == 1 else 3, int)
 
 
 def test_what_numpy_holds_besides_is_taken_or_refused_like_the_same_of_python():
-    made = build(Outer, {"middle.switch": np.bool_(True), "switches": np.array([True, False]), "name": np.str_("two")})
+    made = build(
+        Outer,
+        {
+            "middle.switch": np.bool_(True),
+            "switches": np.array([True, False]),
+            "name": np.str_("two"),
+        },
+    )
     assert (made.middle.switch, made.switches, type(made.name)) == (True, (True, False), str)
-    for value in (np.float64(3.0), np.float64("nan"), np.bool_(True), np.array([1.0]), np.complex128(1), np.array("x")):
+    for value in (
+        np.float64(3.0),
+        np.float64("nan"),
+        np.bool_(True),
+        np.array([1.0]),
+        np.complex128(1),
+        np.array("x"),
+    ):
         assert refused({"gain": value}).startswith("parameter gain: ")
-    assert refused({"count": np.float64(2.0)}) == "parameter count: 2.0 is refused, expected a whole number, at least 1"
+    assert (
+        refused({"count": np.float64(2.0)})
+        == "parameter count: 2.0 is refused, expected a whole number, at least 1"
+    )
     assert refused({"points": np.zeros((2, 2))}).startswith(
         "parameter points: [0.0, 0.0] is refused, expected a number"
     )
@@ -177,7 +199,11 @@ def test_a_bad_value_is_refused_with_name_value_and_what_is_allowed(name, value,
     text = refused({name: value})
     assert text.startswith(f"parameter {name}: ")
     assert text.endswith(f"is refused, expected {allowed}")
-    culprit = value[-1] if isinstance(value, list) and "array" not in allowed and name != "gain" else value
+    culprit = (
+        value[-1]
+        if isinstance(value, list) and "array" not in allowed and name != "gain"
+        else value
+    )
     assert quoted(culprit) in text
 
 
@@ -192,11 +218,18 @@ def test_both_ends_of_a_range_are_allowed_and_nothing_beyond(value):
 
 def test_a_relation_is_checked_after_all_values_and_names_the_full_parameter():
     """Both limits may move at once, though each alone would be refused."""
-    assert build(Outer, {"middle.inner.low": 8, "middle.inner.high": 9}).middle.inner == Inner(8.0, 9.0)
-    assert refused({"middle.inner.low": 8}) == "middle.inner.low: 8.0 is refused, expected at most high = 5"
+    assert build(Outer, {"middle.inner.low": 8, "middle.inner.high": 9}).middle.inner == Inner(
+        8.0, 9.0
+    )
+    assert (
+        refused({"middle.inner.low": 8})
+        == "middle.inner.low: 8.0 is refused, expected at most high = 5"
+    )
 
 
-@pytest.mark.parametrize("name", ["gian", "middle", "middle.inner", "middle.inner.low.x", "", "Gain"])
+@pytest.mark.parametrize(
+    "name", ["gian", "middle", "middle.inner", "middle.inner.low.x", "", "Gain"]
+)
 def test_an_unknown_name_is_refused_and_the_known_ones_are_listed(name):
     text = refused({name: 1.0})
     assert text.startswith(f"unknown parameter {name!r}; ")
@@ -244,7 +277,11 @@ def test_a_type_that_ros_does_not_know_cannot_be_declared():
 
 SETS = {
     "vehicle": Vehicle,
-    **{f"{role} {name}": method.parameters for role, of in all_methods().items() for name, method in of.items()},
+    **{
+        f"{role} {name}": method.parameters
+        for role, of in all_methods().items()
+        for name, method in of.items()
+    },
 }
 
 

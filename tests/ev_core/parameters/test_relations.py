@@ -59,7 +59,9 @@ def related(of: Any, prefix: str = "") -> Iterator[tuple[Entry, ...]]:
 
 def groups_of(configuration: Configuration) -> list[tuple[Entry, ...]]:
     extra = configuration.extra
-    beside = [] if extra is None else [tuple(e for e in entries(extra) if e.name.startswith("command_"))]
+    beside = (
+        [] if extra is None else [tuple(e for e in entries(extra) if e.name.startswith("command_"))]
+    )
     of = (
         *related(configuration.parameters),
         *related(configuration.common),
@@ -70,7 +72,10 @@ def groups_of(configuration: Configuration) -> list[tuple[Entry, ...]]:
 
 def values_of(entry: Entry) -> st.SearchStrategy[Any]:
     """What is allowed by itself, often at an end of the range."""
-    spec, default = entry.spec, entry.default[0] if entry.is_array and entry.default else entry.default
+    spec, default = (
+        entry.spec,
+        entry.default[0] if entry.is_array and entry.default else entry.default,
+    )
     if spec.choices:
         one: Any = st.sampled_from(spec.choices)
     elif entry.type is bool:
@@ -80,7 +85,9 @@ def values_of(entry: Entry) -> st.SearchStrategy[Any]:
     else:
         low = -1e6 if spec.low is None else spec.low
         high = max(low, 1e6 if spec.high is None else spec.high)
-        ends = [entry.type(each) for each in (low, high)] + ([default] if isinstance(default, entry.type) else [])
+        ends = [entry.type(each) for each in (low, high)] + (
+            [default] if isinstance(default, entry.type) else []
+        )
         numbers = st.integers(int(low), int(high)) if entry.type is int else st.floats(low, high)
         one = st.sampled_from(ends) | numbers
     return st.lists(one, max_size=4) if entry.is_array else one
@@ -100,7 +107,9 @@ def test_what_a_start_refuses_a_live_change_refuses_with_the_same_words(method, 
     role, name = method
     least, base = base_of(role, name)
     group = data.draw(st.sampled_from(groups_of(base)))
-    chosen = data.draw(st.lists(st.sampled_from(group), min_size=1, max_size=4, unique_by=lambda entry: entry.name))
+    chosen = data.draw(
+        st.lists(st.sampled_from(group), min_size=1, max_size=4, unique_by=lambda entry: entry.name)
+    )
     values = {entry.name: data.draw(values_of(entry)) for entry in chosen}
     begun = outcome(lambda: configure(role, {"method": name, **least, **values}, extra_of(role)))
     assert outcome(lambda: base.changed(values)) == begun
@@ -115,8 +124,12 @@ def test_a_command_is_not_given_up_within_two_periods(timeout, period):
     with pytest.raises(ParameterError, match=said):
         configure(MASTER, {**clock, "command_timeout": timeout}, MasterParameters)
     with pytest.raises(ParameterError, match=said):
-        configure(MASTER, {**clock, "command_timeout": 1.0}, MasterParameters).changed({"command_timeout": timeout})
-    assert configure(MASTER, {"control_period": period, "command_timeout": timeout}, MasterParameters)
+        configure(MASTER, {**clock, "command_timeout": 1.0}, MasterParameters).changed(
+            {"command_timeout": timeout}
+        )
+    assert configure(
+        MASTER, {"control_period": period, "command_timeout": timeout}, MasterParameters
+    )
 
 
 @given(st.integers(1, 100).map(lambda n: n / 1000), st.floats(0.0, 1.0), st.floats(0.001, 1.0))
@@ -126,7 +139,12 @@ def test_a_command_is_not_given_up_within_two_periods(timeout, period):
 @example(0.045, 0.02, 0.1)
 def test_the_torque_of_a_command_that_has_just_come_does_not_fade(period, ramp, timeout):
     """At the end of the step that holds it a command in time is not yet two periods old; to a nanosecond."""
-    clock = {"mode": "realtime", "control_period": period, "command_timeout": timeout, "command_ramp": ramp}
+    clock = {
+        "mode": "realtime",
+        "control_period": period,
+        "command_timeout": timeout,
+        "command_ramp": ramp,
+    }
     try:
         extra = configure(MASTER, clock, MasterParameters).extra
     except ParameterError as error:

@@ -45,7 +45,9 @@ def test_a_number_in_another_unit(text, unit, number):
 
 def test_units_are_read_where_values_are_given():
     """In files, on the command line and from Python: all go through the same check, and ranges hold behind it."""
-    assert build(Vehicle, {"mass": "1.4 t", "wheelbase": "2405 mm"}) == Vehicle(mass=1400.0, wheelbase=2.405)
+    assert build(Vehicle, {"mass": "1.4 t", "wheelbase": "2405 mm"}) == Vehicle(
+        mass=1400.0, wheelbase=2.405
+    )
     chosen = [("plant", "initial_speed", "36 km/h"), ("driver", "speed_profile.speed", ["18 km/h"])]
     found = load_scenario("double_lane_change", Overrides(values=chosen)).runs[0].configurations
     assert found["plant"].parameters.initial_speed == 10.0
@@ -54,7 +56,9 @@ def test_units_are_read_where_values_are_given():
         build(Vehicle, {"mass": "1400 lb"})
     said = "parameter mass: '1400 lb' is refused, expected a number, 50 to 60000 kg, or a text of a number and one of "
     assert str(error.value) == f"{said}kg, t, g"
-    with pytest.raises(ParameterError, match=r"^parameter mass: 0.02 is refused, expected 50 to 60000 kg$"):
+    with pytest.raises(
+        ParameterError, match=r"^parameter mass: 0.02 is refused, expected 50 to 60000 kg$"
+    ):
         build(Vehicle, {"mass": "20 g"})
 
 
@@ -65,16 +69,32 @@ def test_no_unit_is_accepted_for_itself_with_a_factor():
 def errors(value: Any, by: dict[str, Any], where: str = "") -> list[str]:
     """What a value breaks of the keywords that our schema uses."""
     if by is True or "$ref" in by:
-        return [] if by is True else errors(value, SCHEMA["$defs"][by["$ref"][8:].replace("%20", " ")], where)
+        return (
+            []
+            if by is True
+            else errors(value, SCHEMA["$defs"][by["$ref"][8:].replace("%20", " ")], where)
+        )
     if "anyOf" in by:
         return min((errors(value, each, where) for each in by["anyOf"]), key=len)
-    kinds = {"object": dict, "array": list, "string": str, "boolean": bool, "integer": int, "number": (int, float)}
+    kinds = {
+        "object": dict,
+        "array": list,
+        "string": str,
+        "boolean": bool,
+        "integer": int,
+        "number": (int, float),
+    }
     if "type" in by and (
-        not isinstance(value, kinds[by["type"]]) or (isinstance(value, bool) and by["type"] != "boolean")
+        not isinstance(value, kinds[by["type"]])
+        or (isinstance(value, bool) and by["type"] != "boolean")
     ):
         return [f"{where}: {value!r} is no {by['type']}"]
     wrong = "enum" in by and value not in by["enum"]
-    wrong |= not by.get("minimum", -math.inf) <= value <= by.get("maximum", math.inf) if "minimum" in by else False
+    wrong |= (
+        not by.get("minimum", -math.inf) <= value <= by.get("maximum", math.inf)
+        if "minimum" in by
+        else False
+    )
     wrong |= "pattern" in by and re.search(by["pattern"], value) is None
     found = [f"{where}: {value!r}"] if wrong else []
     if isinstance(value, list):
@@ -82,7 +102,9 @@ def errors(value: Any, by: dict[str, Any], where: str = "") -> list[str]:
     if isinstance(value, dict):
         patterns = by.get("patternProperties", {})
         for name, each in value.items():
-            kinds = [by.get("properties", {}).get(name)] + [patterns[p] for p in patterns if re.search(p, name)]
+            kinds = [by.get("properties", {}).get(name)] + [
+                patterns[p] for p in patterns if re.search(p, name)
+            ]
             meant = [kind for kind in kinds if kind is not None]
             if not meant and by.get("additionalProperties", True) is False:
                 found.append(f"{where}.{name} is unknown")

@@ -14,7 +14,9 @@ from ev_core.law import entry, memory_type, part, working_memory
 def test_a_name_of_numpys_own_is_refused(name):
     """In plain Python the attribute of a record would be numpy's; in a record within, too."""
     inner = make_dataclass("Inner", [(name, float, entry(unit="1"))], slots=True)
-    with pytest.raises(TypeError, match=rf"^Inner\.{name}: the name is one of numpy's own, expected another one"):
+    with pytest.raises(
+        TypeError, match=rf"^Inner\.{name}: the name is one of numpy's own, expected another one"
+    ):
         memory_type(inner)
     outer = make_dataclass("Outer", [("inner", inner, part(inner))], slots=True)
     with pytest.raises(TypeError, match=rf"^Outer\.inner\.{name}: the name is one of numpy's own"):
@@ -22,6 +24,8 @@ def test_a_name_of_numpys_own_is_refused(name):
 
 
 def test_other_names_are_set_and_read():
-    memory = working_memory(memory_type(make_dataclass("Fine", [("speed", float, entry(unit="m/s"))], slots=True)))
+    memory = working_memory(
+        memory_type(make_dataclass("Fine", [("speed", float, entry(unit="m/s"))], slots=True))
+    )
     memory[0].speed = 3.0
     assert memory[0].speed == 3.0 and memory.dtype.base.type is np.record

@@ -21,10 +21,14 @@ def quantity_named(name: str) -> Quantity:
 def sensors(errors: Mapping[str, Mapping[str, float]]) -> Any:
     """Parameters of sensors: what differs from the ideal, by quantity."""
     ideal = sensors_for(tuple({quantity_named(name).signal for name in errors}))()
-    return replace(ideal, **{name: replace(getattr(ideal, name), **given) for name, given in errors.items()})
+    return replace(
+        ideal, **{name: replace(getattr(ideal, name), **given) for name, given in errors.items()}
+    )
 
 
-def shown(true: np.ndarray, seed: int = 0, name: str = "imu_yaw_rate", **errors: float) -> np.ndarray:
+def shown(
+    true: np.ndarray, seed: int = 0, name: str = "imu_yaw_rate", **errors: float
+) -> np.ndarray:
     """What the sensor of a quantity shows of rows of its numbers, or of single ones if they are (n,)."""
     places = list(quantity_named(name).places)[: 1 if true.ndim == 1 else None]
     row = SensorRow(sensors({name: errors}), seed)

@@ -37,16 +37,26 @@ def frames(role: str, method: str, errors: dict[str, float], steps: int = 0) -> 
 def test_a_bias_shows_in_its_own_numbers_and_nowhere_else(quantity):
     """A heading shows it as that of a quaternion about the vertical axis; wheels without a circuit have no sensors."""
     role = next(role.name for role in ROLES.values() if quantity.signal in role.writes)
-    methods = {"plant": "planar_electrical", "steering_column": "powered", "rear_steering": "speed_dependent"}
+    methods = {
+        "plant": "planar_electrical",
+        "steering_column": "powered",
+        "rear_steering": "speed_dependent",
+    }
     method = methods.get(role, "circuits_with_flow")
-    true, biased = (frames(role, method, errors)[0] for errors in ({}, {f"{quantity.name}.bias": 0.125}))
+    true, biased = (
+        frames(role, method, errors)[0] for errors in ({}, {f"{quantity.name}.bias": 0.125})
+    )
     driven = configure("plant", {}).common.vehicle.driven_wheels
     own = [quantity.places[i] for part in quantity.parts(driven) for i in part]
     if quantity.kind == HEADING:
-        assert biased[list(quantity.places)] == pytest.approx([np.sin(0.0625), np.cos(0.0625)], rel=1e-15)
+        assert biased[list(quantity.places)] == pytest.approx(
+            [np.sin(0.0625), np.cos(0.0625)], rel=1e-15
+        )
     else:
         assert biased[own] == pytest.approx(0.125 + true[own], rel=2**-24)
-    others = np.setdiff1d(np.arange(frame.SIZE), own if quantity.kind == NUMBERS else quantity.places)
+    others = np.setdiff1d(
+        np.arange(frame.SIZE), own if quantity.kind == NUMBERS else quantity.places
+    )
     assert biased[others].tobytes() == true[others].tobytes()
 
 
@@ -65,14 +75,18 @@ def test_sensors_do_not_touch_what_is_integrated():
         if not name.startswith("wheel_states.effort"):
             assert (biased[:, place] == true[:, place] + off).all(), name
     everything = {f"{name}.{error}": value for name in PLANT for error, value in EVERYTHING.items()}
-    assert (frames("plant", "planar", everything, 50)[:, 1:60] != true[:, 1:60]).any(axis=0).sum() > 50
+    assert (frames("plant", "planar", everything, 50)[:, 1:60] != true[:, 1:60]).any(
+        axis=0
+    ).sum() > 50
 
 
 def test_a_change_of_one_sensor_leaves_the_noise_of_the_others_as_it_is():
     """A sensor that comes later, with a delay, begins with what there is, and not with zeros."""
     told = {"method": "planar", "initial_speed": 10.0, "sensors.imu_yaw_rate.noise": 0.1}
     configuration, places = configure("plant", told), frame.channels()
-    other = configuration.changed({"sensors.wheel_speed.delay": 2, "sensors.body_position.noise": 0.1})
+    other = configuration.changed(
+        {"sensors.wheel_speed.delay": 2, "sensors.body_position.noise": 0.1}
+    )
     shown = []
     for second in (configuration, other):
         there, seen = Frame(), []

@@ -22,8 +22,15 @@ COLUMN = [quantity.name for quantity in QUANTITIES if quantity.signal is Steerin
 def graph(seed: int = 0, **values: object) -> dict[str, Configuration]:
     """The paper's car with sensors: `node__quantity__error`."""
     names = [name.split("__") for name in values]
-    overrides = [(node, f"sensors.{q}.{e}", v) for (node, q, e), v in zip(names, values.values(), strict=True)]
-    return dict(load_scenario("shchur2019", Overrides(values=[*overrides, ("*", "seed", seed)])).runs[0].configurations)
+    overrides = [
+        (node, f"sensors.{q}.{e}", v)
+        for (node, q, e), v in zip(names, values.values(), strict=True)
+    ]
+    return dict(
+        load_scenario("shchur2019", Overrides(values=[*overrides, ("*", "seed", seed)]))
+        .runs[0]
+        .configurations
+    )
 
 
 def differing(one: Recording, other: Recording) -> set[str]:
@@ -48,8 +55,13 @@ def test_seed_decides_the_run():
 
 def test_lost_messages_and_a_reset_do_not_change_what_sensors_show():
     """The nodes' steppers on a faulty network give the offline run, bit by bit, and once more after a reset."""
-    sensors = {"plant": ("wheel_speed", "wheel_torque", "body_velocity", "body_heading"), "steering_column": COLUMN}
-    names = [f"{role}__{quantity}" for role, quantities in sensors.items() for quantity in quantities]
+    sensors = {
+        "plant": ("wheel_speed", "wheel_torque", "body_velocity", "body_heading"),
+        "steering_column": COLUMN,
+    }
+    names = [
+        f"{role}__{quantity}" for role, quantities in sensors.items() for quantity in quantities
+    ]
     errors = {f"{name}__{error}": value for name in names for error, value in EVERYTHING.items()}
     configurations = graph(seed=4, **errors)
     offline = run_offline(configurations, 1.0)
@@ -59,7 +71,8 @@ def test_lost_messages_and_a_reset_do_not_change_what_sensors_show():
         network.begin()
         network.run()
         assert network.signals() == {
-            name: [float.hex(number) for number in column.tolist()] for name, column in offline.channels.items()
+            name: [float.hex(number) for number in column.tolist()]
+            for name, column in offline.channels.items()
         }
 
 

@@ -44,7 +44,11 @@ def test_a_successor_of_a_running_part_goes_on_with_its_state():
     """As when a parameter is set while the node runs: on, changed, off; the first value is a present one."""
     plant, there = behind(), Frame()
     plant.start(there)
-    for sensors in ({"imu_yaw_rate__delay": 2}, {"imu_yaw_rate__delay": 4, "wheel_speed__bias": 0.5}, {}):
+    for sensors in (
+        {"imu_yaw_rate__delay": 2},
+        {"imu_yaw_rate__delay": 4, "wheel_speed__bias": 0.5},
+        {},
+    ):
         for _ in range(10):
             plant.step(driven(100.0, 300.0), there)
         successor = behind(**sensors)

@@ -93,7 +93,8 @@ def test_seed_and_name_choose_the_random_numbers():
     noise = shown(true, noise=1.0)
     assert (shown(true, noise=1.0) == noise).all()
     for other in ({"seed": 1}, {"name": "body_yaw_rate"}):
-        assert abs(np.corrcoef(noise, shown(true, noise=1.0, **other))[0, 1]) < 0.4  # four standard errors
+        # four standard errors
+        assert abs(np.corrcoef(noise, shown(true, noise=1.0, **other))[0, 1]) < 0.4
 
 
 def test_the_numbers_are_drawn_as_the_documentation_says():
@@ -114,7 +115,9 @@ def test_the_random_numbers_are_these():
 
 def test_numbers_of_a_sensor_are_independent():
     """All correlations of the eight tyre forces within four standard errors."""
-    correlation = np.corrcoef(shown(np.zeros((2000, 8)), name="tire_force", noise=1.0).T) - np.eye(8)
+    correlation = np.corrcoef(shown(np.zeros((2000, 8)), name="tire_force", noise=1.0).T) - np.eye(
+        8
+    )
     assert np.abs(correlation).max() < 4 / math.sqrt(2000)
 
 
@@ -147,7 +150,9 @@ def test_a_charge_is_its_share_of_the_capacity():
 @pytest.mark.parametrize("value", [math.inf, -math.inf, math.nan])
 def test_what_is_not_finite_is_left_to_whoever_publishes_it(value):
     """As it is: the message names the number."""
-    assert shown(np.array([value]), quantisation=0.1).tolist() == pytest.approx([value], nan_ok=True)
+    assert shown(np.array([value]), quantisation=0.1).tolist() == pytest.approx(
+        [value], nan_ok=True
+    )
 
 
 # Compiled

@@ -13,7 +13,8 @@ from ev_core.compiling.machine_code import register_functions
 from ev_core.sensors.random_numbers import WORD, normals, philox, uniform
 
 COUNT = 20_000
-# Counter, key and result of philox4x32 with 10 rounds in the file kat_vectors of Random123, the authors' own library.
+# Counter, key and result of philox4x32 with 10 rounds in the file kat_vectors of Random123, the
+# authors' own library.
 PUBLISHED = (
     ((0, 0, 0, 0), (0, 0), (0x6627E8D5, 0xE169C58D, 0xBC57AC4C, 0x9B00DBD8)),
     ((WORD, WORD, WORD, WORD), (WORD, WORD), (0x408F276D, 0x41C83B0E, 0xA20BC7C6, 0x6D5451FD)),
@@ -69,7 +70,10 @@ def test_uniform_numbers_are_below_one_and_have_53_bits():
 
 def test_no_normal_number_is_infinite():
     """The largest radius belongs to the largest uniform number: sqrt(2 log(2^53)) = 8.57."""
-    assert normals(WORD, WORD, 0, 0) == (pytest.approx(math.sqrt(2 * 53 * math.log(2)), rel=1e-15), 0.0)
+    assert normals(WORD, WORD, 0, 0) == (
+        pytest.approx(math.sqrt(2 * 53 * math.log(2)), rel=1e-15),
+        0.0,
+    )
     assert normals(0, 0, WORD, WORD) == (0.0, 0.0)
 
 

@@ -27,17 +27,29 @@ STREAMS = {  # what is random alone, and the channel that shows it
     "sensor": ({"plant.sensors.imu_yaw_rate.noise": 0.1}, "imu.yaw_rate"),
     "drop-out": ({"plant.sensors.wheel_speed.dropout": 0.3}, "wheel_states.velocity.front_left"),
     "noise as a fault": ({"plant.faults": ["noisy imu.yaw_rate 0.1"]}, "imu.yaw_rate"),
-    "losses as a fault": ({"plant.faults": ["lost wheel_states 0.3"]}, "wheel_states.velocity.front_left"),
-    "order as a fault": ({"driver.faults": ["reordered driver/command 0.3"]}, "driver.command.drive_torque"),
+    "losses as a fault": (
+        {"plant.faults": ["lost wheel_states 0.3"]},
+        "wheel_states.velocity.front_left",
+    ),
+    "order as a fault": (
+        {"driver.faults": ["reordered driver/command 0.3"]},
+        "driver.command.drive_torque",
+    ),
 }
-PEDALS = {"driver.pedals.begin": True, "driver.pedals.time": [0.0, 1.0], "driver.pedals.brake_torque": [0.0, 0.0]}
+PEDALS = {
+    "driver.pedals.begin": True,
+    "driver.pedals.time": [0.0, 1.0],
+    "driver.pedals.brake_torque": [0.0, 0.0],
+}
 CAR = PEDALS | {"driver.pedals.drive_torque": [200.0, 900.0], "plant.initial_speed": 30.0}
 
 
 @cache
 def driven(stream: str, seed: int | None) -> np.ndarray:
     values, channel = STREAMS[stream]
-    result = ev_stack.run("step_steer", runs=("left",), set={**CAR, **values}, seed=seed, duration=1.0)
+    result = ev_stack.run(
+        "step_steer", runs=("left",), set={**CAR, **values}, seed=seed, duration=1.0
+    )
     return next(iter(result.runs.values())).channels[channel]
 
 
@@ -51,14 +63,18 @@ def test_the_seed_moves_each_stream(stream):
 
 def test_the_seed_moves_the_road_of_the_urban_cycle():
     """Its file names the seed of the road; the road comes under the wheels of the car that has pulled away."""
-    first, second, shipped = (ev_stack.run("urban_mixed", seed=seed, duration=15.0).hash for seed in (1, 2, None))
+    first, second, shipped = (
+        ev_stack.run("urban_mixed", seed=seed, duration=15.0).hash for seed in (1, 2, None)
+    )
     assert len({first, second, shipped}) == 3
 
 
 def test_the_seed_moves_the_losses_of_a_bus():
     values = {"test_bench.bus.loss": 0.05, "test_bench.inject.kind": "none"}
     lost = [
-        next(iter(ev_stack.run("bench_fault", set=values, seed=seed, duration=0.1).runs.values())).channels
+        next(
+            iter(ev_stack.run("bench_fault", set=values, seed=seed, duration=0.1).runs.values())
+        ).channels
         for seed in (0, 1)
     ]
     assert lost[0]["can.bus.lost_11"].tobytes() != lost[1]["can.bus.lost_11"].tobytes()
@@ -67,7 +83,9 @@ def test_the_seed_moves_the_losses_of_a_bus():
 def test_without_a_seed_own_ones_are_as_they_are():
     """No published signal moves; what is not random stays the same object, so that a batch prepares it once."""
     assert seeded(ROAD, 0) is ROAD
-    assert seeded(RoadParameters(), 7) is not None and seeded(RoadParameters(), 7) == RoadParameters()
+    assert (
+        seeded(RoadParameters(), 7) is not None and seeded(RoadParameters(), 7) == RoadParameters()
+    )
     assert seeded(BusModelParameters(), 7) == BusModelParameters()
     assert not configure("plant", {"method": "planar"}).has_random_method
     assert configure("plant", {"method": "planar", "road.pattern": "random"}).has_random_method
@@ -89,7 +107,9 @@ def test_own_seeds_that_follow_are_valid_and_differ(seeds, own):
     road = RoadParameters(pattern="random", seed=own)
     found = [seeded(road, seed).seed for seed in seeds if seed]
     found += [seeded(bench, seed).bus.seed for seed in seeds if seed]
-    found += [seeded(RoadParameters(pattern="random", seed=own ^ 1), seed).seed for seed in seeds if seed]
+    found += [
+        seeded(RoadParameters(pattern="random", seed=own ^ 1), seed).seed for seed in seeds if seed
+    ]
     assert len(set(found)) == len(found)
     assert all(0 <= seed < 2**31 for seed in found)
 
@@ -138,9 +158,9 @@ def test_batches_are_the_runs_one_by_one_whatever_is_random():
     values["plant.faults"] = ["lost wheel_states 0.333 from 0.1", "noisy imu.yaw_rate 0.1"]
     channel = "wheel_states.velocity.front_left"
     changed = {"set": CAR | values, "duration": 0.5}
-    found = ev_stack.batch("step_steer", {"*.seed": range(4)}, run="left", signals=(channel,), **changed).signals[
-        channel
-    ]
+    found = ev_stack.batch(
+        "step_steer", {"*.seed": range(4)}, run="left", signals=(channel,), **changed
+    ).signals[channel]
     assert len(np.unique(found, axis=0)) == 4
     for seed in range(4):
         alone = ev_stack.run("step_steer", runs=("left",), seed=seed, **changed)
@@ -163,7 +183,9 @@ def test_a_random_fault_alone_differs_by_seed_in_a_batch():
 
 def test_episodes_of_a_learner_have_other_roads_by_seed_however_large():
     """Gymnasium's seeds are any whole numbers from 0 on."""
-    environment = Environment("step_steer", run="left", record=True, set={"plant.road.pattern": "random"}, duration=0.2)
+    environment = Environment(
+        "step_steer", run="left", record=True, set={"plant.road.pattern": "random"}, duration=0.2
+    )
     hashes = []
     for seed in (1, 2, 2**31 - 1, 2**31, 2**40, 2**31):
         environment.reset(seed=seed)

@@ -1,6 +1,7 @@
 """Messages of packages that are not on PyPI, made from what their definitions say of the fields that are used here.
 
-Names, defaults and constants are those of simulation_interfaces 2.1.0, autoware_msgs and ackermann_msgs as of 2026.
+Names, defaults and constants are those of simulation_interfaces 2.1.0, autoware_msgs and
+ackermann_msgs as of 2026.
 """
 
 from __future__ import annotations
@@ -37,7 +38,9 @@ Result = kind(
     "RESULT_FEATURE_UNSUPPORTED=0 RESULT_OK=1 RESULT_NOT_FOUND=2 RESULT_INCORRECT_STATE=3 RESULT_OPERATION_FAILED=4",
     **_RESULT,
 )
-State = kind("STATE_STOPPED=0 STATE_PLAYING=1 STATE_PAUSED=2 STATE_QUITTING=3 STATE_NO_WORLD=4", state=0)
+State = kind(
+    "STATE_STOPPED=0 STATE_PLAYING=1 STATE_PAUSED=2 STATE_QUITTING=3 STATE_NO_WORLD=4", state=0
+)
 Features = kind(
     "SPAWNING=0 SIMULATION_RESET=20 SIMULATION_RESET_TIME=21 SIMULATION_RESET_STATE=22 SIMULATION_STATE_GETTING=24 "
     "SIMULATION_STATE_SETTING=25 SIMULATION_STATE_PAUSE=26 STEP_SIMULATION_SINGLE=31 STEP_SIMULATION_MULTIPLE=32 "
@@ -58,17 +61,25 @@ KINDS: dict[str, Any] = {
     "simulation_interfaces/msg/SimulationState": State,
     "simulation_interfaces/msg/SimulatorFeatures": Features,
     "simulation_interfaces/srv/GetSimulatorFeatures": service(kind(), kind(features=Features)),
-    "simulation_interfaces/srv/GetSimulationState": service(kind(), kind(state=State, result=Result)),
+    "simulation_interfaces/srv/GetSimulationState": service(
+        kind(), kind(state=State, result=Result)
+    ),
     "simulation_interfaces/srv/SetSimulationState": service(
         kind(state=State),
-        kind("ALREADY_IN_TARGET_STATE=101 STATE_TRANSITION_ERROR=102 INCORRECT_TRANSITION=103", result=Result),
+        kind(
+            "ALREADY_IN_TARGET_STATE=101 STATE_TRANSITION_ERROR=102 INCORRECT_TRANSITION=103",
+            result=Result,
+        ),
     ),
     "simulation_interfaces/srv/StepSimulation": service(kind(steps=1), kind(result=Result)),
     "simulation_interfaces/srv/ResetSimulation": service(
-        kind("SCOPE_DEFAULT=0 SCOPE_TIME=1 SCOPE_STATE=2 SCOPE_SPAWNED=4 SCOPE_ALL=255", scope=0), kind(result=Result)
+        kind("SCOPE_DEFAULT=0 SCOPE_TIME=1 SCOPE_STATE=2 SCOPE_SPAWNED=4 SCOPE_ALL=255", scope=0),
+        kind(result=Result),
     ),
     "simulation_interfaces/action/SimulateSteps": SimpleNamespace(
-        Goal=kind(steps=0), Result=kind(result=Result), Feedback=kind(completed_steps=0, remaining_steps=0)
+        Goal=kind(steps=0),
+        Result=kind(result=Result),
+        Feedback=kind(completed_steps=0, remaining_steps=0),
     ),
     "autoware_control_msgs/msg/Control": kind(
         stamp=Time,
@@ -101,6 +112,8 @@ KINDS: dict[str, Any] = {
     ),
     "ackermann_msgs/msg/AckermannDriveStamped": kind(
         header=Header,
-        drive=kind(steering_angle=0.0, steering_angle_velocity=0.0, speed=0.0, acceleration=0.0, jerk=0.0),
+        drive=kind(
+            steering_angle=0.0, steering_angle_velocity=0.0, speed=0.0, acceleration=0.0, jerk=0.0
+        ),
     ),
 }

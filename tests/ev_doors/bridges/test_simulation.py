@@ -84,7 +84,11 @@ class Simulator:
 
     def steps(self, count: int, cancelled_behind: int | None = None) -> tuple[str, int, list[int]]:
         """How the action ends, its result, and its feedback."""
-        goal, said, ends = SimpleNamespace(request=KINDS[ACTION].Goal(steps=count), is_cancel_requested=False), [], []
+        goal, said, ends = (
+            SimpleNamespace(request=KINDS[ACTION].Goal(steps=count), is_cancel_requested=False),
+            [],
+            [],
+        )
         for end in ("abort", "succeed", "canceled"):
             setattr(goal, end, lambda end=end: ends.append(end))
 
@@ -104,7 +108,11 @@ def simulator(tmp_path_factory):
     """A graph at a tenth of real time, so that it does not end."""
     with (
         pytest.MonkeyPatch.context() as patch,
-        graph(shchur(5.0, plant__real_time_factor=0.1), tmp_path_factory.mktemp("simulation"), names=()) as running,
+        graph(
+            shchur(5.0, plant__real_time_factor=0.1),
+            tmp_path_factory.mktemp("simulation"),
+            names=(),
+        ) as running,
     ):
         patch.setattr(simulation, "needed", KINDS.__getitem__)
         patch.setattr(simulation, "ActionServer", signature(ActionServer).bind)  # its words alone
@@ -121,9 +129,11 @@ def test_features_are_those_that_are_served(simulator):
     """Neither time nor state can be reset alone; nothing is ever spawned."""
     features = simulator.call("get_simulator_features").features
     assert set(features.features) == {20, 24, 25, 26, 31, 32, 33}
-    assert not {Features.SIMULATION_RESET_TIME, Features.SIMULATION_RESET_STATE, Features.SPAWNING} & {
-        *features.features
-    }
+    assert not {
+        Features.SIMULATION_RESET_TIME,
+        Features.SIMULATION_RESET_STATE,
+        Features.SPAWNING,
+    } & {*features.features}
 
 
 def test_states_change_as_they_are_declared(simulator):
@@ -161,7 +171,10 @@ def test_time_and_state_are_reset_together(simulator):
     time = simulator.graph.time
     for scope in (1, 2, 4):
         refused = simulator.call("reset_simulation", scope=scope).result
-        assert refused.result == Result.RESULT_FEATURE_UNSUPPORTED and "reset together" in refused.error_message
+        assert (
+            refused.result == Result.RESULT_FEATURE_UNSUPPORTED
+            and "reset together" in refused.error_message
+        )
     assert simulator.graph.time == time > 0.0
     for scope in (0, 3, 7, 255):
         simulator.call("step_simulation")
@@ -182,7 +195,9 @@ def test_who_else_stops_time_is_seen(simulator):
 def test_a_report_from_before_its_own_call_is_too_late(simulator):
     """As one of a step that arrives behind the answer to `resume`."""
     simulator.set(State.STATE_PAUSED)
-    rests = DiagnosticStatus(name=f"/ev/{MASTER}: {TIME_SERVICE}", values=[KeyValue(key="rests", value="True")])
+    rests = DiagnosticStatus(
+        name=f"/ev/{MASTER}: {TIME_SERVICE}", values=[KeyValue(key="rests", value="True")]
+    )
     clock = simulator.node.get_clock()
     report = DiagnosticArray(status=[rests])
     report.header.stamp = clock.now().to_msg()

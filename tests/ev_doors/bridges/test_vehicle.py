@@ -74,7 +74,11 @@ def started(commander, tmp_path, request) -> Iterator[Graph]:
                 running.start(name)
         values = {**running.parameters["driver"], "commands_last": 3.0}
         overrides = [Parameter(name, value=value) for name, value in values.items()]
-        arguments = {"context": running.context, "namespace": NAMESPACE, "parameter_overrides": overrides}
+        arguments = {
+            "context": running.context,
+            "namespace": NAMESPACE,
+            "parameter_overrides": overrides,
+        }
         running.nodes["driver"] = vehicle.CommandedDriver(request.param, **arguments)
         yield running
 
@@ -88,7 +92,10 @@ def control(velocity: float, acceleration: float | None = None, angle: float = 0
     said = KINDS["autoware_control_msgs/msg/Control"]()
     said.longitudinal.velocity, said.lateral.steering_tire_angle = velocity, angle
     if acceleration is not None:
-        said.longitudinal.acceleration, said.longitudinal.is_defined_acceleration = acceleration, True
+        said.longitudinal.acceleration, said.longitudinal.is_defined_acceleration = (
+            acceleration,
+            True,
+        )
     return said
 
 
@@ -96,28 +103,38 @@ def control(velocity: float, acceleration: float | None = None, angle: float = 0
 def test_autoware_drives_the_car_and_hears_what_it_does(started, commander):
     """Forwards in a circle by the kinematic car's own rule r = v tan(delta)/L, backwards, and to rest without commands.
 
-    The rear axle of this car does not slip: its lateral velocity, which Autoware wants, is zero; that of the centre of
-    mass is not.
+    The rear axle of this car does not slip: its lateral velocity, which Autoware wants, is zero;
+    that of the centre of mass is not.
     """
     reports = commander.reports
     drive(started, 2.0)
-    assert (reports["control_mode"][-1].mode, reports["gear_status"][-1].report) == (MODES.NOT_READY, GEARS.PARK)
+    assert (reports["control_mode"][-1].mode, reports["gear_status"][-1].report) == (
+        MODES.NOT_READY,
+        GEARS.PARK,
+    )
     assert reports["velocity_status"][-1].longitudinal_velocity == 0.0
 
     commander.says |= {GEAR: GEARS(command=GEARS.DRIVE), CONTROL: control(5.0, 1.0, 0.1)}
     drive(started, 20.0)
     velocity, steering = reports["velocity_status"], reports["steering_status"]
-    assert velocity[-1].longitudinal_velocity == pytest.approx(5.0, abs=0.05)  # m/s, the PI control has settled
+    # m/s, the PI control has settled
+    assert velocity[-1].longitudinal_velocity == pytest.approx(5.0, abs=0.05)
     assert steering[-1].steering_tire_angle == pytest.approx(0.1, rel=0.02)
-    expected = velocity[-1].longitudinal_velocity * math.tan(steering[-1].steering_tire_angle) / WHEELBASE
+    expected = (
+        velocity[-1].longitudinal_velocity * math.tan(steering[-1].steering_tire_angle) / WHEELBASE
+    )
     assert velocity[-1].heading_rate == pytest.approx(expected, rel=1e-3)
     assert abs(velocity[-1].lateral_velocity) < 1e-6
     at = [each.header.stamp.sec + each.header.stamp.nanosec / 1e9 for each in velocity]
     gained = [each.longitudinal_velocity for each in velocity]
     early = next(i for i, speed in enumerate(gained) if speed > 1.0)
     late = next(i for i, speed in enumerate(gained) if speed > 4.0)
-    assert (gained[late] - gained[early]) / (at[late] - at[early]) == pytest.approx(1.0, rel=0.1)  # m/s^2 as asked for
-    assert (reports["control_mode"][-1].mode, reports["gear_status"][-1].report) == (MODES.AUTONOMOUS, GEARS.DRIVE)
+    # m/s^2 as asked for
+    assert (gained[late] - gained[early]) / (at[late] - at[early]) == pytest.approx(1.0, rel=0.1)
+    assert (reports["control_mode"][-1].mode, reports["gear_status"][-1].report) == (
+        MODES.AUTONOMOUS,
+        GEARS.DRIVE,
+    )
 
     commander.says[CONTROL] = control(9.0, 0.0, 0.1)  # an acceleration of zero that is defined
     drive(started, 5.0)
@@ -139,11 +156,16 @@ def test_autoware_drives_the_car_and_hears_what_it_does(started, commander):
 @pytest.mark.parametrize("started", [vehicle.Ackermann], indirect=True)
 def test_ackermann_drives_backwards_by_a_negative_speed_and_steers_at_a_rate(started, commander):
     said = KINDS["ackermann_msgs/msg/AckermannDriveStamped"]()
-    said.drive.speed, said.drive.steering_angle, said.drive.steering_angle_velocity = -3.0, 0.2, 0.02
+    said.drive.speed, said.drive.steering_angle, said.drive.steering_angle_velocity = (
+        -3.0,
+        0.2,
+        0.02,
+    )
     commander.says["ackermann_cmd"] = said
     state, places = started.nodes["driver"].stepper.part.state, started.nodes["driver"]._places
     drive(started, 5.0)
-    assert 0.02 < state[places["road_wheel_angle"]] < 0.15  # rad: 0.02 rad/s for as long as it has been commanded
+    # rad: 0.02 rad/s for as long as it has been commanded
+    assert 0.02 < state[places["road_wheel_angle"]] < 0.15
     drive(started, 20.0)
     assert state[places["longitudinal"]] == pytest.approx(-3.0, abs=0.05)
     assert state[places["road_wheel_angle"]] == pytest.approx(0.2, rel=0.02)
@@ -156,10 +178,14 @@ def test_a_command_counts_whatever_plays_the_driver(faults, compiled):
     configuration = configure("driver", {"method": vehicle._LAW, "faults": faults})
     part = part_of(configuration, compiled)
     names = configuration.method.law.names()
-    node = SimpleNamespace(stepper=SimpleNamespace(part=part), _places={name: n for n, name in enumerate(names)})
+    node = SimpleNamespace(
+        stepper=SimpleNamespace(part=part), _places={name: n for n, name in enumerate(names)}
+    )
     before = [*part.state]
     vehicle.CommandedDriver._obey(node, {"wanted_speed": 5.0, "left": 3.0})
-    changed = {name: now for name, was, now in zip(names, before, part.state, strict=False) if now != was}
+    changed = {
+        name: now for name, was, now in zip(names, before, part.state, strict=False) if now != was
+    }
     assert changed == {"wanted_speed": 5.0, "left": 3.0}
 
 
@@ -174,4 +200,7 @@ def test_a_command_counts_whatever_plays_the_driver(faults, compiled):
 def test_a_package_that_is_not_sourced_is_one_line(kind, package):
     with pytest.raises(SystemExit) as ended:
         perform(["bridge", kind])
-    assert f"the package {package} is not sourced here" in ended.value.code and "\n" not in ended.value.code
+    assert (
+        f"the package {package} is not sourced here" in ended.value.code
+        and "\n" not in ended.value.code
+    )

@@ -35,7 +35,17 @@ class Dashboard(NamedTuple):
 
 def started(folder: Path) -> Dashboard:
     """A long run with its dashboard."""
-    words = ["--port", "0", "shchur2019", "--duration", "1000", "--no-record", "--no-report", "--out", str(folder)]
+    words = [
+        "--port",
+        "0",
+        "shchur2019",
+        "--duration",
+        "1000",
+        "--no-record",
+        "--no-report",
+        "--out",
+        str(folder),
+    ]
     with (folder / "said.txt").open("w") as said:
         process = subprocess.Popen(
             [ROOT / "scripts" / "dashboard.sh", *words],
@@ -46,7 +56,9 @@ def started(folder: Path) -> Dashboard:
             start_new_session=True,
         )
     assert process.stdout is not None
-    return Dashboard(process, process.stdout.readline().removeprefix("dashboard: ").strip(), folder / "said.txt")
+    return Dashboard(
+        process, process.stdout.readline().removeprefix("dashboard: ").strip(), folder / "said.txt"
+    )
 
 
 @pytest.fixture(scope="module")
@@ -80,7 +92,9 @@ def page(run: Dashboard, browser: Browser) -> Browser:
     """The browser, at the page of the run."""
     if browser.run("location.href") != run.url:
         browser.open(run.url)
-        browser.wait_for("document.body && document.body.dataset.rows > 3 && shows.has('plant.real_time_factor')")
+        browser.wait_for(
+            "document.body && document.body.dataset.rows > 3 && shows.has('plant.real_time_factor')"
+        )
         browser.wait_for("shows.has('electronic_differential.gamma')")
     return browser
 
@@ -98,19 +112,24 @@ def set_to(value: object, node: str = "electronic_differential", name: str = "ga
 
 
 def needs_browser(test):
-    return pytest.mark.slow(pytest.mark.skipif(FOUND is None, reason="no Chromium on this machine")(test))
+    return pytest.mark.slow(
+        pytest.mark.skipif(FOUND is None, reason="no Chromium on this machine")(test)
+    )
 
 
 @needs_browser
 def test_signals_car_and_parameters_are_seen(page):
-    page.wait_for("drawn().length > 1 && drawn().every((plot) => plot.chart.data[0].length > 3)")  # those in sight
+    # those in sight
+    page.wait_for("drawn().length > 1 && drawn().every((plot) => plot.chart.data[0].length > 3)")
     page.wait_for("document.querySelector('#cars canvas') && views[0].ready")
     assert page.run("document.querySelectorAll('#cars tr:first-child th').length") == 1 + 4
     slider = "document.querySelector('[data-name=gamma] input[type=range]')"
     assert page.run(f"[{slider}.min, {slider}.max].join()") == "0,10"
     assert page.run(f"({TEXT_OF_POOR_CONTRAST})()") == []
     assert page.run(f"({CONTROLS_WITHOUT_NAME})()") == []
-    assert all(url.startswith(("http://127.0.0.1:", "ws://127.0.0.1:", "data:")) for url in page.requests)
+    assert all(
+        url.startswith(("http://127.0.0.1:", "ws://127.0.0.1:", "data:")) for url in page.requests
+    )
 
 
 @needs_browser
@@ -126,11 +145,20 @@ def test_a_slider_sets_the_parameter_of_the_node(page):
 @pytest.mark.parametrize(
     ("wish", "said"),
     [
-        (set_to("-5"), "electronic_differential refuses: Parameter gamma out of range Min: 0.0, Max: 50.0"),
+        (
+            set_to("-5"),
+            "electronic_differential refuses: Parameter gamma out of range Min: 0.0, Max: 50.0",
+        ),
         (set_to("nan"), "nan"),
         (set_to("much"), "electronic_differential.gamma: 'much' is refused, expected double"),
-        (set_to("1", name="delta"), "electronic_differential.delta is refused: no such parameter in this graph"),
-        ({"kind": "time", "service": "stop"}, "service 'stop' is refused, expected pause, resume, step, reset"),
+        (
+            set_to("1", name="delta"),
+            "electronic_differential.delta is refused: no such parameter in this graph",
+        ),
+        (
+            {"kind": "time", "service": "stop"},
+            "service 'stop' is refused, expected pause, resume, step, reset",
+        ),
         ({"kind": "drive"}, "wish 'drive' is refused, expected set or time"),
         ({"kind": "set"}, "a wish of a page is refused: KeyError('node')"),
         ([], "a wish of a page is refused, expected an object"),
@@ -210,7 +238,12 @@ def test_without_scenario_there_must_be_one_run(domains, said, monkeypatch):
 
 def test_a_port_that_is_taken_is_refused_in_one_line():
     (first,) = listening(0)
-    with first, pytest.raises(RunFailed, match="is refused: Address already in use, expected a free one, or 0 for any"):
+    with (
+        first,
+        pytest.raises(
+            RunFailed, match="is refused: Address already in use, expected a free one, or 0 for any"
+        ),
+    ):
         listening(first.getsockname()[1])
 
 
@@ -221,7 +254,9 @@ def test_a_port_that_is_none_is_refused_before_anything_is_started(port, capsys,
         command.main([f"--port={port}", "shchur2019"])
     assert ended.value.code == 2
     last = capsys.readouterr().err.splitlines()[-1]
-    assert last.endswith(f"argument --port: {port!r} is refused, expected a whole number from 0 to 65535")
+    assert last.endswith(
+        f"argument --port: {port!r} is refused, expected a whole number from 0 to 65535"
+    )
 
 
 def test_a_port_that_is_taken_is_refused_before_a_run_is_started(monkeypatch):
@@ -251,7 +286,9 @@ def test_the_page_follows_the_runs_of_a_scenario_through_their_namespaces(tmp_pa
         seen = []
         for _ in range(2):
             known = json.dumps(seen)
-            browser.wait_for(f"document.title.includes('/ev/') && !{known}.includes(document.title)")
+            browser.wait_for(
+                f"document.title.includes('/ev/') && !{known}.includes(document.title)"
+            )
             seen.append(browser.run("document.title"))
             browser.wait_for(
                 "live.times.length > 3 && document.querySelectorAll('#nodes [data-node=plant]').length == 1"

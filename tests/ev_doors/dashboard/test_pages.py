@@ -30,7 +30,8 @@ async def _leave(pages: Pages, how: str, chance: random.Random) -> None:
         raw.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
     elif how == "half a wish":
         writer.write(b"\x81\xfe\x01\x00")
-    else:  # the closing handshake: the server answers, and is about to close while it has more to send
+    # the closing handshake: the server answers, and is about to close while it has more to send
+    else:
         writer.write(b"\x88\x80\x00\x00\x00\x00")
     if how.startswith("goodbye"):
         await asyncio.sleep(0)
@@ -43,7 +44,9 @@ def test_a_page_that_goes_in_the_middle_of_a_message_ends_nothing():
     failures: list[dict] = []
 
     async def run() -> None:
-        asyncio.get_running_loop().set_exception_handler(lambda _, context: failures.append(context))
+        asyncio.get_running_loop().set_exception_handler(
+            lambda _, context: failures.append(context)
+        )
         pages = Pages("a test", listening(0), lambda wish: None, lambda: [WORD])
         chance, over = random.Random(1), asyncio.Event()
 

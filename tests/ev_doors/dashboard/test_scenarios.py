@@ -16,7 +16,10 @@ from ev_stack.recording.recording import Recording
 from ev_stack.running.offline import drive_offline
 from ev_stack.scenarios.scenario import Overrides, Run, load_scenario, scenario_names
 
-pytestmark = [pytest.mark.slow, pytest.mark.skipif(FOUND is None, reason="no Chromium on this machine")]
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(FOUND is None, reason="no Chromium on this machine"),
+]
 SECONDS = 0.1  # that are driven: ten rows at least
 SCREEN, PHONE = (1280, 800), (390, 844)
 NUMBER = count()  # of the graph that is shown, so that no title comes twice
@@ -64,7 +67,9 @@ def go_to(browser: Browser, fed: FedPage) -> None:
 def present(run: Run, names: tuple[str, ...]) -> dict[str, Any]:
     """The numbers of a lesson that a run has, and their values."""
     values = {
-        f"{node}.{key}": value for node, each in run.configurations.items() for key, value in each.values().items()
+        f"{node}.{key}": value
+        for node, each in run.configurations.items()
+        for key, value in each.values().items()
     }
     return {name: values[name] for name in names if name in values}
 
@@ -93,14 +98,19 @@ def test_sliders_plots_and_car_stand_beside_each_other(fed, browser, name):
     shown(fed, browser, run)
     values = present(run, lesson)
     sliders = browser.run(SLIDERS)
-    assert [label.replace("\u200b", "").replace(": ", ".").replace(" ", "_") for label, *_ in sliders] == [*values]
+    assert [
+        label.replace("\u200b", "").replace(": ", ".").replace(" ", "_") for label, *_ in sliders
+    ] == [*values]
     for (_, least, at, most), value in zip(sliders, values.values(), strict=True):
         assert least <= at <= most and at == pytest.approx(value)
         assert most - least <= 2.0 * (abs(value) or 1.0) * (1 + 1e-12)
     places = browser.run(PLACES)
     assert len(places) == len(sliders) + 1 + 3
     bar = browser.run("byId('bar').getBoundingClientRect().top")
-    assert all(left >= 0 and right <= SCREEN[0] and top >= 0 and bottom <= bar for left, right, top, bottom in places)
+    assert all(
+        left >= 0 and right <= SCREEN[0] and top >= 0 and bottom <= bar
+        for left, right, top, bottom in places
+    )
     assert browser.run("drawn().length") == 3 and browser.run("drawn()[0].chart.data[0].length") > 3
     of_car = browser.run(
         "[...document.querySelectorAll('#nodes [data-name^=\"vehicle.\"]')].map((row) => row.dataset.name)"
@@ -112,9 +122,14 @@ def test_sliders_plots_and_car_stand_beside_each_other(fed, browser, name):
     assert browser.run(STATE) == f"The manoeuvre is over since {SECONDS:g} s."
     browser.resize(*PHONE)
     browser.wait_for(f"drawn().every((plot) => plot.chart.width < {PHONE[0]})")
-    assert browser.run("document.documentElement.scrollWidth - document.documentElement.clientWidth") == 0
+    assert (
+        browser.run("document.documentElement.scrollWidth - document.documentElement.clientWidth")
+        == 0
+    )
     lefts, _, tops, bottoms = zip(*browser.run(PLACES), strict=True)
-    assert max(lefts) - min(lefts) < 4 and all(top >= before for before, top in zip(bottoms, tops[1:], strict=False))
+    assert max(lefts) - min(lefts) < 4 and all(
+        top >= before for before, top in zip(bottoms, tops[1:], strict=False)
+    )
     assert browser.complaints == []
 
 
@@ -124,7 +139,8 @@ def test_a_run_may_last_longer_than_the_manoeuvre(fed, browser):
     fed.end()
     browser.wait_for(f"live.times.at(-1) > {SECONDS} - 1e-9")
     assert (
-        browser.run(STATE) == "The manoeuvre is over since 0.05 s; the car drives on up to 0.1 s, Reset begins again."
+        browser.run(STATE)
+        == "The manoeuvre is over since 0.05 s; the car drives on up to 0.1 s, Reset begins again."
     )
     paused = browser.run(STATE.replace("performance.now()", "performance.now() - 7000", 1))
     assert paused == (
@@ -139,12 +155,21 @@ def test_a_slider_goes_on_about_the_value_at_its_end(fed, browser):
     slider = "document.querySelector('#lesson [data-name=gamma] input[type=range]')"
     ends = []
     for value in (5, 10, 20, 40, 1, 0):
-        fed.tell({"kind": "parameter", "node": "electronic_differential", "name": "gamma", "value": value})
+        fed.tell(
+            {
+                "kind": "parameter",
+                "node": "electronic_differential",
+                "name": "gamma",
+                "value": value,
+            }
+        )
         browser.wait_for(f"{slider}.value === '{value}'")
         ends.append(browser.run(f"[{slider}.min, {slider}.max].join()"))
     assert ends == ["0,10", "0,20", "0,40", "0,50", "0,2", "0,1"]
     browser.run(f"{slider}.value = 0.5; {slider}.dispatchEvent(new Event('change'))")
-    fed.wait_for_wish({"kind": "set", "node": "electronic_differential", "name": "gamma", "value": "0.5"})
+    fed.wait_for_wish(
+        {"kind": "set", "node": "electronic_differential", "name": "gamma", "value": "0.5"}
+    )
 
 
 def test_a_node_that_believes_in_another_car_shows_where_it_differs(fed, browser):
@@ -153,9 +178,9 @@ def test_a_node_that_believes_in_another_car_shows_where_it_differs(fed, browser
     told = replace(run, configurations={**run.configurations, "electronic_differential": law})
     shown(fed, browser, told, drive_offline(run).recording)
     found = "[...document.querySelectorAll('#nodes [data-node=electronic_differential] [data-name^=\"vehicle.\"]')]"
-    assert browser.run(f"{found}.map((row) => row.dataset.name + ' ' + row.querySelector('input').value)") == [
-        "vehicle.mass 1234"
-    ]
+    assert browser.run(
+        f"{found}.map((row) => row.dataset.name + ' ' + row.querySelector('input').value)"
+    ) == ["vehicle.mass 1234"]
 
 
 def test_the_page_says_with_what_it_has_lost_the_connection(browser):

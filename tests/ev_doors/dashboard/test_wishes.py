@@ -36,7 +36,9 @@ class Page:
         self.loop.run_until_complete(self._open(context))
 
     async def _open(self, context: Any) -> None:
-        self.controls = Controls(context, NAMESPACE, "wishes", lambda message: self.pages.tell(message))
+        self.controls = Controls(
+            context, NAMESPACE, "wishes", lambda message: self.pages.tell(message)
+        )
         self.pages = Pages("wishes", listening(0), self.controls.obey, list)
         self.address = self.pages.url.replace("http", "ws")
         self.socket = await websocket_connect(f"{self.address}live")
@@ -94,11 +96,18 @@ def page() -> Iterator[Page]:
 
 
 def is_one_line(said: dict[str, Any]) -> bool:
-    return bool(said["text"]) and said["text"].splitlines() == [said["text"]] and len(said["text"]) < 500
+    return (
+        bool(said["text"])
+        and said["text"].splitlines() == [said["text"]]
+        and len(said["text"]) < 500
+    )
 
 
 @fuzzed(40, 0.2)
-@given(name=st.sampled_from(FIELDS), value=st.text() | st.text("[]{}@:,'\"-.0123456789eE!&*|> \n", max_size=12))
+@given(
+    name=st.sampled_from(FIELDS),
+    value=st.text() | st.text("[]{}@:,'\"-.0123456789eE!&*|> \n", max_size=12),
+)
 @example("seed", "1e30")
 @example("seed", "99999999999999999999")
 @example("seed", "2.5")
@@ -124,7 +133,10 @@ def test_whatever_stands_in_a_field_is_answered_by_one_line(page, name, value):
 
 json_values = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
-    lambda of: st.lists(of, max_size=3) | st.dictionaries(st.sampled_from(["kind", "node", "name", "value"]), of),
+    lambda of: (
+        st.lists(of, max_size=3)
+        | st.dictionaries(st.sampled_from(["kind", "node", "name", "value"]), of)
+    ),
     max_leaves=5,
 )
 
@@ -148,7 +160,11 @@ def test_whatever_comes_over_the_socket_is_answered_by_one_line(page, text):
     [
         ("faults", "[]", f"{NODE}.faults = []"),
         ("faults", "[offset torque_command 1]", f"{NODE}.faults = ['offset torque_command 1']"),
-        ("faults", "none", f"{NODE}.faults: 'none' is refused, expected an array in brackets, [] for an empty one"),
+        (
+            "faults",
+            "none",
+            f"{NODE}.faults: 'none' is refused, expected an array in brackets, [] for an empty one",
+        ),
         ("seed", "1e30", f"{NODE}.seed: '1e30' is refused, expected integer"),
         ("vehicle.mass", "a: b: c", f"{NODE}.vehicle.mass: 'a: b: c' is refused, expected double"),
     ],
@@ -161,7 +177,12 @@ def test_pages_of_somebody_else_have_no_socket(page):
     """Neither another site in the user's browser nor one that has its own name point to this machine."""
     own = f"127.0.0.1:{page.pages.port}"
     assert page.status(Origin=f"http://{own}") == 101
-    for origin in ("http://elsewhere.example", "http://127.0.0.1", f"http://{own}.elsewhere.example", "null"):
+    for origin in (
+        "http://elsewhere.example",
+        "http://127.0.0.1",
+        f"http://{own}.elsewhere.example",
+        "null",
+    ):
         assert page.status(Origin=origin) == 403, origin
     rebound = f"elsewhere.example:{page.pages.port}"
     assert page.status(Origin=f"http://{rebound}", Host=rebound) == 403

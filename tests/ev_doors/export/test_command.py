@@ -40,12 +40,16 @@ def refused(*words: str) -> str:
 def test_the_line_of_the_readme_links_the_program(folder):
     (line,) = re.findall(r"^gcc .*$", (folder / "README.md").read_text(), re.MULTILINE)
     subprocess.run(line, shell=True, cwd=folder, check=True)
-    answer = subprocess.run([folder / "program"], input=b"c", capture_output=True, check=True).stdout
+    answer = subprocess.run(
+        [folder / "program"], input=b"c", capture_output=True, check=True
+    ).stdout
     (folder / "program").unlink()
     assert answer[:4] == bytes(4)  # created, without complaint
 
 
-@pytest.mark.skipif(not shutil.which("x86_64-w64-mingw32-gcc"), reason="x86_64-w64-mingw32-gcc is not installed")
+@pytest.mark.skipif(
+    not shutil.which("x86_64-w64-mingw32-gcc"), reason="x86_64-w64-mingw32-gcc is not installed"
+)
 def test_the_line_of_the_readme_links_the_program_of_another_system(tmp_path):
     perform([*LAW, "--target", "x86_64-windows", "--out", str(tmp_path)])
     (line,) = re.findall(r"^\S+-gcc .*$", (tmp_path / "README.md").read_text(), re.MULTILINE)
@@ -61,7 +65,10 @@ def test_the_library_calls_nothing_but_what_is_listed(folder, tmp_path):
     subprocess.run(["ar", "x", archive], cwd=tmp_path, check=True)
     objects = [file.read_bytes() for file in tmp_path.glob("*.o")]
     assert len(objects) == 2  # the law and the loop
-    own = {"_GLOBAL_OFFSET_TABLE_", *(name for each in objects for name in calls(each) if name.startswith("evs_main"))}
+    own = {
+        "_GLOBAL_OFFSET_TABLE_",
+        *(name for each in objects for name in calls(each) if name.startswith("evs_main")),
+    }
     assert {name for each in objects for name in calls(each)} - own <= X86_64_LINUX.may_call
 
 
@@ -90,7 +97,9 @@ def test_both_printed_ways_of_building_work_for_every_target(target, way, tmp_pa
     built = "program*" if way == "README.md" else "build/evs_*_program*"
     (program,) = (file for file in tmp_path.glob(built) if file.is_file())
     if target.system != "Windows" and shutil.which((*target.emulator, "sh")[0]):
-        answer = subprocess.run([*target.emulator, program], input=b"c", capture_output=True, timeout=60).stdout
+        answer = subprocess.run(
+            [*target.emulator, program], input=b"c", capture_output=True, timeout=60
+        ).stdout
         assert answer[:4] == bytes(4)
 
 
@@ -118,7 +127,17 @@ def with_a_list(p: ShareParameters, request: WheelTorqueRequest) -> WheelTorqueC
 def test_a_law_that_needs_a_heap_is_refused(tmp_path):
     file = tmp_path / "law.py"
     file.write_text(_WITH_A_LIST)
-    words = ["export", "shchur2019", "--only", "asr", "--method", f"asr={file}", *LINUX, "--out", str(tmp_path / "out")]
+    words = [
+        "export",
+        "shchur2019",
+        "--only",
+        "asr",
+        "--method",
+        f"asr={file}",
+        *LINUX,
+        "--out",
+        str(tmp_path / "out"),
+    ]
     assert "makes a list or an array in a step, which needs a heap" in refused(*words)
     assert not (tmp_path / "out").exists()
 
@@ -128,8 +147,14 @@ def test_no_compiled_function_of_ours_makes_a_list():
     made = []
     for file in (ROOT / "src").glob("*/*/**/*.py"):
         for function in ast.walk(ast.parse(file.read_text())):
-            if isinstance(function, ast.FunctionDef) and any(map(_is_compilable, function.decorator_list)):
-                made += [(file.name, n.lineno) for n in ast.walk(function) if isinstance(n, (ast.List, ast.ListComp))]
+            if isinstance(function, ast.FunctionDef) and any(
+                map(_is_compilable, function.decorator_list)
+            ):
+                made += [
+                    (file.name, n.lineno)
+                    for n in ast.walk(function)
+                    if isinstance(n, (ast.List, ast.ListComp))
+                ]
     assert made == []
 
 
@@ -138,7 +163,15 @@ def _is_compilable(decorator: ast.expr) -> bool:
 
 
 def test_a_method_in_plain_python_is_refused(tmp_path):
-    words = ["export", "shchur2019", "--only", "asr", "--method", f"asr={PLAIN}:limit_in_python", *LINUX]
+    words = [
+        "export",
+        "shchur2019",
+        "--only",
+        "asr",
+        "--method",
+        f"asr={PLAIN}:limit_in_python",
+        *LINUX,
+    ]
     assert "is not compiled" in refused(*words, "--out", str(tmp_path / "out"))
     assert not (tmp_path / "out").exists()
 
@@ -151,7 +184,13 @@ def test_a_method_in_plain_python_is_refused(tmp_path):
         ((*LAW, *LINUX, "--name", "2fast"), "name '2fast' is refused"),
         (("export", "shchur2019", *LINUX, "--only", "pilot"), "unknown role 'pilot'"),
         (
-            ("export", "shchur2019", *LINUX, "--without", "plant,steering_column,driver,electronic_differential,asr"),
+            (
+                "export",
+                "shchur2019",
+                *LINUX,
+                "--without",
+                "plant,steering_column,driver,electronic_differential,asr",
+            ),
             "all",
         ),
     ],
@@ -165,5 +204,7 @@ def test_what_cannot_be_made_is_one_line(words, line, tmp_path, monkeypatch):
 def test_a_target_without_compiler_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(targets.shutil, "which", lambda name: None)
     line = refused(*LAW, "--target", "aarch64-linux", "--out", str(tmp_path / "out"))
-    assert line.endswith("aarch64-linux-gnu-gcc is not installed; Debian has it in gcc-aarch64-linux-gnu")
+    assert line.endswith(
+        "aarch64-linux-gnu-gcc is not installed; Debian has it in gcc-aarch64-linux-gnu"
+    )
     assert not (tmp_path / "out").exists()

@@ -25,7 +25,17 @@ from ev_stack.commands.program import perform
 
 EXAMPLE = Path(__file__).parents[3] / "docs" / "examples" / "couple_fmus.py"
 IMPORTER = Path(__file__).with_name("importer.c")
-OF_FMPY = ("fmpy", "numpy", "numpy.libs", "lxml", "attr", "attrs", "msgpack", "jinja2", "markupsafe")
+OF_FMPY = (
+    "fmpy",
+    "numpy",
+    "numpy.libs",
+    "lxml",
+    "attr",
+    "attrs",
+    "msgpack",
+    "jinja2",
+    "markupsafe",
+)
 # Noise shows whether seeds go along, and a changed gain whether parameters do.
 GAIN, TORQUE = "driver.speed_control.proportional_gain", "driver.command.drive_torque"
 CHANGED = {GAIN: 300.0, "plant.sensors.imu_yaw_rate.noise": 0.01}
@@ -50,7 +60,9 @@ def made(tmp_path_factory):
         file = folder / f"{len(known)}" / f"{name}.fmu"
         if words not in known:
             file.parent.mkdir()
-            changed = [word for each in CHANGED.items() for word in ("--set", "{}={}".format(*each))]
+            changed = [
+                word for each in CHANGED.items() for word in ("--set", "{}={}".format(*each))
+            ]
             what = ["--out", str(file), "--target", on, "--duration", str(DURATION), *changed]
             perform(["fmu", "shchur2019", *what, *words])
             known[words] = file
@@ -81,12 +93,15 @@ class Instance:
         self.is_2 = self.described.fmiVersion == "2.0"
         self.references = {v.name: v.valueReference for v in self.described.modelVariables}
         self.inputs, self.outputs = (
-            [v.name for v in self.described.modelVariables if v.causality == kind] for kind in ("input", "output")
+            [v.name for v in self.described.modelVariables if v.causality == kind]
+            for kind in ("input", "output")
         )
         self.lines: list[str] = []
         if token:
             self.described.guid = self.described.instantiationToken = token
-        self.calls = fmpy.simulation.instantiate_fmu(fmpy.extract(str(file)), self.described, logger=self.log)
+        self.calls = fmpy.simulation.instantiate_fmu(
+            fmpy.extract(str(file)), self.described, logger=self.log
+        )
         if begins:
             self.begin()
 
@@ -138,7 +153,16 @@ def test_the_csv_of_fmusim_has_the_numbers_of_the_recording(whole, plain, tmp_pa
     if not shutil.which("fmusim"):
         pytest.skip("fmusim is not installed")
     shown = tmp_path / "shown.csv"
-    words = ["fmusim", "--stop-time", str(DURATION), "--output-interval", str(PERIOD), "--output-file", shown, whole]
+    words = [
+        "fmusim",
+        "--stop-time",
+        str(DURATION),
+        "--output-interval",
+        str(PERIOD),
+        "--output-file",
+        shown,
+        whole,
+    ]
     subprocess.run(words, check=True, capture_output=True)
     with shown.open() as file:
         names, *rows = csv.reader(file)
@@ -148,9 +172,12 @@ def test_the_csv_of_fmusim_has_the_numbers_of_the_recording(whole, plain, tmp_pa
 
 
 @pytest.mark.parametrize(
-    "target", [FMU_TARGETS[0], *(pytest.param(name, marks=pytest.mark.weekly) for name in FMU_TARGETS[1:])]
+    "target",
+    [FMU_TARGETS[0], *(pytest.param(name, marks=pytest.mark.weekly) for name in FMU_TARGETS[1:])],
 )
-def test_an_importer_in_c_gets_the_bits_of_the_recording(whole, plain, target, environment, tmp_path):
+def test_an_importer_in_c_gets_the_bits_of_the_recording(
+    whole, plain, target, environment, tmp_path
+):
     """Of two instances in turn, and of a third one that goes on from the first one's state as bytes."""
     on = TARGETS[target]
     emulator = (WINE,) if on.system == "Windows" else on.emulator
@@ -163,11 +190,25 @@ def test_an_importer_in_c_gets_the_bits_of_the_recording(whole, plain, target, e
     importer = on.program([IMPORTER], tmp_path / "importer.exe", ["-std=gnu99"])
     library = Path(fmpy.extract(str(whole))) / place("whole", version, target)
     first = described.modelVariables[1].valueReference  # after the time: there are no inputs
-    words = [library, version, described.guid or described.instantiationToken, first, len(outputs), STEPS, PERIOD]
-    done = subprocess.run([*emulator, importer, *map(str, words)], capture_output=True, env=environment)
+    words = [
+        library,
+        version,
+        described.guid or described.instantiationToken,
+        first,
+        len(outputs),
+        STEPS,
+        PERIOD,
+    ]
+    done = subprocess.run(
+        [*emulator, importer, *map(str, words)], capture_output=True, env=environment
+    )
     assert done.returncode == 0, done.stderr
     shown = np.frombuffer(done.stdout).reshape(STEPS, -1)
-    assert [name for name, column in zip(outputs, shown.T, strict=True) if not same_bits(column, plain[name][1:])] == []
+    assert [
+        name
+        for name, column in zip(outputs, shown.T, strict=True)
+        if not same_bits(column, plain[name][1:])
+    ] == []
 
 
 def test_car_and_law_coupled_in_a_bare_python_are_the_plain_run(made, plain, tmp_path):
@@ -183,15 +224,21 @@ def test_car_and_law_coupled_in_a_bare_python_are_the_plain_run(made, plain, tmp
     unpacked.mkdir()
     for _ in range(2):
         done = subprocess.run(
-            words, capture_output=True, text=True, env={"PYTHONPATH": str(bare), "TMPDIR": str(unpacked)}
+            words,
+            capture_output=True,
+            text=True,
+            env={"PYTHONPATH": str(bare), "TMPDIR": str(unpacked)},
         )
         assert (done.returncode, done.stderr) == (0, "")
         assert list(unpacked.iterdir()) == []
     shown = np.load(out)
     assert set(shown) == set(plain) | {"time"}
     for name, signal in plain.items():
-        is_late = name.startswith("torque_command")  # the ASR answers behind the law, so one step late
-        assert same_bits(shown[name][1:] if is_late else shown[name], signal[:-1] if is_late else signal), name
+        # the ASR answers behind the law, so one step late
+        is_late = name.startswith("torque_command")
+        assert same_bits(
+            shown[name][1:] if is_late else shown[name], signal[:-1] if is_late else signal
+        ), name
 
 
 def test_a_parameter_that_is_set_before_the_start_is_that_of_another_plain_run(whole, plain):
@@ -203,7 +250,9 @@ def test_a_parameter_that_is_set_before_the_start_is_that_of_another_plain_run(w
     assert one.get([GAIN]) == [500.0]
     shown = np.array([one.step(n) for n in range(STEPS)])
     assert [
-        name for name, column in zip(one.outputs, shown.T, strict=True) if not same_bits(column, other[name][1:])
+        name
+        for name, column in zip(one.outputs, shown.T, strict=True)
+        if not same_bits(column, other[name][1:])
     ] == []
 
 
@@ -247,15 +296,30 @@ def test_the_descriptions_are_valid_and_complete(whole, made):
 @pytest.mark.parametrize(
     ("change", "line"),
     [
-        (lambda it: it.step(0, 1.5 * PERIOD), "step size 0.015 s is refused, expected 0.01 s or a multiple of it"),
+        (
+            lambda it: it.step(0, 1.5 * PERIOD),
+            "step size 0.015 s is refused, expected 0.01 s or a multiple of it",
+        ),
         (lambda it: it.step(0, 1e17), "step size 1e+17 s is refused"),
         (lambda it: it.set(it.inputs[:2], [0.5, np.nan]), " is refused: not finite"),
-        (lambda it: it.set([it.inputs[0], it.outputs[0]], [0.5, 0.5]), "only inputs and parameters can be set"),
+        (
+            lambda it: it.set([it.inputs[0], it.outputs[0]], [0.5, 0.5]),
+            "only inputs and parameters can be set",
+        ),
         (lambda it: it.begin(), " between steps is refused, expected before initialization"),
-        (lambda it: it.calls.exitInitializationMode(), "between steps is refused, expected during initialization"),
+        (
+            lambda it: it.calls.exitInitializationMode(),
+            "between steps is refused, expected during initialization",
+        ),
         (lambda it: it.calls.setFMUState(None), "there is no state"),
-        (lambda it: it.step(3), "a step from 0.03 s is refused, the last one ended at 0 s, 0.03 s from there"),
-        (lambda it: it.set([f"{ROLE}.gamma"], [-1e9]), f"parameter {ROLE}.gamma is refused: out of range"),
+        (
+            lambda it: it.step(3),
+            "a step from 0.03 s is refused, the last one ended at 0 s, 0.03 s from there",
+        ),
+        (
+            lambda it: it.set([f"{ROLE}.gamma"], [-1e9]),
+            f"parameter {ROLE}.gamma is refused: out of range",
+        ),
         (lambda it: it.calls.deserializeFMUState(bytes(10)), "the bytes are no state of this FMU"),
     ],
 )
@@ -273,7 +337,9 @@ def test_what_is_refused_is_one_line_in_the_log_and_changes_nothing(made, fmi, c
 @pytest.mark.parametrize("fmi", VERSIONS)
 def test_a_clock_that_adds_its_step_goes_on_for_half_an_hour(made, fmi):
     """1.8 million times 1 ms, which are 3.6e-8 s less than 1800 s then; the outputs are of an instant that is one."""
-    law = Instance(made("--only", ROLE, "--set", "*.control_period=0.001", "--fmi", str(fmi), name="int"))
+    law = Instance(
+        made("--only", ROLE, "--set", "*.control_period=0.001", "--fmi", str(fmi), name="int")
+    )
     time, period = 0.0, 0.001
     for _ in range(1_800_000):
         law.step_from(time, period)
@@ -286,7 +352,9 @@ def test_a_clock_that_adds_its_step_goes_on_for_half_an_hour(made, fmi):
     st.sampled_from(VERSIONS), st.floats(-1e9, 1e9) | st.sampled_from([0.0, 1.7e9, -3e7, 262144.0]),
     st.lists(st.integers(1, 5), min_size=1, max_size=20), st.booleans(),
 )  # fmt: skip
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 def test_every_clock_of_a_master_is_taken_at_any_start_time(made, fmi, start, counts, adds):
     """It adds its step, or multiplies it and takes differences; each step is of one period or of several."""
     law = Instance(made("--only", ROLE, "--fmi", str(fmi), name="int"), begins=False)
@@ -308,7 +376,11 @@ def test_every_clock_of_a_master_is_taken_at_any_start_time(made, fmi, start, co
     [
         (np.nan, None, "start time nan s is refused, expected one that is finite"),
         (np.inf, None, "start time inf s is refused"),
-        (1e12, None, "start time 1e+12 s is refused, expected one that is finite and resolves a hundredth of 0.01 s"),
+        (
+            1e12,
+            None,
+            "start time 1e+12 s is refused, expected one that is finite and resolves a hundredth of 0.01 s",
+        ),
         (5.0, 4.0, "stop time 4 s is refused, expected 5 s, the start time, or later"),
         (0.0, np.nan, "stop time nan s is refused"),
     ],
@@ -353,7 +425,11 @@ def test_the_order_of_calls_is_that_of_fmi(made, fmi):
     kept = law.calls.getFMUState()
     law.calls.terminate()
     last = law.get(law.outputs)
-    for late in (lambda: law.step_from(PERIOD), law.calls.terminate, lambda: law.set(law.inputs[:1], [0.5])):
+    for late in (
+        lambda: law.step_from(PERIOD),
+        law.calls.terminate,
+        lambda: law.set(law.inputs[:1], [0.5]),
+    ):
         with refused:
             late()
     assert law.get(law.outputs) == last

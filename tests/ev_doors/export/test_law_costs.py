@@ -23,8 +23,9 @@ pytestmark = pytest.mark.slow
 def test_a_row_is_that_of_the_page(monkeypatch):
     """The bytes follow from the pinned compiler; that the answers have the bits of the recording is part of the count.
 
-    The page has 20 s of the run, here is the begin, where the law may take other branches; most of the instructions are
-    those of the loop, which hang on the C compiler, as its stack does. Between both ways to count, all are equal.
+    The page has 20 s of the run, here is the begin, where the law may take other branches; most of
+    the instructions are those of the loop, which hang on the C compiler, as its stack does. Between
+    both ways to count, all are equal.
     """
     for target in law_costs.ON:
         for needed in (TARGETS[target].compiler, law_costs.COUNTING[target][0]):
@@ -41,9 +42,15 @@ def test_a_row_is_that_of_the_page(monkeypatch):
     assert [each.constants for each in costs] == [int(constants)] * len(costs)
     assert [each.stack for each in costs] == pytest.approx(stack, rel=0.5)
     assert [each.instructions_a_step for each in costs] == pytest.approx(instructions, rel=0.25)
-    # A processor in the loop runs the same program with the same inputs, so it takes the same instructions.
+    # A processor in the loop runs the same program with the same inputs, so it takes the same
+    # instructions.
     moved, (there,) = with_processors(run, {ROLE: "aarch64"})
     run_offline(moved.configurations, moved.duration)
-    (measured,) = (each for target, each in zip(law_costs.ON, costs, strict=True) if target == "aarch64-linux")
+    (measured,) = (
+        each for target, each in zip(law_costs.ON, costs, strict=True) if target == "aarch64-linux"
+    )
     assert f"; {measured.instructions_a_step} instructions a step" in there.report
-    assert f" {measured.stack} bytes of stack, {measured.code} of code, {measured.constants} of" in there.report
+    assert (
+        f" {measured.stack} bytes of stack, {measured.code} of code, {measured.constants} of"
+        in there.report
+    )

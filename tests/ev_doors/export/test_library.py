@@ -71,7 +71,9 @@ def answers_here(content, run, steps=STEPS) -> np.ndarray:
     names = [channel.name for channel in content.inputs]
     rows = []
     for n in range(steps):
-        answer = stepped.answer(stamps.to_seconds(n * content.period), dict(zip(names, given(content, n), strict=True)))
+        answer = stepped.answer(
+            stamps.to_seconds(n * content.period), dict(zip(names, given(content, n), strict=True))
+        )
         rows.append([answer[channel.name] for channel in content.outputs])
     return np.array(rows)
 
@@ -101,13 +103,16 @@ def test_a_law_on_a_cortex_m7_has_the_bits_and_the_instructions_of_that_on_an_m4
         pytest.skip(f"{lacking} is not installed")
     words, took = build_program(content, TARGETS["thumbv7em"], tmp_path), []
     for board in ("mps2-an386", "mps2-an500", "mps2-an500"):
-        with Program(content, [board if word == "mps2-an386" else word for word in words]) as program:
+        with Program(
+            content, [board if word == "mps2-an386" else word for word in words]
+        ) as program:
             program.create()
             assert same_bits(answers_of(content, program), answers_here(content, law()))
             took.append(program.measured)
     assert took[0] == took[1] == took[2]
     assert took[0].error == 0
-    assert 1000 < took[0].instructions_a_step < 100_000  # float64 is arithmetic of the C compiler there
+    # float64 is arithmetic of the C compiler there
+    assert 1000 < took[0].instructions_a_step < 100_000
     assert 0 < took[0].stack < 8192
 
 
@@ -118,8 +123,12 @@ def test_a_board_counts_what_is_executed(content, tmp_path):
     target, library = TARGETS["thumbv7em"], Library(content, "known")
     start, memory = library.write(tmp_path, target, ["board.c", "board.ld"])
     (source := tmp_path / "known.c").write_text(_KNOWN_ON_A_BOARD)
-    program = target.program([source, start], tmp_path / "known", [*target.linking, "-T", str(memory)])
-    found = subprocess.run([*target.emulator, program], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, timeout=60)
+    program = target.program(
+        [source, start], tmp_path / "known", [*target.linking, "-T", str(memory)]
+    )
+    found = subprocess.run(
+        [*target.emulator, program], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, timeout=60
+    )
     assert 100_000 <= int(found.stdout) <= 100_000 + 300
 
 
@@ -155,12 +164,14 @@ def test_an_emulator_without_plugins_is_named(command, tmp_path):
     emulator = tmp_path / "qemu-old"
     emulator.write_text("#!/bin/sh\necho unknown option >&2\nexit 1\n")
     emulator.chmod(0o755)
-    with pytest.raises(ParameterError, match=r"qemu-old does not take the plugin that counts: unknown option"):
+    with pytest.raises(
+        ParameterError, match=r"qemu-old does not take the plugin that counts: unknown option"
+    ):
         counted([str(emulator), *command], tmp_path)
 
 
-# Ten times a thousand instructions. A block is counted when it begins, so those beside a call that reads the count
-# belong to other blocks than the call.
+# Ten times a thousand instructions. A block is counted when it begins, so those beside a call that
+# reads the count belong to other blocks than the call.
 _KNOWN = """
 #include <stdint.h>
 #include <stdio.h>
@@ -206,28 +217,36 @@ long syscall(long number, ...)
     return -1;
 }
 """
-_NOTHING = (900, 7, 9, 7, 50)  # instructions that calls without a step take, the last one to paint the stack
+# instructions that calls without a step take, the last one to paint the stack
+_NOTHING = (900, 7, 9, 7, 50)
 
 
 @pytest.fixture(scope="module")
 def kernel(tmp_path_factory):
     source = tmp_path_factory.mktemp("kernel") / "counter.c"
     source.write_text(_COUNTER)
-    return TARGETS["x86_64-linux"].program([source], source.with_suffix(".so"), ("-fPIC", "-shared"))
+    return TARGETS["x86_64-linux"].program(
+        [source], source.with_suffix(".so"), ("-fPIC", "-shared")
+    )
 
 
 def measured_with(kernel, content, command, counter, steps: int):
-    with Program(content, ["env", f"LD_PRELOAD={kernel}", f"COUNTER={counter}", *command]) as program:
+    with Program(
+        content, ["env", f"LD_PRELOAD={kernel}", f"COUNTER={counter}", *command]
+    ) as program:
         program.create()
         answers_of(content, program, steps)
         return program.measured
 
 
 @pytest.mark.parametrize("is_lent", [False, True])
-def test_the_counter_of_the_processor_is_read_around_each_step(is_lent, kernel, content, command, tmp_path):
+def test_the_counter_of_the_processor_is_read_around_each_step(
+    is_lent, kernel, content, command, tmp_path
+):
     pairs = [*_NOTHING, 107, 207, 7, 50]
     counts = np.cumsum([each for pair in pairs for each in (1000, pair)])
-    rows = np.stack([counts, counts, counts - is_lent * (counts == counts[11])], axis=1)  # in the first step
+    # in the first step
+    rows = np.stack([counts, counts, counts - is_lent * (counts == counts[11])], axis=1)
     rows.astype("<u8").tofile(tmp_path / "counts")
     measured = measured_with(kernel, content, command, tmp_path / "counts", 3)
     assert measured.steps == 3
@@ -279,12 +298,19 @@ def test_a_state_goes_on_to_the_bit(content, command, program):
     answers_of(content, program, 25)
     with Program(content, command) as other:
         assert other.restore(program.state)[0] == 0
-        assert same_bits(answers_of(content, other, begin=25), answers_of(content, program, begin=25))
+        assert same_bits(
+            answers_of(content, other, begin=25), answers_of(content, program, begin=25)
+        )
 
 
 def test_what_is_refused_changes_nothing(content, program):
-    before, tunables = program.state, [tunable for part in content.parts for tunable in part.tunables]
-    index, high = next((n, tunable.high) for n, tunable in enumerate(tunables) if math.isfinite(tunable.high))
+    before, tunables = (
+        program.state,
+        [tunable for part in content.parts for tunable in part.tunables],
+    )
+    index, high = next(
+        (n, tunable.high) for n, tunable in enumerate(tunables) if math.isfinite(tunable.high)
+    )
     assert program.step([*given(content, 0)[:-1], math.nan])[0] == -2
     assert program.measured.steps == 0
     assert program.set_parameter(0, math.inf) == -2
@@ -304,7 +330,9 @@ def test_a_program_that_is_refused_is_ended(content, tmp_path, monkeypatch):
 def test_an_older_program_is_refused_by_its_protocol(content, tmp_path):
     """The first version answered with the same identity, and less of what steps have taken."""
     (tmp_path / "answer").write_bytes(struct.pack("<Q3I", int(content.digest[:16], 16), 1, 1, 8))
-    with pytest.raises(ParameterError, match="it knows another version of the protocol: make it anew"):
+    with pytest.raises(
+        ParameterError, match="it knows another version of the protocol: make it anew"
+    ):
         Program(content, ["sh", "-c", f"cat {tmp_path}/answer; exec cat >/dev/null"])
 
 
@@ -313,7 +341,8 @@ def test_what_a_refused_program_has_started_is_ended(content, tmp_path, monkeypa
     with pytest.raises(ParameterError, match=r"no answer within 0\.2 s"):
         Program(content, ["sh", "-c", f"sleep 1000 & echo $! > {tmp_path}/id; wait"])
     child = Path(f"/proc/{int((tmp_path / 'id').read_text())}/stat")
-    wait_until(lambda: not child.exists() or child.read_text().split()[2] == "Z")  # which adopts it takes its time
+    # which adopts it takes its time
+    wait_until(lambda: not child.exists() or child.read_text().split()[2] == "Z")
 
 
 def test_a_request_that_is_not_read_has_a_limit(content, command, monkeypatch):
@@ -325,7 +354,8 @@ def test_a_request_that_is_not_read_has_a_limit(content, command, monkeypatch):
 
 
 def test_a_program_that_does_not_end_with_its_input_is_ended(content, command):
-    silent = ["sh", "-c", f"head -c 1 | {command[0]}; exec sleep 30"]  # its identity, and nothing more
+    # its identity, and nothing more
+    silent = ["sh", "-c", f"head -c 1 | {command[0]}; exec sleep 30"]
     running = Program(content, silent)
     running.close()
     assert running._process.returncode == -9

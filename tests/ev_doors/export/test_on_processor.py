@@ -18,8 +18,8 @@ from ev_stack.recording.offline import run_offline
 from ev_stack.recording.recording import signal_hash
 
 SECONDS = 0.5
-# A law of each source, and a time [s] by which it has answered otherwise than at the start. Those compile quickly that
-# are first, in the middle and last: every suite takes them.
+# A law of each source, and a time [s] by which it has answered otherwise than at the start. Those
+# compile quickly that are first, in the middle and last: every suite takes them.
 SOURCES = (
     ("shchur2019", "", "electronic_differential", "power_steering", 0.5),
     ("ge_ni2005", "increment", "electronic_differential", "slip_target", 0.3),
@@ -27,12 +27,19 @@ SOURCES = (
     ("urban_mixed", "", "asr", "least_squares", 16.1),
     ("zhileykin2018", "k1_estimated", "electronic_differential", "axle_redistribution", 2.6),
 )
-EMULATORS = {"x86_64": "gcc", "aarch64": "qemu-aarch64", "arm": "qemu-arm", "thumbv7em": "qemu-system-arm"}
+EMULATORS = {
+    "x86_64": "gcc",
+    "aarch64": "qemu-aarch64",
+    "arm": "qemu-arm",
+    "thumbv7em": "qemu-system-arm",
+}
 
 
 def run(*faults: str):
     """The faults of the role stay here, behind the program."""
-    return only_run("shchur2019", "", overrides(duration=SECONDS, set={"driver.faults": list(faults)}))
+    return only_run(
+        "shchur2019", "", overrides(duration=SECONDS, set={"driver.faults": list(faults)})
+    )
 
 
 def hash_of(driven) -> str:
@@ -49,9 +56,12 @@ def test_the_signals_are_those_of_the_plain_run(processor):
     assert hash_of(moved) == hash_of(plain)
     steps = round(SECONDS / 0.01) + 1  # the law answers at both ends
     assert driver.report.startswith(f"{plain.name}: driver on {processor}: {steps} steps")
-    # An emulator counts; the processor itself where it shows a counter, which virtual machines often do not.
+    # An emulator counts; the processor itself where it shows a counter, which virtual machines
+    # often do not.
     counted = re.search(r"[1-9]\d* instructions a step$", driver.report)
-    assert counted or (processor == "x86_64" and "; instructions not counted: the " in driver.report)
+    assert counted or (
+        processor == "x86_64" and "; instructions not counted: the " in driver.report
+    )
 
 
 @pytest.mark.skipif(not shutil.which("qemu-arm"), reason="qemu-arm is not installed")
@@ -70,7 +80,9 @@ def test_a_run_goes_on_where_instructions_cannot_be_counted(monkeypatch):
 
 @pytest.mark.sampled
 @pytest.mark.skipif(not shutil.which("gcc"), reason="gcc is not installed")
-@pytest.mark.parametrize(("scenario", "name", "role", "law", "seconds"), SOURCES, ids=[source[0] for source in SOURCES])
+@pytest.mark.parametrize(
+    ("scenario", "name", "role", "law", "seconds"), SOURCES, ids=[source[0] for source in SOURCES]
+)
 def test_a_law_of_each_source_leaves_the_signals_as_they_are(scenario, name, role, law, seconds):
     plain = only_run(scenario, name, overrides(duration=seconds))
     assert plain.configurations[role].method.name == law
@@ -89,7 +101,12 @@ def test_a_law_of_each_source_leaves_the_signals_as_they_are(scenario, name, rol
         ((), "driver", " ", "processor ' ' is refused, expected the command of a program"),
         ((), "driver", "''", "processor \"''\" is refused, expected the command of a program"),
         ((), "pilot", "arm", "unknown role 'pilot'"),
-        (("restarted driver.command from 0.1 until 0.2",), "driver", "arm", "has a fault `restarted`"),
+        (
+            ("restarted driver.command from 0.1 until 0.2",),
+            "driver",
+            "arm",
+            "has a fault `restarted`",
+        ),
     ],
 )
 def test_what_cannot_run_elsewhere_is_one_line(faults, role, where, line):

@@ -26,7 +26,9 @@ def methods() -> dict[tuple[str, str], Run]:
         ("asr", "slip_window"),
     ):
         runs.append(only_run("urban_mixed", "", overrides(method={role: method})))
-    return {(role, each.method.name): run for run in runs for role, each in run.configurations.items()}
+    return {
+        (role, each.method.name): run for run in runs for role, each in run.configurations.items()
+    }
 
 
 @cache
@@ -55,7 +57,12 @@ def test_a_run_takes_every_combination_that_an_export_takes(data):
 @pytest.mark.parametrize(
     ("role", "method", "free", "tied"),
     [
-        ("electronic_differential", "direct_yaw_moment", "wanted.gradient", ("first_sideslip", "last_sideslip")),
+        (
+            "electronic_differential",
+            "direct_yaw_moment",
+            "wanted.gradient",
+            ("first_sideslip", "last_sideslip"),
+        ),
         ("asr", "least_squares", "use", ("backstop", "least_slip", "first_slip")),
         ("asr", "slip_window", "rise", ("low", "high")),
     ],

@@ -32,7 +32,9 @@ NUMBERS = st.floats(allow_nan=False, allow_infinity=False) | st.sampled_from(
 
 @pytest.fixture(scope="module")
 def content() -> Content:
-    return Content(only_run("shchur2019", "", overrides(method={ROLE: "off"})), only=[ROLE], bare=True)
+    return Content(
+        only_run("shchur2019", "", overrides(method={ROLE: "off"})), only=[ROLE], bare=True
+    )
 
 
 @pytest.fixture(scope="module", params=["x86_64-linux", "thumbv7em"])
@@ -41,7 +43,9 @@ def program(request, content, tmp_path_factory):
     words = (target.compiler, *target.emulator[:1])
     if lacking := next((word for word in words if not shutil.which(word)), ""):
         pytest.skip(f"{lacking} is not installed")
-    with Program(content, build_program(content, target, tmp_path_factory.mktemp("signs"))) as running:
+    with Program(
+        content, build_program(content, target, tmp_path_factory.mktemp("signs"))
+    ) as running:
         yield running
 
 
@@ -72,14 +76,27 @@ def test_a_program_takes_no_negative_brake_torque(content, program, data, number
 def test_an_fmu_takes_no_negative_brake_torque(version, tmp_path):
     """It declares the bound and discards such a value with one line in its log."""
     file = tmp_path / "law.fmu"
-    words = ["--only", ROLE, "--method", f"{ROLE}=off", "--target", "x86_64-linux", "--fmi", version]
+    words = [
+        "--only",
+        ROLE,
+        "--method",
+        f"{ROLE}=off",
+        "--target",
+        "x86_64-linux",
+        "--fmi",
+        version,
+    ]
     perform(["fmu", "shchur2019", "--out", str(file), *words])
     described = fmpy.read_model_description(str(file))
     (brake,) = (v for v in described.modelVariables if v.name == "torque_request.brake.rear_left")
     assert float(brake.min) == 0.0
     lines: list[str] = []
-    unit = instantiate_fmu(fmpy.extract(str(file)), described, logger=lambda *words: lines.append(words[-1].decode()))
-    put, get = (unit.setReal, unit.getReal) if version == "2" else (unit.setFloat64, unit.getFloat64)
+    unit = instantiate_fmu(
+        fmpy.extract(str(file)), described, logger=lambda *words: lines.append(words[-1].decode())
+    )
+    put, get = (
+        (unit.setReal, unit.getReal) if version == "2" else (unit.setFloat64, unit.getFloat64)
+    )
     with pytest.raises(fmpy.fmi1.FMICallException):
         put([brake.valueReference], [-0.5])
     assert lines == [f"input {brake.name} is refused: out of range"]
@@ -90,5 +107,8 @@ def test_an_fmu_takes_no_negative_brake_torque(version, tmp_path):
 
 def test_a_law_that_is_stepped_alone_takes_none(content):
     law = SteppedLaw(content.run.configurations[ROLE])
-    with pytest.raises(ParameterError, match=r"^input torque_request.brake.front_left: .*-0\.5.* expected 0 or more$"):
+    with pytest.raises(
+        ParameterError,
+        match=r"^input torque_request.brake.front_left: .*-0\.5.* expected 0 or more$",
+    ):
         law.answer(0.0, {"torque_request.brake.front_left": -0.5})

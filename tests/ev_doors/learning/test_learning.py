@@ -43,16 +43,22 @@ def test_environments_keep_the_rules_of_gymnasium(name):
 
 
 @pytest.mark.parametrize(
-    ("scenario", "run"), [("double_lane_change", ""), ("launch_split_mu", "fixed_steering"), ("shchur2019", "")]
+    ("scenario", "run"),
+    [("double_lane_change", ""), ("launch_split_mu", "fixed_steering"), ("shchur2019", "")],
 )
 def test_everything_that_a_car_shows_lies_within_its_limits(scenario, run):
     """On planar and kinematic plant, so that nothing is cut off."""
     everything = [
-        topic.name.replace("/", ".") for topic in written_topics(Simulation(scenario, run=run).configurations)
+        topic.name.replace("/", ".")
+        for topic in written_topics(Simulation(scenario, run=run).configurations)
     ]
     driven = {"set": {"plant.initial_speed": 22.0}} if scenario == "double_lane_change" else {}
     environment = Environment(scenario, observe=everything, run=run, duration=2.0, **driven)
-    assert {*environment.observed} == {*environment.limits} >= {"pose.x", "torque_request.brake.rear_left"}
+    assert (
+        {*environment.observed}
+        == {*environment.limits}
+        >= {"pose.x", "torque_request.brake.rear_left"}
+    )
     assert np.isfinite(environment.observation_space.high).all()
     _, info = environment.reset(seed=1)
     over = False
@@ -64,7 +70,9 @@ def test_everything_that_a_car_shows_lies_within_its_limits(scenario, run):
 @pytest.mark.parametrize("car", sorted(files_in_config("vehicles")))
 def test_every_channel_of_every_car_has_a_limit(car):
     vehicle = vehicle_of(car)
-    found = limits(tuple(frame.channels()), vehicle, 10.0, start={}, motor_torque=vehicle.motor.peak_torque)
+    found = limits(
+        tuple(frame.channels()), vehicle, 10.0, start={}, motor_torque=vehicle.motor.peak_torque
+    )
     assert all(0.0 < limit.largest < math.inf and limit.reason for limit in found.values())
 
 
@@ -79,7 +87,9 @@ def test_the_bounds_of_torques_are_those_that_the_plant_lets_a_wheel_have(car):
     most = [getattr(guard.limits.drive, wheel) for wheel in wheels]
     assert environment.action_space.high.tolist() == most
     assert (environment.action_space.low <= 0.0).all()
-    limited = Environment(scenario, "traction_control", run="left", vehicle=car, method=law, duration=1.0)
+    limited = Environment(
+        scenario, "traction_control", run="left", vehicle=car, method=law, duration=1.0
+    )
     assert (limited.action_space.high >= environment.action_space.high).all()
     assert limited.action_space.low.tolist() == [0.0] * len(wheels)
 
@@ -126,21 +136,34 @@ def test_a_picture_shows_the_car_where_it_is():
     ],
 )
 def test_who_acts_like_the_law_gets_the_bits_of_the_plain_run(action, role, method):
-    changed = {"set": NOISE, "duration": DURATION, "method": {role: method} if method else {}, "seed": 3}
-    environment = Environment("double_lane_change", action, record=True, **{**changed, "seed": None})
+    changed = {
+        "set": NOISE,
+        "duration": DURATION,
+        "method": {role: method} if method else {},
+        "seed": 3,
+    }
+    environment = Environment(
+        "double_lane_change", action, record=True, **{**changed, "seed": None}
+    )
     _, info = environment.reset(seed=3)
     over = False
     while not over:
         _, _, _, over, info = environment.step(info["own"])
     plain = ev_stack.run("double_lane_change", **changed)
-    assert signal_hash(environment.simulation.recording) == signal_hash(next(iter(plain.runs.values())))
+    assert signal_hash(environment.simulation.recording) == signal_hash(
+        next(iter(plain.runs.values()))
+    )
 
 
-@pytest.mark.parametrize("method", [name for name, each in methods_of("asr").items() if "plant" not in each.requires])
+@pytest.mark.parametrize(
+    "method", [name for name, each in methods_of("asr").items() if "plant" not in each.requires]
+)
 def test_who_acts_like_any_traction_control_gets_the_bits_of_the_plain_run_or_one_line(method):
     """On split friction, braked and steered: limits of what is asked for, or a law that brakes by the drives."""
     changed = {"duration": 1.5, "method": {"asr": method}, "vehicle": "audi_a2"}
-    environment = Environment("straight_brake_split_mu", "traction_control", run="steered", record=True, **changed)
+    environment = Environment(
+        "straight_brake_split_mu", "traction_control", run="steered", record=True, **changed
+    )
     over = False
     try:
         _, info = environment.reset(seed=1)
@@ -157,14 +180,19 @@ def test_who_acts_like_any_traction_control_gets_the_bits_of_the_plain_run_or_on
 
 def test_a_step_before_the_first_reset_is_refused():
     environment = Environment(duration=DURATION)
-    with pytest.raises(ParameterError, match=r"^step is refused before the first reset, expected is reset\(\) before"):
+    with pytest.raises(
+        ParameterError,
+        match=r"^step is refused before the first reset, expected is reset\(\) before",
+    ):
         environment.step(np.zeros(2))
 
 
 def test_an_option_of_reset_is_refused():
     environment = Environment("double_lane_change")
     environment.reset(options={})
-    with pytest.raises(ParameterError, match=r"^reset option 'plant\.initial_speed' is refused, expected is none"):
+    with pytest.raises(
+        ParameterError, match=r"^reset option 'plant\.initial_speed' is refused, expected is none"
+    ):
         environment.reset(options={"plant.initial_speed": 10.0})
 
 
@@ -187,7 +215,9 @@ def test_what_is_observed_rewarded_and_ended_is_the_users():
     assert first.tolist() == again.tolist() != other.tolist()
 
 
-@pytest.mark.parametrize("copied", [copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))], ids=["copy", "pickle"])
+@pytest.mark.parametrize(
+    "copied", [copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))], ids=["copy", "pickle"]
+)
 @pytest.mark.parametrize("action", ACTIONS)
 def test_a_copy_goes_on_with_the_same_bits_and_by_itself(action, copied):
     environment = Environment("double_lane_change", action, set=NOISE)
@@ -208,7 +238,10 @@ def test_an_action_of_another_shape_is_refused_and_nothing_is_done(action):
     with pytest.raises(ParameterError) as error:
         environment.step(np.array(action))
     channels = "torque_request.drive.front_left, torque_request.drive.front_right"
-    assert str(error.value) == f"action of shape {np.shape(action)} is refused, expected (2,), of {channels}"
+    assert (
+        str(error.value)
+        == f"action of shape {np.shape(action)} is refused, expected (2,), of {channels}"
+    )
     assert environment.simulation.time == 0.0
 
 
@@ -218,9 +251,13 @@ def test_an_action_that_is_no_finite_number_is_refused_and_nothing_is_done(kind,
     """Neither as no limit at all, as NaN is in comparisons, nor behind a step that is done already."""
     environment = Environment("double_lane_change", kind)
     environment.reset(seed=1)
-    action = np.full(environment.action_space.shape, 1.0).astype(object if wrong is None else type(wrong))
+    action = np.full(environment.action_space.shape, 1.0).astype(
+        object if wrong is None else type(wrong)
+    )
     action[-1] = wrong
-    with pytest.raises(ParameterError, match=r"^action .* is refused, expected are finite numbers$"):
+    with pytest.raises(
+        ParameterError, match=r"^action .* is refused, expected are finite numbers$"
+    ):
         environment.step(action)
     assert environment.simulation.time == 0.0
 
@@ -255,7 +292,10 @@ def test_what_an_action_means():
 @pytest.mark.parametrize(
     ("told", "said"),
     [
-        ({"action": "brakes"}, "unknown action 'brakes'; known: steering, torque_split, traction_control"),
+        (
+            {"action": "brakes"},
+            "unknown action 'brakes'; known: steering, torque_split, traction_control",
+        ),
         ({"render_mode": "human"}, "unknown render_mode 'human'; known: rgb_array"),
         ({"observe": ("imu.yaw",)}, "unknown channel 'imu.yaw'; did you mean imu.yaw_rate"),
     ],
@@ -269,7 +309,9 @@ def test_wrong_words_get_one_line(told, said):
 def test_without_gymnasium_one_line_says_how_to_get_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "gymnasium", None)
     monkeypatch.delitem(sys.modules, "ev_doors.learning")
-    with pytest.raises(ImportError, match=r"^gymnasium cannot be imported .*: pip install 'ev_doors\[gymnasium\]'$"):
+    with pytest.raises(
+        ImportError, match=r"^gymnasium cannot be imported .*: pip install 'ev_doors\[gymnasium\]'$"
+    ):
         __import__("ev_doors.learning")
 
 
@@ -283,17 +325,36 @@ def test_the_example_runs(capsys):
 def test_a_policy_is_learned_here_and_driven_on_the_board(tmp_path: Path):
     """One generation of short episodes; the law with its weights keeps the contract, and is ranked.
 
-    It is trained in a process of its own, as a user does: what imports policy.py has its law in the register from then.
+    It is trained in a process of its own, as a user does: what imports policy.py has its law in the
+    register from then.
     """
     weights, folder = tmp_path / "weights.yaml", EXAMPLE.parent / "learned"
-    words = [sys.executable, str(folder / "train.py"), str(weights), "--generations", "1", "--duration", "0.1"]
+    words = [
+        sys.executable,
+        str(folder / "train.py"),
+        str(weights),
+        "--generations",
+        "1",
+        "--duration",
+        "0.1",
+    ]
     learned = []
     for _ in range(2):  # seeded: again the same policy, in the place of the first one
         output = subprocess.run(words, check=True, capture_output=True, text=True).stdout
         assert "generation 1: least mean loss" in output
         learned.append(weights.read_text())
     assert learned[0] == learned[1]
-    words = ["--laws", "equal_torque", "--cells", "layout_1_8_c:all:step_steer:wet:*", "--draws", "1", "--no-report"]
+    words = [
+        "--laws",
+        "equal_torque",
+        "--cells",
+        "layout_1_8_c:all:step_steer:wet:*",
+        "--draws",
+        "1",
+        "--no-report",
+    ]
     for _ in range(2):
-        run_benchmark(["--add", f"{folder / 'policy.py'}={weights}", *words, "--out", str(tmp_path / "out")])
+        run_benchmark(
+            ["--add", f"{folder / 'policy.py'}={weights}", *words, "--out", str(tmp_path / "out")]
+        )
     assert "## weights" in (tmp_path / "out" / "laws.md").read_text()

@@ -24,7 +24,9 @@ FORGED = 3.0  # a finite number that no node of the run says
     [
         pytest.param(run_in_processes, "asr", "plant", "torque_command", marks=pytest.mark.weekly),
         (run_in_process, "asr", "plant", "torque_command"),
-        pytest.param(run_in_processes, "driver", "recorder", "driver/command", marks=pytest.mark.weekly),
+        pytest.param(
+            run_in_processes, "driver", "recorder", "driver/command", marks=pytest.mark.weekly
+        ),
     ],
 )
 def test_commands_in_the_name_of_another_node_make_a_run_not_reproducible(
@@ -39,13 +41,19 @@ def test_commands_in_the_name_of_another_node_make_a_run_not_reproducible(
     with free_domain() as domain:
         monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
         words = [sys.executable, "-m", "campaign.forger", forged, str(FORGED), to]
-        environment = {**os.environ, "PYTHONPATH": os.pathsep.join((str(TOOLS), os.environ.get("PYTHONPATH", "")))}
+        environment = {
+            **os.environ,
+            "PYTHONPATH": os.pathsep.join((str(TOOLS), os.environ.get("PYTHONPATH", ""))),
+        }
         with subprocess.Popen(words, env=environment, stdout=subprocess.PIPE, text=True) as forger:
             assert forger.stdout.readline() == "here\n"
             outcome = drive(run, tmp_path, False, lambda _: None)
             forger.terminate()
             assert forger.stdout.read().startswith("forged ")
-    said = [f"what it took on {topic} is not what {forged} has said" in line for line in outcome.not_reproducible]
+    said = [
+        f"what it took on {topic} is not what {forged} has said" in line
+        for line in outcome.not_reproducible
+    ]
     assert all(said)
     assert any(line.startswith(f"node {to}: ") for line in outcome.not_reproducible)
     assert len(signal_hash(outcome.recording)) == 64

@@ -9,7 +9,13 @@ import pytest
 from helpers.ros_graph import NAMESPACE, NODES, graph, shchur
 from helpers.sockets_of_process import sockets_of
 
-from ev_doors.security.permissions import Permissions, permissions, permissions_in_use, policy_file, violations
+from ev_doors.security.permissions import (
+    Permissions,
+    permissions,
+    permissions_in_use,
+    policy_file,
+    violations,
+)
 from ev_nodes.run_role import refuse_weak_security
 from ev_stack.recording.outcome import RunFailed
 from ev_stack.running.domain import free_domain
@@ -18,7 +24,11 @@ from ev_stack.running.node_reports import enclave, observing
 _ELECTRICAL = ("motor_electrics", "motor_temperatures", "battery/cell")
 _NOT_KINEMATIC = (*_ELECTRICAL, "tire_forces", "battery", "bench/load_command", "speed_command")
 ALLOWED = permissions(NAMESPACE)
-SECURED = {"ROS_SECURITY_ENABLE": "true", "ROS_SECURITY_STRATEGY": "Enforce", "ROS_SECURITY_KEYSTORE": "keys"}
+SECURED = {
+    "ROS_SECURITY_ENABLE": "true",
+    "ROS_SECURITY_STRATEGY": "Enforce",
+    "ROS_SECURITY_KEYSTORE": "keys",
+}
 
 
 @pytest.fixture(scope="module")
@@ -65,16 +75,24 @@ def test_an_unknown_node_may_do_nothing():
 
 
 def test_only_asr_commands_the_plant():
-    speakers = [name for name, each in ALLOWED.items() if f"{NAMESPACE}/torque_command" in each.publishes]
+    speakers = [
+        name for name, each in ALLOWED.items() if f"{NAMESPACE}/torque_command" in each.publishes
+    ]
     assert speakers == ["asr"]
 
 
 def test_policy_file_has_one_enclave_per_node_with_its_topics():
-    enclaves = ElementTree.fromstring(policy_file("/car", permissions("/car").values())).findall("enclaves/enclave")
+    enclaves = ElementTree.fromstring(policy_file("/car", permissions("/car").values())).findall(
+        "enclaves/enclave"
+    )
     assert [each.get("path") for each in enclaves] == [f"/car/{name}" for name in ALLOWED]
     asr = next(each for each in enclaves if each.get("path") == "/car/asr")
-    assert "/car/torque_command" in [topic.text for topic in asr.findall(".//topics[@publish='ALLOW']/topic")]
-    assert "/car/torque_command" not in [topic.text for topic in asr.findall(".//topics[@subscribe='ALLOW']/topic")]
+    assert "/car/torque_command" in [
+        topic.text for topic in asr.findall(".//topics[@publish='ALLOW']/topic")
+    ]
+    assert "/car/torque_command" not in [
+        topic.text for topic in asr.findall(".//topics[@subscribe='ALLOW']/topic")
+    ]
 
 
 def test_nobody_answers_questions_about_types(seen):
@@ -110,5 +128,9 @@ def test_a_run_does_not_begin_without_the_keys_that_are_asked_for(monkeypatch, t
         monkeypatch.setenv(name, value)
     assert enclave("plant", NAMESPACE) == ["--ros-args", "--enclave", f"{NAMESPACE}/plant"]
     looks = partial(observing, NAMESPACE, name="plant")
-    with free_domain() as domain, pytest.raises(RunFailed, match="SECURITY ERROR"), looks(domain=domain):
+    with (
+        free_domain() as domain,
+        pytest.raises(RunFailed, match="SECURITY ERROR"),
+        looks(domain=domain),
+    ):
         pass

@@ -27,7 +27,9 @@ def jobs_of(workflow: Path) -> Iterator[dict[str, Any]]:
 def test_actions_are_named_by_commit_with_their_version_beside(workflow):
     used = re.findall(r"uses: *(.*)", workflow.read_text())
     assert used
-    assert [each for each in used if not re.fullmatch(r"[\w./-]+@[0-9a-f]{40} # v\d+\.\d+\.\d+", each)] == []
+    assert [
+        each for each in used if not re.fullmatch(r"[\w./-]+@[0-9a-f]{40} # v\d+\.\d+\.\d+", each)
+    ] == []
 
 
 def test_workflows_may_read_and_nothing_else(workflow):
@@ -43,7 +45,9 @@ def test_containers_of_workflows_are_named_by_digest(workflow):
     for job in jobs_of(workflow):
         if "container" in job:
             assert job["container"].endswith("@${{ matrix.digest }}")
-            assert all(DIGEST.fullmatch(each["digest"]) for each in job["strategy"]["matrix"]["include"])
+            assert all(
+                DIGEST.fullmatch(each["digest"]) for each in job["strategy"]["matrix"]["include"]
+            )
 
 
 def test_the_container_has_a_base_by_digest_and_does_not_run_as_root():

@@ -26,7 +26,11 @@ from ev_stack.running.domain import free_domain
 
 pytestmark = pytest.mark.slow
 
-OF_SETUP = ("FASTDDS_DEFAULT_PROFILES_FILE", "FASTRTPS_DEFAULT_PROFILES_FILE", "ROS_AUTOMATIC_DISCOVERY_RANGE")
+OF_SETUP = (
+    "FASTDDS_DEFAULT_PROFILES_FILE",
+    "FASTRTPS_DEFAULT_PROFILES_FILE",
+    "ROS_AUTOMATIC_DISCOVERY_RANGE",
+)
 DDS = "{http://www.eprosima.com}"
 MARK = "EV_STACK_TEST_SOCKETS"  # in the environment of all processes that belong to one try
 SHORT = f"{RUN} shchur2019 --duration 0.5 --no-report --out OUT"
@@ -76,7 +80,8 @@ WAYS = {
     "workers": (f"{STUDY} --workers 2", 0),
     "dask": (DASK, 3),
 }
-SHOWN_BY_OTHERS = ("processes", "bus in real time", "dask")  # the live page is processes and a page, the hub is a bus
+# the live page is processes and a page, the hub is a bus
+SHOWN_BY_OTHERS = ("processes", "bus in real time", "dask")
 
 
 @pytest.fixture(scope="module")
@@ -139,7 +144,11 @@ class Try:
 
 
 @pytest.mark.parametrize(
-    "way", [pytest.param(way, marks=pytest.mark.weekly) if way in SHOWN_BY_OTHERS else way for way in WAYS]
+    "way",
+    [
+        pytest.param(way, marks=pytest.mark.weekly) if way in SHOWN_BY_OTHERS else way
+        for way in WAYS
+    ],
 )
 def test_every_socket_is_bound_to_loopback_and_a_stranger_is_refused(way, network, tmp_path):
     """What is bound to a multicast group is heard on loopback alone: the bus logs an insider's frame, no stranger's.
@@ -180,7 +189,11 @@ def test_every_socket_is_bound_to_loopback_and_a_stranger_is_refused(way, networ
             insider.kill()
             insider.wait()
     assert len(under_way.seen) >= least, under_way.seen
-    assert [each for each in under_way.seen if not (each.address.is_loopback or each.address.is_multicast)] == []
+    assert [
+        each
+        for each in under_way.seen
+        if not (each.address.is_loopback or each.address.is_multicast)
+    ] == []
     assert (not_refused, groups) == ([], set())
     if isinstance(network, Network) and words == BENCH:
         logged = {message.arbitration_id for message in can.LogReader(tmp_path / "bus.log")}
@@ -224,10 +237,15 @@ def setting_of(element: ElementTree.Element) -> tuple[str, str]:
 
 def test_both_profiles_say_the_same():
     """In the words of Fast DDS 3 and of Fast DDS 2, which asks nobody how a type is laid out."""
-    newer, older = (ElementTree.parse(ROOT / "config" / name).getroot() for name in ("fastdds.xml", "fastdds2.xml"))
+    newer, older = (
+        ElementTree.parse(ROOT / "config" / name).getroot()
+        for name in ("fastdds.xml", "fastdds2.xml")
+    )
     rtps = newer.find(f"{DDS}participant/{DDS}rtps")
     rtps.remove(rtps.find(f"{DDS}propertiesPolicy"))
-    assert [setting_of(each) for each in newer.iter()] == [setting_of(each) for each in older.iter()]
+    assert [setting_of(each) for each in newer.iter()] == [
+        setting_of(each) for each in older.iter()
+    ]
 
 
 LISTENER = f"""
@@ -248,9 +266,14 @@ def test_a_stranger_finds_what_is_open_and_is_heard_where_the_user_says_so(netwo
     if isinstance(network, NoNamespaces):
         pytest.skip(f"a stranger on another machine was not tried: {network}")
     words = [*network.inside, sys.executable, "-c", LISTENER]
-    with subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as listener:
+    with subprocess.Popen(
+        words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as listener:
         assert listener.stdout.readline() == "listens\n"
-        assert network.ask(HERE, [28001, 28003], [28002, 28004, 28111, 28112]) == ["tcp 28001", "udp 28002"]
+        assert network.ask(HERE, [28001, 28003], [28002, 28004, 28111, 28112]) == [
+            "tcp 28001",
+            "udp 28002",
+        ]
         assert network.groups() == {"239.192.11.1"}
         for n in range(2):
             network.ask(f"239.192.11.{n}", 28111 + n, STRANGERS.hex())

@@ -90,19 +90,31 @@ def test_a_signal_of_too_few_numbers_is_none(topic):
         topic.shape.signal_of((1.0,) * (topic.shape.size + 1))
 
 
-@given(st.tuples(*[st.floats(-SINGLE_MAX, SINGLE_MAX) | st.sampled_from((-0.0, 5e-324, 1e-45, SINGLE_MAX, 0.1))] * 5))
+@given(
+    st.tuples(
+        *[
+            st.floats(-SINGLE_MAX, SINGLE_MAX)
+            | st.sampled_from((-0.0, 5e-324, 1e-45, SINGLE_MAX, 0.1))
+        ]
+        * 5
+    )
+)
 def test_single_precision_rounds_to_nearest_and_only_once(values):
     """The independent opinion is numpy's float32; a signal that was carried before comes through unchanged."""
     shape = shape_of(BatteryCondition)
     carried = shape.carried(values)
-    assert np.array(carried).tobytes() == np.array(values).astype(np.float32).astype(float).tobytes()
+    assert (
+        np.array(carried).tobytes() == np.array(values).astype(np.float32).astype(float).tobytes()
+    )
     assert shape.carried(carried) == carried
 
 
 @pytest.mark.parametrize("voltage", [3.5e38, -1e300])
 def test_what_single_precision_cannot_hold_is_refused(voltage):
     """Carried on, it would be infinite."""
-    with pytest.raises(SignalError, match=f"BatteryCondition.voltage is {voltage}".replace("+", r"\+")):
+    with pytest.raises(
+        SignalError, match=f"BatteryCondition.voltage is {voltage}".replace("+", r"\+")
+    ):
         shape_of(BatteryCondition).refuse_not_finite((voltage, 1.0, 1.0, 1.0, 1.0))
 
 

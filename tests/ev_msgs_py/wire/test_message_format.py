@@ -15,7 +15,12 @@ from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.fields import NEGLIGIBLE
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.optional_signals import CellCondition
-from ev_msgs_py.contract.signals import BatteryCondition, DriverCommand, SteeringColumnState, WheelTorqueRequest
+from ev_msgs_py.contract.signals import (
+    BatteryCondition,
+    DriverCommand,
+    SteeringColumnState,
+    WheelTorqueRequest,
+)
 from ev_msgs_py.contract.topics import JOINT_STATE, TOPICS, Topic
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.wire import (
@@ -43,12 +48,22 @@ WITH_NUMBERS = pytest.mark.parametrize(
     "topic", [topic for topic in TOPICS.values() if topic.channels], ids=lambda topic: topic.name
 )
 JOINTS = pytest.mark.parametrize(
-    "topic", [topic for topic in TOPICS.values() if topic.message_type == JOINT_STATE], ids=lambda topic: topic.name
+    "topic",
+    [topic for topic in TOPICS.values() if topic.message_type == JOINT_STATE],
+    ids=lambda topic: topic.name,
 )
 SINGLE_MAX = float(np.finfo(np.float32).max)
 SINGLE = (BatteryCondition, CellCondition)  # signals in single precision
-# Bit patterns that tend to get lost: the sign of a zero, the smallest and the largest number, the last bit.
-SPECIAL = (-0.0, 5e-324, -2.2250738585072014e-308, 1.7976931348623157e308, math.nextafter(1.0, 2.0), 0.1)
+# Bit patterns that tend to get lost: the sign of a zero, the smallest and the largest number, the
+# last bit.
+SPECIAL = (
+    -0.0,
+    5e-324,
+    -2.2250738585072014e-308,
+    1.7976931348623157e308,
+    math.nextafter(1.0, 2.0),
+    0.1,
+)
 finite = st.floats(allow_nan=False, allow_infinity=False) | st.sampled_from(SPECIAL)
 single = st.floats(-SINGLE_MAX, SINGLE_MAX, width=32) | st.sampled_from((-0.0, SINGLE_MAX, 0.5))
 stamp_values = st.integers(0, (2**31 - 1) * stamps.NANOSECONDS)
@@ -58,7 +73,9 @@ stamp_values = st.integers(0, (2**31 - 1) * stamps.NANOSECONDS)
 def numbers_of(topic: Topic) -> st.SearchStrategy[tuple[float, ...]]:
     kind = single if topic.signal in SINGLE else finite
     unsigned = topic.shape.unsigned_commands
-    return st.tuples(*(kind.map(abs) if i in unsigned else kind for i in range(len(topic.channels))))
+    return st.tuples(
+        *(kind.map(abs) if i in unsigned else kind for i in range(len(topic.channels)))
+    )
 
 
 def ordinary(topic: Topic) -> list[float]:
@@ -121,7 +138,10 @@ def refusal(topic: Topic, message: bytes) -> str:
 def test_numbers_come_back_bit_for_bit(topic, data):
     """Packed by us, and filled and serialized by rclpy as a stranger would."""
     values, stamp = data.draw(numbers_of(topic)), data.draw(stamp_values)
-    for message in (packed(topic, values, stamp), serialize_message(message_of(topic, values, stamp))):
+    for message in (
+        packed(topic, values, stamp),
+        serialize_message(message_of(topic, values, stamp)),
+    ):
         assert read(topic, message) == bits(values)
         assert stamp_of(message) == stamp
 
@@ -134,12 +154,16 @@ def test_packing_gives_the_bytes_of_rclpy(topic, data):
     values, stamp = data.draw(numbers_of(topic)), data.draw(stamp_values)
     ours, message = packed(topic, values, stamp), message_of(topic, values, stamp)
     theirs = serialize_message(message)
-    # To the estimated size rclpy adds up to 4 bytes of padding for each array of doubles, also where that is empty.
-    empty = sum(len(getattr(message, name, "-")) == 0 for name in ("position", "velocity", "effort"))
+    # To the estimated size rclpy adds up to 4 bytes of padding for each array of doubles, also
+    # where that is empty.
+    empty = sum(
+        len(getattr(message, name, "-")) == 0 for name in ("position", "velocity", "effort")
+    )
     assert 0 <= len(theirs) - len(ours) <= max(8, 4 + 4 * empty)
     differing = [(one, other) for one, other in zip(ours, theirs, strict=False) if one != other]
     assert all(one == 0 for one, _ in differing)
-    assert len(differing) <= 3 * (1 + len(getattr(message, "name", ()))) + 7  # behind texts, before numbers
+    # behind texts, before numbers
+    assert len(differing) <= 3 * (1 + len(getattr(message, "name", ()))) + 7
     assert deserialize_message(ours, type(message)) == message
 
 
@@ -159,7 +183,9 @@ def test_a_whole_run_is_serialized_at_once_as_message_by_message(topic, data):
     when = np.array([data.draw(stamp_values) for _ in rows])
     frames = np.array([framed(topic, row).numbers.tolist() for row in rows])
     messages = MessageTable(topic).serialize(when, frames)
-    assert messages == [packed(topic, row, stamp) for stamp, row in zip(when.tolist(), rows, strict=True)]
+    assert messages == [
+        packed(topic, row, stamp) for stamp, row in zip(when.tolist(), rows, strict=True)
+    ]
     back = np.zeros_like(frames)
     MessageTable(topic).read(messages, back)
     assert back.tobytes() == frames.tobytes()
@@ -186,7 +212,9 @@ def test_seconds_of_a_step_lead_back_to_its_stamp(step, period):
 def test_joints_are_named_by_their_wheel():
     """What `ros2 topic echo` shows: left before right, front before rear, brakes behind the drives."""
     topic = TOPICS[WheelTorqueRequest]
-    message = deserialize_message(packed(topic, (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0)), message_class(JOINT_STATE))
+    message = deserialize_message(
+        packed(topic, (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0)), message_class(JOINT_STATE)
+    )
     assert message.name == [*WHEEL_NAMES, *(f"{wheel}_brake" for wheel in WHEEL_NAMES)]
     assert list(message.effort) == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]
     assert list(message.position) == list(message.velocity) == []
@@ -229,7 +257,9 @@ def test_without_a_frame_name_it_is_read_and_of_another_frame_refused(topic):
     values = ordinary(topic)
     message = message_of(topic, values, 5)
     message.header.frame_id = "somewhere/else"
-    assert refusal(topic, serialize_message(message)).startswith("frame_id is 'somewhere/else', expected ")
+    assert refusal(topic, serialize_message(message)).startswith(
+        "frame_id is 'somewhere/else', expected "
+    )
     message.header.frame_id = ""
     serialized = serialize_message(message)
     assert read(topic, serialized) == bits(values)
@@ -315,7 +345,10 @@ def test_a_negative_command_is_refused_where_it_has_no_sign(topic, number):
         table = np.zeros((1, frame.SIZE))
         if is_command and number < -NEGLIGIBLE:
             said = refusal(topic, message)
-            assert said == f"{topic.signal.__name__}.{topic.shape.channels[i]} is {number}, expected 0 or more"
+            assert (
+                said
+                == f"{topic.signal.__name__}.{topic.shape.channels[i]} is {number}, expected 0 or more"
+            )
             with pytest.raises(MessageError, match="expected 0 or more"):
                 MessageTable(topic).read([message], table)
             continue
@@ -356,9 +389,12 @@ def test_garbage_carries_no_stamp():
 def test_compiled_code_reads_and_writes_the_same_bytes(topic):
     """In its block of memory: the numbers, the stamp, and what is no message of ours; here run as plain Python."""
     of, block = format_of(topic.signal), np.zeros(2048, np.int64)
-    memory = Memory(*(block.view(kind) for kind in (np.uint8, np.int64, np.int32, np.float64, np.float32)))
+    memory = Memory(
+        *(block.view(kind) for kind in (np.uint8, np.int64, np.int32, np.float64, np.float32))
+    )
     there = np.zeros(1, np.dtype(TOPIC)).view(np.recarray)[0]
-    there.template, there.mask, at = 4, 4100, 8196  # numbers stand at whole ones behind the four bytes of encapsulation
+    # numbers stand at whole ones behind the four bytes of encapsulation
+    there.template, there.mask, at = 4, 4100, 8196
     there.length, there.last, there.single = len(of.template), len(of.runs), of.code == "f"
     memory.bytes[there.template : there.template + len(of.template)] = list(of.template)
     memory.bytes[there.mask : there.mask + len(of.mask)] = list(of.mask)
@@ -374,7 +410,8 @@ def test_compiled_code_reads_and_writes_the_same_bytes(topic):
     assert stamp_in(memory, at) == stamp
     assert bytes(found.numbers) == bytes(given.numbers)
     constants = [n for n, constant in enumerate(of.mask) if constant]
-    for place in constants[:: max(len(constants) // 50, 1)]:  # evenly spread: each takes a look at all bytes
+    # evenly spread: each takes a look at all bytes
+    for place in constants[:: max(len(constants) // 50, 1)]:
         memory.bytes[at + place] ^= 1
         assert not is_laid_out_like(memory, at, there)
         memory.bytes[at + place] ^= 1

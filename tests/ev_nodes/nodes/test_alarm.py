@@ -65,7 +65,9 @@ def test_nobody_is_woken_up_while_the_clocks_agree(monkeypatch):
     ahead = iter(range(0, 10 * HOUR, HOUR))
     seen, woken = [], []
     monkeypatch.setattr(time_of_day, "_AT_FIRST", 0)
-    monkeypatch.setattr(time_of_day, "ahead", lambda: seen.append(next(ahead, 10 * HOUR)) or seen[-1])
+    monkeypatch.setattr(
+        time_of_day, "ahead", lambda: seen.append(next(ahead, 10 * HOUR)) or seen[-1]
+    )
     with ros_domain() as context:
         node = Node("sleeper", context=context)
         with time_of_day.Alarm(node, lambda: woken.append(True)):
@@ -75,7 +77,9 @@ def test_nobody_is_woken_up_while_the_clocks_agree(monkeypatch):
     assert not woken
 
 
-@pytest.mark.parametrize("ahead", [[HOUR, HOUR, 0], [0]], ids=["while it watches", "while the node was being made"])
+@pytest.mark.parametrize(
+    "ahead", [[HOUR, HOUR, 0], [0]], ids=["while it watches", "while the node was being made"]
+)
 def test_a_process_tells_the_graph_several_times_what_it_consists_of(ahead, monkeypatch):
     """After the time of day was set back, until what was told before is out of the way."""
     monkeypatch.setattr(time_of_day, "ahead", lambda: ahead.pop(0) if len(ahead) > 1 else ahead[0])
@@ -85,7 +89,11 @@ def test_a_process_tells_the_graph_several_times_what_it_consists_of(ahead, monk
     with ros_domain() as context:
         node = Node("teller", context=context)
         create = node.create_publisher
-        monkeypatch.setattr(node, "create_publisher", lambda *how, **more: told.append(how[1]) or create(*how, **more))
+        monkeypatch.setattr(
+            node,
+            "create_publisher",
+            lambda *how, **more: told.append(how[1]) or create(*how, **more),
+        )
         given_up = time.monotonic() + PATIENCE
         with time_of_day.Alarm(node):
             while len(told) < 3 and time.monotonic() < given_up:
@@ -116,9 +124,12 @@ def test_a_node_goes_on_announcing_itself_when_the_time_of_day_is_set_back(tmp_p
         other.bind(("127.0.0.1", discovery_port(domain, ANOTHER)))
         other.settimeout(PATIENCE)
         environment = {**os.environ, **of_the_node.environment, "ROS_DOMAIN_ID": str(domain)}
-        with subprocess.Popen([sys.executable, "-c", ANNOUNCED], env=environment, stdin=subprocess.PIPE) as node:
+        with subprocess.Popen(
+            [sys.executable, "-c", ANNOUNCED], env=environment, stdin=subprocess.PIPE
+        ) as node:
             other.recv(65536)
-            of_the_node.jump(HOUR // 10**9)  # the kernel's clock stays, so from here on waits last for an hour
+            # the kernel's clock stays, so from here on waits last for an hour
+            of_the_node.jump(HOUR // 10**9)
             other.settimeout(SILENCE)
             with pytest.raises(TimeoutError):
                 while True:

@@ -47,6 +47,7 @@ def test_nothing_acts_in_a_step_that_ends_when_the_command_is_too_old(period, st
 def test_the_older_of_both_clocks_counts():
     p = MasterParameters(command_timeout=0.1, command_ramp=0.02)
     period = 10_000_000
-    assert share_at(0, 0.085, period, p) == pytest.approx(0.25, rel=1e-6)  # 5 of 20 ms; the wall clock is in floats
+    # 5 of 20 ms; the wall clock is in floats
+    assert share_at(0, 0.085, period, p) == pytest.approx(0.25, rel=1e-6)
     assert share_at(75_000_000, 0.0, period, p) == 0.75
     assert share_at(0, 0.1, period, p) == 0.0

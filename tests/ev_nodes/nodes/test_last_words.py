@@ -42,9 +42,13 @@ def test_at_the_end_of_real_time_the_master_stays_until_the_recorder_has_everyth
     with ros_domain() as context:
         master = MasterNode(context=context, parameter_overrides=parameter_overrides(followed))
         publisher, told = Publisher(), iter([b"behind", None, b"behind", None, b"everything"])
-        progress = SimpleNamespace(take=lambda: next(told, None), receive=lambda message: heard.append(message))
+        progress = SimpleNamespace(
+            take=lambda: next(told, None), receive=lambda message: heard.append(message)
+        )
         heard: list[bytes] = []
-        monkeypatch.setattr(type(master.schedule), "recorder_is_behind", property(lambda _: heard[-1] == b"behind"))
+        monkeypatch.setattr(
+            type(master.schedule), "recorder_is_behind", property(lambda _: heard[-1] == b"behind")
+        )
         monkeypatch.setattr(master, "readers", dict.fromkeys(master.readers, progress))
         master.writers = {BodyVelocity: SimpleNamespace(publisher=publisher)}
         master._wait_for_the_recorder()

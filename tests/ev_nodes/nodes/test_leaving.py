@@ -21,9 +21,15 @@ LEASE = 4.0  # s, of config/fastdds.xml
 
 
 def start(domain: int, silently: bool, *told: str) -> subprocess.Popen:
-    environment = {**os.environ, "ROS_DOMAIN_ID": str(domain), **({SILENTLY: "1"} if silently else {})}
+    environment = {
+        **os.environ,
+        "ROS_DOMAIN_ID": str(domain),
+        **({SILENTLY: "1"} if silently else {}),
+    }
     words = [*command("driver"), "--ros-args", "-r", f"__ns:={NAMESPACE}", *told]
-    return subprocess.Popen(words, env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    return subprocess.Popen(
+        words, env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+    )
 
 
 def seconds_until(holds: Callable[[], bool]) -> float:
@@ -50,7 +56,9 @@ def seconds_behind_the_end(silently: bool) -> tuple[float, float, float]:
         node.send_signal(signal.SIGINT)
         assert node.wait(PATIENCE) == 0
         listened = seconds_until(lambda: not listens())
-        hidden = seconds_until(lambda: silently or ("_driver", "/") in probe.get_node_names_and_namespaces())
+        hidden = seconds_until(
+            lambda: silently or ("_driver", "/") in probe.get_node_names_and_namespaces()
+        )
         return listened, hidden, listened + seconds_until(lambda: not is_there())
 
 
@@ -58,9 +66,10 @@ def seconds_behind_the_end(silently: bool) -> tuple[float, float, float]:
 def test_a_node_says_goodbye_unless_its_runner_leaves_too(silently):
     """Seconds that others still know of it: none, or what is left of its lease, which is announced every 0.1 s.
 
-    What it hears is gone at once in any case: who waits until its last word has arrived does not wait for it. Its
-    participant is never deleted, because that can last for ever: a hidden node shows it until the lease is over.
-    On a busy machine a goodbye may arrive late, so one of several is to arrive within half a lease.
+    What it hears is gone at once in any case: who waits until its last word has arrived does not
+    wait for it. Its participant is never deleted, because that can last for ever: a hidden node
+    shows it until the lease is over. On a busy machine a goodbye may arrive late, so one of several
+    is to arrive within half a lease.
     """
     for _ in range(5):
         listened, hidden, stayed = seconds_behind_the_end(silently)

@@ -40,13 +40,19 @@ STANDING = WheelStates(NO_WHEELS, NO_WHEELS, NO_WHEELS)
 class Bench:
     """One node, and a probe that plays all the others."""
 
-    def __init__(self, context: Any, name: str, says: tuple[type, ...], hears: type, **values: Any) -> None:
+    def __init__(
+        self, context: Any, name: str, says: tuple[type, ...], hears: type, **values: Any
+    ) -> None:
         self.node = node_of(context, name, values)
         self.probe = Probe(context)
         self.heard = self.probe.listen(hears)
         writer = self.node.writers[hears].publisher
         mouths = [self.probe.publisher_of(signal) for signal in says]
-        self.run(lambda: writer.get_subscription_count() and all(m.get_subscription_count() for m in mouths))
+        self.run(
+            lambda: (
+                writer.get_subscription_count() and all(m.get_subscription_count() for m in mouths)
+            )
+        )
 
     def run(self, until: Callable[[], Any]) -> None:
         deadline = time.monotonic() + PATIENCE
@@ -58,7 +64,9 @@ class Bench:
 
         spin([self.node], finished)
 
-    def say(self, seconds: float, signal: Any, spoil: Callable[[Any], None] = lambda message: None) -> None:
+    def say(
+        self, seconds: float, signal: Any, spoil: Callable[[Any], None] = lambda message: None
+    ) -> None:
         message = self.probe.message(seconds, signal)
         spoil(message)
         self.probe.publisher_of(type(signal)).publish(message)
@@ -146,13 +154,16 @@ def test_a_spoilt_message_is_reported_and_changes_nothing(law, spoil, named):
     law.say(PERIOD, TURNED, spoil)
     law.run(lambda: law.probe.reports)
     (report,) = law.probe.reports
-    assert report.startswith("/ev/electronic_differential: steering_column/state at 0.01 s ignored: ")
+    assert report.startswith(
+        "/ev/electronic_differential: steering_column/state at 0.01 s ignored: "
+    )
     assert named in report
     assert_goes_on_as_if_nothing_had_been(law)
 
 
 @pytest.mark.parametrize(
-    ("brake", "named"), [(-2.0, "DriverCommand.brake_torque is -2.0, expected 0 or more"), (-1e-17, "")]
+    ("brake", "named"),
+    [(-2.0, "DriverCommand.brake_torque is -2.0, expected 0 or more"), (-1e-17, "")],
 )
 def test_a_negative_brake_torque_of_a_stranger_is_reported_and_changes_nothing(law, brake, named):
     """Packed as our nodes do it, so that the loop would take it; what rounding leaves is 0."""
@@ -220,7 +231,9 @@ def test_ordinary_steps_are_taken_in_compiled_code_and_others_in_python(law, mon
     judged = []
     for reader in law.node.readers.values():
         judge = reader.judge
-        monkeypatch.setattr(reader, "judge", lambda *told, judge=judge: judged.append(told) or judge(*told))
+        monkeypatch.setattr(
+            reader, "judge", lambda *told, judge=judge: judged.append(told) or judge(*told)
+        )
     for step in range(1, 4):
         law.say_packed(step * PERIOD, DRIVER, STANDING, TURNED)
         law.run(lambda step=step: len(law.heard) == step + 1)
@@ -285,7 +298,9 @@ def test_a_command_fades_until_it_is_as_old_as_may_be_and_drives_again_when_it_i
     """A state shows the torque of the period before it: 50 N m up to 0.08 s, 25 N m up to 0.09 s, none at 0.1 s."""
     last = command_while(plant, lambda: len(driven(plant)) >= 5)
     plant.run(lambda: plant.heard[-1][0] > last + from_seconds(0.3))
-    efforts = {stamp - last: wheels.effort.front_left for stamp, wheels in plant.heard if stamp > last}
+    efforts = {
+        stamp - last: wheels.effort.front_left for stamp, wheels in plant.heard if stamp > last
+    }
     assert all(torque == 0.0 for age, torque in efforts.items() if age >= from_seconds(0.1))
     assert efforts[from_seconds(0.09)] <= 25.0 + 1e-9  # less where the wall clock was ahead
     before = len(driven(plant))
@@ -296,7 +311,9 @@ def test_real_time_counts_what_it_does(plant):
     command_while(plant, lambda: len(driven(plant)) >= 3)
     plant.run(lambda: plant.node.schedule.timing.without_command)
     timing = plant.node.schedule.timing.as_json()
-    assert timing["steps"] == sum(timing["lateness"]["counts"]) == sum(timing["period"]["counts"]) + 1
+    assert (
+        timing["steps"] == sum(timing["lateness"]["counts"]) == sum(timing["period"]["counts"]) + 1
+    )
     assert sum(timing["arrival"]["torque_command"]["counts"]) >= 3
     plant.say(to_seconds(plant.node.now) + 5.0, WheelTorqueCommand(Wheels.front(50.0, 50.0)))
     plant.run(lambda: plant.node.schedule.timing.refused[WheelTorqueCommand] == 1)
@@ -304,19 +321,34 @@ def test_real_time_counts_what_it_does(plant):
 
 def test_a_spoilt_command_counts_as_none(plant):
     start = plant.node.now
-    command_while(plant, lambda: plant.node.now > start + from_seconds(0.2), spoil=set_number("effort", math.nan))
+    command_while(
+        plant,
+        lambda: plant.node.now > start + from_seconds(0.2),
+        spoil=set_number("effort", math.nan),
+    )
     assert driven(plant) == []
-    assert any("torque_command" in report and "drive.front_left is nan" in report for report in plant.probe.reports)
+    assert any(
+        "torque_command" in report and "drive.front_left is nan" in report
+        for report in plant.probe.reports
+    )
 
 
 def test_a_law_says_in_diagnostics_which_motors_it_does_not_trust():
     """The front left motor gives nothing of 100 N m, the right one what it was told a step ago."""
     with ros_domain() as context:
-        bench = Bench(context, "asr", (WheelTorqueRequest, WheelStates), WheelTorqueCommand, method="limp_home")
+        bench = Bench(
+            context,
+            "asr",
+            (WheelTorqueRequest, WheelStates),
+            WheelTorqueCommand,
+            method="limp_home",
+        )
         measured, lost = NO_WHEELS, []
         for step in range(20):
             states = WheelStates(NO_WHEELS, NO_WHEELS, measured)
-            bench.say_packed(step * PERIOD, states, WheelTorqueRequest(Wheels.front(100.0, 100.0), NO_WHEELS))
+            bench.say_packed(
+                step * PERIOD, states, WheelTorqueRequest(Wheels.front(100.0, 100.0), NO_WHEELS)
+            )
             bench.run(lambda step=step: len(bench.heard) == step + 1)
             measured = Wheels.front(0.0, bench.heard[-1][1].drive.front_right)
             lost.append(bench.node.health.counts()["lost"])

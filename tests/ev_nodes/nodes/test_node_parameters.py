@@ -47,13 +47,18 @@ def tried(node: Any, **values: Any) -> str:
     return result.reason
 
 
-# Of a gateway: the car whose gear stands between its machines and the wheels, and a step of whole cycles of the bus.
+# Of a gateway: the car whose gear stands between its machines and the wheels, and a step of whole
+# cycles of the bus.
 NEEDED = {"inverter_gateway": {"vehicle.gear_ratio": 7.4, "control_period": 0.005}}
 
 
 @pytest.mark.parametrize("name", [*ROLES, "recorder"])
 def test_every_parameter_is_described_with_unit_and_range(context, name, tmp_path):
-    node = node_of(context, name, NEEDED.get(name, {}) | ({"directory": str(tmp_path)} if name == "recorder" else {}))
+    node = node_of(
+        context,
+        name,
+        NEEDED.get(name, {}) | ({"directory": str(tmp_path)} if name == "recorder" else {}),
+    )
     declared = entries(RecorderParameters) if name == "recorder" else node.configuration.entries()
     assert len(declared) > 5
     for entry in declared:
@@ -87,7 +92,10 @@ def test_a_change_of_any_length_is_told_to_the_runner(context, monkeypatch, coun
     monkeypatch.setenv(RUNNER_LINE, address)
     node = node_of(context, "driver", {})
     times = [n / count / 7 for n in range(count)]
-    assert tried(node, speed_profile__time=times, speed_profile__speed=[10.0 + each for each in times]) == ""
+    assert (
+        tried(node, speed_profile__time=times, speed_profile__speed=[10.0 + each for each in times])
+        == ""
+    )
     told.look()
     assert len(told.warnings) == 1
     assert told.warnings[0].endswith("the run is not reproducible")
@@ -101,7 +109,11 @@ def test_a_change_is_taken_over_live_and_the_state_lasts(law):
     before.state = [3.0]  # the integral
     note_answer(law.stepper.inbox.steps, 0)
     assert tried(law, natural_frequency=9.0, max_torque_difference=80.0) == ""
-    assert law.get_parameter("natural_frequency").value == law.configuration.parameters.natural_frequency == 9.0
+    assert (
+        law.get_parameter("natural_frequency").value
+        == law.configuration.parameters.natural_frequency
+        == 9.0
+    )
     assert law.stepper.part is not before
     assert law.stepper.part.state == [3.0]
 
@@ -115,14 +127,19 @@ REFUSED = {
     "read-only": ({"vehicle.mass": 1000.0}, "vehicle.mass"),
     "the method": ({"method": "equal_torque"}, "method"),
     "one good and one bad": ({"natural_frequency": 9.0, "damping_ratio": -1.0}, "damping_ratio"),
-    "beside one of ROS": ({"natural_frequency": 9.0, "use_sim_time": True}, "use_sim_time is refused beside"),
+    "beside one of ROS": (
+        {"natural_frequency": 9.0, "use_sim_time": True},
+        "use_sim_time is refused beside",
+    ),
 }
 
 
 def test_what_a_start_would_refuse_beside_the_period_is_refused_live(context):
     """No torque would act any more with a command that is given up within two periods."""
     node = node_of(context, "plant", {"mode": "realtime"})
-    assert tried(node, command_timeout=0.001).startswith("parameter command_timeout: 0.001 is refused, expected more")
+    assert tried(node, command_timeout=0.001).startswith(
+        "parameter command_timeout: 0.001 is refused, expected more"
+    )
     assert tried(node, command_timeout=0.05) == ""
     assert node.configuration.extra.command_timeout == 0.05
     node.destroy_node()
@@ -131,9 +148,13 @@ def test_what_a_start_would_refuse_beside_the_period_is_refused_live(context):
 @pytest.mark.parametrize(("values", "named"), REFUSED.values(), ids=REFUSED)
 def test_a_bad_value_is_refused_with_a_reason_and_nothing_changes(law, values, named):
     configuration, played = law.configuration, law.stepper.part
-    everything = {name: parameter.value for name, parameter in law.get_parameters_by_prefix("").items()}
+    everything = {
+        name: parameter.value for name, parameter in law.get_parameters_by_prefix("").items()
+    }
     assert named in tried(law, **values)
-    assert {name: parameter.value for name, parameter in law.get_parameters_by_prefix("").items()} == everything
+    assert {
+        name: parameter.value for name, parameter in law.get_parameters_by_prefix("").items()
+    } == everything
     assert law.configuration is configuration
     assert law.stepper.part is played
 
@@ -178,10 +199,22 @@ def test_no_request_of_any_service_ends_a_node_or_is_done_by_half(law):
     frequency = law.configuration.parameters.natural_frequency
     good = Parameter("natural_frequency", value=9.0).to_parameter_msg()
     for kind in (10, 77, 255):
-        for wrong in (no_type("natural_frequency", kind), no_type("nobody", kind), no_type("", kind)):
-            each = asked(law, "set_parameters", SetParameters.Request(parameters=[good, wrong])).results
-            assert [(one.successful, f"{kind} is not a valid" in one.reason) for one in each] == [(False, True)] * 2
-            all_ = asked(law, "set_parameters_atomically", SetParametersAtomically.Request(parameters=[good, wrong]))
+        for wrong in (
+            no_type("natural_frequency", kind),
+            no_type("nobody", kind),
+            no_type("", kind),
+        ):
+            each = asked(
+                law, "set_parameters", SetParameters.Request(parameters=[good, wrong])
+            ).results
+            assert [(one.successful, f"{kind} is not a valid" in one.reason) for one in each] == [
+                (False, True)
+            ] * 2
+            all_ = asked(
+                law,
+                "set_parameters_atomically",
+                SetParametersAtomically.Request(parameters=[good, wrong]),
+            )
             assert not all_.result.successful and f"{kind} is not a valid" in all_.result.reason
     assert law.configuration.parameters.natural_frequency == frequency
     for service in law.services:
@@ -208,7 +241,10 @@ def test_values_that_belong_together_change_together(context):
     """Times and speeds of a profile have the same number, so neither can change in length alone."""
     driver = node_of(context, "driver", {})
     assert "same number" in tried(driver, speed_profile__time=[0.0, 1.0, 2.0])
-    assert tried(driver, speed_profile__time=[0.0, 1.0, 2.0], speed_profile__speed=[0.0, 1.0, 1.0]) == ""
+    assert (
+        tried(driver, speed_profile__time=[0.0, 1.0, 2.0], speed_profile__speed=[0.0, 1.0, 1.0])
+        == ""
+    )
     assert driver.configuration.parameters.speed_profile.speed == (0.0, 1.0, 1.0)
     driver.destroy_node()
 

@@ -47,20 +47,29 @@ run_role("asr")
 
 def start(words: list[str], domain: int | str = 0) -> subprocess.Popen:
     environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
-    return subprocess.Popen(words, env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    return subprocess.Popen(
+        words, env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+    )
 
 
 def without_compiling(said: str) -> str:
     """What a process has said, without the line that a plant which has just been edited is compiled."""
-    return "".join(line for line in said.splitlines(keepends=True) if not line.startswith("compiling "))
+    return "".join(
+        line for line in said.splitlines(keepends=True) if not line.startswith("compiling ")
+    )
 
 
-@pytest.mark.parametrize("kind", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.weekly)])
+@pytest.mark.parametrize(
+    "kind", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.weekly)]
+)
 def test_every_node_ends_in_peace_when_it_is_told_to(kind, tmp_path):
     """Without a run, in the middle of waiting for each other; it has said that it is ready, and says no more."""
     with ros_domain() as context:
         nodes = {}
-        more = {"recorder": ["-p", f"directory:={tmp_path}"], "plant": ["-p", "answer_timeout:=600.0"]}
+        more = {
+            "recorder": ["-p", f"directory:={tmp_path}"],
+            "plant": ["-p", "answer_timeout:=600.0"],
+        }
         for name in NODES:
             words = [*command(name), "--ros-args", "-r", f"__ns:={NAMESPACE}", *more.get(name, ())]
             nodes[name] = start(words, context.get_domain_id())
@@ -69,7 +78,10 @@ def test_every_node_ends_in_peace_when_it_is_told_to(kind, tmp_path):
             assert first.endswith(f"[ev.{name}]: ready, in ROS domain {context.get_domain_id()}\n")
         for process in nodes.values():
             process.send_signal(kind)
-        said = {name: without_compiling(process.communicate(timeout=PATIENCE)[0]) for name, process in nodes.items()}
+        said = {
+            name: without_compiling(process.communicate(timeout=PATIENCE)[0])
+            for name, process in nodes.items()
+        }
     assert {name: process.returncode for name, process in nodes.items()} == dict.fromkeys(nodes, 0)
     assert said == dict.fromkeys(nodes, "")
     assert (tmp_path / "signals.npz").exists()
@@ -98,7 +110,8 @@ def test_what_goes_wrong_once_more_at_the_end_is_one_line_too():
     """A recorder that may write no further fails when it is stepped, and again when it closes its bag."""
     process = start([sys.executable, "-c", FAILS_AT_THE_END])
     said, _ = process.communicate(timeout=PATIENCE)
-    assert said.splitlines()[1:] == ["recorder: [Errno 27] File too large"]  # behind the one that it is ready
+    # behind the one that it is ready
+    assert said.splitlines()[1:] == ["recorder: [Errno 27] File too large"]
     assert process.returncode == 1
 
 
@@ -160,7 +173,9 @@ def test_a_stop_at_the_very_end_changes_nothing(who, kind):
 
     What the campaign found with seed 21.
     """
-    process = start([sys.executable, "-c", TO_STOP.format(who=who, kind=kind) + STOPPED_AT_THE_END[who]])
+    process = start(
+        [sys.executable, "-c", TO_STOP.format(who=who, kind=kind) + STOPPED_AT_THE_END[who]]
+    )
     said, _ = process.communicate(timeout=PATIENCE)
     assert "Traceback" not in said
     assert process.returncode == (130 if said == "stopped\n" else 0)
@@ -215,7 +230,8 @@ print("stopped")
 def test_a_stop_in_a_destructor_is_not_lost(ctrl_c, moment):
     """Python's own way is a traceback, and to go on: what the campaign found with seed 805.
 
-    Without a moment in between, as on a busy machine, the second interrupt often comes before the first one has passed.
+    Without a moment in between, as on a busy machine, the second interrupt often comes before the
+    first one has passed.
     """
     text = STOPPED_IN_A_DESTRUCTOR.format(ctrl_c=ctrl_c, moment=moment)
     process = start(["timeout", "--signal=KILL", "20", sys.executable, "-c", text])
@@ -261,7 +277,10 @@ def test_an_error_in_a_destructor_is_told_where_nothing_was_stopped():
 
 BAD = {
     "out of range": (["--ros-args", "-p", "vehicle.mass:=-3.0"], "vehicle.mass: -3.0 is refused"),
-    "of a wrong type": (["--ros-args", "-p", "vehicle.mass:=heavy"], "vehicle.mass: 'heavy' is refused"),
+    "of a wrong type": (
+        ["--ros-args", "-p", "vehicle.mass:=heavy"],
+        "vehicle.mass: 'heavy' is refused",
+    ),
     "unknown parameter": (["--ros-args", "-p", "vehicle.mas:=3.0"], "did you mean vehicle.mass"),
     "unknown method": (["--ros-args", "-p", "method:=flying"], "known: "),
     "no YAML": (["--ros-args", "-p", "vehicle.mass:=[1, two]"], "vehicle.mass"),
@@ -305,7 +324,9 @@ def test_a_node_shows_how_it_is_called(word):
     assert said.startswith("usage: driver [--ros-args ")
 
 
-@pytest.mark.parametrize("text", ["/ev/NODE: {ros__parameters: {}}", "ev: {NODE: {ros__parameters: {}}}"])
+@pytest.mark.parametrize(
+    "text", ["/ev/NODE: {ros__parameters: {}}", "ev: {NODE: {ros__parameters: {}}}"]
+)
 @pytest.mark.parametrize("node", ["driver", "recorder"])
 def test_a_parameter_file_for_the_node_in_another_namespace_is_refused(tmp_path, node, text):
     """ROS silently takes the defaults, and a car drives on for longer than its file has it."""
@@ -319,7 +340,10 @@ def test_a_parameter_file_for_the_node_in_another_namespace_is_refused(tmp_path,
 
 def test_files_of_parameters_for_others_and_for_all_namespaces_are_taken(tmp_path):
     """The mistake behind them is the only line: that of the last file, which is read."""
-    files = ["/ev/plant: {ros__parameters: {duration: 2.0}}", "/**/driver: {ros__parameters: {control_period: -1.0}}"]
+    files = [
+        "/ev/plant: {ros__parameters: {duration: 2.0}}",
+        "/**/driver: {ros__parameters: {control_period: -1.0}}",
+    ]
     words = ["--ros-args", "-r", "__ns:=/car1"]
     for number, text in enumerate(files):
         (tmp_path / f"{number}.yaml").write_text(text)
@@ -343,7 +367,15 @@ def test_a_law_that_gives_no_number_ends_its_node(tmp_path: Path):
     with ros_domain() as context:
         probe = Probe(context)
         mouth = probe.publisher_of(WheelTorqueRequest)
-        words = [sys.executable, str(script), "--ros-args", "-p", "method:=broken", "-r", f"__ns:={NAMESPACE}"]
+        words = [
+            sys.executable,
+            str(script),
+            "--ros-args",
+            "-p",
+            "method:=broken",
+            "-r",
+            f"__ns:={NAMESPACE}",
+        ]
         process = start(words, context.get_domain_id())
         request = probe.message(0.0, WheelTorqueRequest(Wheels.all(1.0)))
 
@@ -356,7 +388,9 @@ def test_a_law_that_gives_no_number_ends_its_node(tmp_path: Path):
     assert process.returncode == 1
     ready, said = said.splitlines()
     assert "ready" in ready
-    assert said == "asr: WheelTorqueCommand.drive.front_left is nan, only finite numbers are allowed"
+    assert (
+        said == "asr: WheelTorqueCommand.drive.front_left is nan, only finite numbers are allowed"
+    )
 
 
 STOPPED_WHILE_LOADED = """

@@ -25,7 +25,9 @@ PERIOD = 0.01
 @pytest.fixture
 def nodes(tmp_path) -> Iterator[Graph]:
     """A graph whose services can be called: the driver, without whom time stands at zero, comes last."""
-    with graph(RUN, tmp_path, bag=True, names=[name for name in NODES if name != "driver"]) as nodes:
+    with graph(
+        RUN, tmp_path, bag=True, names=[name for name in NODES if name != "driver"]
+    ) as nodes:
         nodes.run(nodes.can_be_called)
         nodes.start("driver")
         yield nodes
@@ -69,7 +71,9 @@ def test_pause_takes_back_steps_that_were_granted(nodes):
     nodes.call("pause")
     nodes.start("asr")
     nodes.run_rounds()
-    assert nodes.time <= paused_at + PERIOD, "the step that was under way may end, the other was taken back"
+    assert nodes.time <= paused_at + PERIOD, (
+        "the step that was under way may end, the other was taken back"
+    )
 
 
 def test_a_granted_step_waits_for_a_node_that_joins(nodes):
@@ -116,14 +120,21 @@ def test_after_a_reset_the_bag_holds_the_new_run_and_the_old_one_is_kept(nodes, 
     stamps = {}
     for name in ("bag", "bag_before_reset_1"):
         with AnyReader([tmp_path / name]) as bag:
-            stamps[name] = [stamp for connection, stamp, _ in bag.messages() if connection.topic == "/ev/wheel_states"]
+            stamps[name] = [
+                stamp
+                for connection, stamp, _ in bag.messages()
+                if connection.topic == "/ev/wheel_states"
+            ]
     steps = round(DURATION / PERIOD)
     assert stamps["bag"] == [step * 10_000_000 for step in range(steps + 1)]
-    assert stamps["bag_before_reset_1"] == [step * 10_000_000 for step in range(len(stamps["bag_before_reset_1"]))]
+    assert stamps["bag_before_reset_1"] == [
+        step * 10_000_000 for step in range(len(stamps["bag_before_reset_1"]))
+    ]
     assert 30 <= len(stamps["bag_before_reset_1"]) <= steps
 
 
-# What somebody may do on the live page: services, and parameters of what integrates and of what answers.
+# What somebody may do on the live page: services, and parameters of what integrates and of what
+# answers.
 CHANGED = {
     "plant.initial_speed": st.floats(10.0, 20.0),
     "steering_column.dry_friction": st.floats(0.0, 0.5),
@@ -140,7 +151,10 @@ words = st.one_of(
 def lane_change(values: dict[str, float]) -> Run:
     """A tenth of a second of it, in which a step takes half a second while nobody asks for another pace."""
     given = [(*name.split(".", 1), value) for name, value in values.items()]
-    given += [("plant", "real_time_factor", 0.02), ("electronic_differential", "method", "power_steering")]
+    given += [
+        ("plant", "real_time_factor", 0.02),
+        ("electronic_differential", "method", "power_steering"),
+    ]
     return load_scenario("double_lane_change", Overrides(values=given, duration=SHORT)).runs[0]
 
 
@@ -150,7 +164,14 @@ def changed(nodes: Graph, name: str, value: float) -> None:
     assert result.successful, result.reason
 
 
-VIEWS = ("/tf", "/tf_static", "/parameter_events", "/ev/odometry", "/ev/robot_description", "/ev/tyre_force_markers")
+VIEWS = (
+    "/tf",
+    "/tf_static",
+    "/parameter_events",
+    "/ev/odometry",
+    "/ev/robot_description",
+    "/ev/tyre_force_markers",
+)
 
 
 def assert_bags_hold_one_run_each(folder: Path) -> None:
@@ -180,7 +201,9 @@ def test_services_and_changes_in_any_order_end_in_a_fresh_run_with_the_same_valu
     """To the bit, and every bag holds one run: also where time is at zero, or all are told to begin again and again."""
     folder, values = tmp_path_factory.mktemp("run"), {}
     (folder / "bag_before_reset_1").mkdir()  # somebody's own
-    with graph(lane_change({}), folder, bag=True, names=[name for name in NODES if name != "driver"]) as nodes:
+    with graph(
+        lane_change({}), folder, bag=True, names=[name for name in NODES if name != "driver"]
+    ) as nodes:
         nodes.run(nodes.can_be_called)
         nodes.start("driver")
         nodes.call("pause")

@@ -71,7 +71,9 @@ def test_a_stranger_on_every_topic_changes_nothing_and_is_named_once_by_each_nod
     run = shchur(1.0)
     with graph(run, tmp_path) as nodes:
         stranger = Node("stranger", context=nodes.context, namespace=NAMESPACE)
-        mouths = [(format_of(signal), publisher(stranger, topic)) for signal, topic in TOPICS.items()]
+        mouths = [
+            (format_of(signal), publisher(stranger, topic)) for signal, topic in TOPICS.items()
+        ]
         other = Frame()
 
         def says_what_it_likes() -> bool:
@@ -84,7 +86,9 @@ def test_a_stranger_on_every_topic_changes_nothing_and_is_named_once_by_each_nod
         nodes.run(says_what_it_likes)
         reports = nodes.probe.reports
     assert recorded_hash(tmp_path) == offline_hash(run)
-    assert {report.partition(": ")[2].partition(" is refused: ")[0] for report in reports} == {"/ev/stranger"}
+    assert {report.partition(": ")[2].partition(" is refused: ")[0] for report in reports} == {
+        "/ev/stranger"
+    }
     named_by = [report.partition(": ")[0] for report in reports]
     assert len(named_by) == len(set(named_by)) and {"/ev/plant", "/ev/recorder"} <= set(named_by)
 
@@ -138,7 +142,11 @@ def test_the_master_names_a_dead_node_and_goes_on_with_its_successor(dead, tmp_p
         assert nodes.time < 0.5
         nodes.start(dead)
         nodes.run()
-        assert [report for report in nodes.probe.reports if "joined" in report and "not reproducible" in report]
+        assert [
+            report
+            for report in nodes.probe.reports
+            if "joined" in report and "not reproducible" in report
+        ]
     assert load(tmp_path / "signals.npz").duration == 0.5
 
 
@@ -155,7 +163,9 @@ def the_rest_of(nodes: Graph, quality: Any) -> tuple[Node, Any]:
     """A traction control of one's own in a graph that has none, with the publisher of its command, if it has one."""
     own = Node("asr", context=nodes.context, namespace=NAMESPACE)
     topic = TOPICS[WheelTorqueCommand]
-    return own, quality and own.create_publisher(message_class(topic.message_type), topic.name, quality)
+    return own, quality and own.create_publisher(
+        message_class(topic.message_type), topic.name, quality
+    )
 
 
 @pytest.mark.parametrize(
@@ -190,7 +200,9 @@ def test_the_master_reports_a_command_whose_stamp_is_the_time_of_day(tmp_path):
 
         nodes.run(reported)
         own.destroy_node()
-    expected = "/ev/plant: torque_command at 1790000000.1234567 s ignored (reported once): 0.0 s is due"
+    expected = (
+        "/ev/plant: torque_command at 1790000000.1234567 s ignored (reported once): 0.0 s is due"
+    )
     assert nodes.probe.reports[0].startswith(expected)
 
 
@@ -200,7 +212,9 @@ CARS = "car1", "car2"
 def clocks(context: Any, *words: str) -> list[Node]:
     """The masters of two cars in one domain."""
     spaces = [["-r", f"__ns:=/{car}"] for car in CARS]
-    return [MasterNode(context=context, cli_args=["--ros-args", *space, *words]) for space in spaces]
+    return [
+        MasterNode(context=context, cli_args=["--ros-args", *space, *words]) for space in spaces
+    ]
 
 
 def test_two_masters_on_one_clock_name_each_other():
@@ -221,7 +235,10 @@ def test_two_masters_on_one_clock_name_each_other():
 def test_by_the_rule_that_a_master_names_each_car_has_a_clock_of_its_own():
     with ros_domain() as context:
         nodes = clocks(context, "-r", "/clock:=clock")
-        found = [[end.node_namespace for end in nodes[0].get_publishers_info_by_topic(f"/{car}/clock")] for car in CARS]
+        found = [
+            [end.node_namespace for end in nodes[0].get_publishers_info_by_topic(f"/{car}/clock")]
+            for car in CARS
+        ]
     assert found == [["/car1"], ["/car2"]]
 
 
@@ -265,7 +282,12 @@ def test_the_recorder_names_the_topics_on_which_nothing_comes(tmp_path, monkeypa
     monkeypatch.setattr("ev_stack.recorder_node._LONG", 0.1)
     run = shchur(0.2)
     with graph(run, tmp_path, names=[name for name in NODES if name != "asr"]) as nodes:
-        nodes.run(lambda: any("recorder: nothing has come on torque_command" in text for text in nodes.probe.reports))
+        nodes.run(
+            lambda: any(
+                "recorder: nothing has come on torque_command" in text
+                for text in nodes.probe.reports
+            )
+        )
         nodes.start("asr")
         complete(run, tmp_path, nodes)
 

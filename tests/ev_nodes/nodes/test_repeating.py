@@ -33,7 +33,9 @@ def repetitions(monkeypatch, seconds: float, now: int) -> int:
 
     node._repeat = repeat
     node._waiting, node.wanted = SimpleNamespace(look=lambda *_: None), lambda: ()
-    node.__dict__["schedule"] = SimpleNamespace(all_are_here=False, missing=(), now=now, rests=False)
+    node.__dict__["schedule"] = SimpleNamespace(
+        all_are_here=False, missing=(), now=now, rests=False
+    )
     node.configuration = SimpleNamespace(
         extra=SimpleNamespace(answer_timeout=5.0), common=SimpleNamespace(mode="lockstep")
     )

@@ -38,7 +38,9 @@ def test_a_car_drives_on_behind_a_rest_and_in_single_steps(monkeypatch):
 
         def say() -> None:
             plant.schedule.hold(SteeringColumnState, plant.stepper.answer.stamp, [0.0] * 5)
-            plant.schedule.hold(WheelTorqueCommand, plant.stepper.answer.stamp, [TORQUE, TORQUE, *[0.0] * 6])
+            plant.schedule.hold(
+                WheelTorqueCommand, plant.stepper.answer.stamp, [TORQUE, TORQUE, *[0.0] * 6]
+            )
 
         def call(service: str) -> None:
             (found,) = [each for each in plant.services if each.srv_name.endswith(f"/{service}")]
@@ -63,7 +65,9 @@ def test_a_car_drives_on_behind_a_rest_and_in_single_steps(monkeypatch):
         timing = plant.schedule.timing.as_json()
         assert timing["without_command"] == timing["overruns"] == 0
         assert timing["period"]["largest"] < 0.02
-        simulated, driven = (float(each.split(" s")[0]) for each in plant.schedule.summary.split(" simulated in "))
+        simulated, driven = (
+            float(each.split(" s")[0]) for each in plant.schedule.summary.split(" simulated in ")
+        )
         assert driven < 2.0 * simulated
         call("reset")
         call("pause")
@@ -88,9 +92,17 @@ def test_a_recorder_that_is_ahead_of_the_present_is_not_believed():
 def test_a_plant_that_waits_for_its_pace_alone_is_not_woken_up_by_messages():
     """Nobody takes those of the recorder then: one that lay there had a paced plant spin for most of each period."""
     with ros_domain() as context:
-        plant = node_of(context, "plant", {"method": "kinematic", "real_time_factor": 0.001, "await_recorder": True})
+        plant = node_of(
+            context,
+            "plant",
+            {"method": "kinematic", "real_time_factor": 0.001, "await_recorder": True},
+        )
         inbox, period = plant.stepper.inbox, plant.stepper.period
-        for kind, stamp in ((WheelTorqueCommand, 0), (SteeringColumnState, 0), (SteeringColumnState, period)):
+        for kind, stamp in (
+            (WheelTorqueCommand, 0),
+            (SteeringColumnState, 0),
+            (SteeringColumnState, period),
+        ):
             assert plant.awaits() is plant.readers[plant.wanted()[-1]].handle
             inbox.offer(kind, stamp, [0.0] * len(frame.places(kind)))
         plant.schedule.note_recorded(0)

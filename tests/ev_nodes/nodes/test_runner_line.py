@@ -13,7 +13,16 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from ev_nodes.stepping.runner_line import NOTE, PROGRESS, RUNNER_LINE, TALLY, WARNING, WORD_KINDS, RunnerLine, Word
+from ev_nodes.stepping.runner_line import (
+    NOTE,
+    PROGRESS,
+    RUNNER_LINE,
+    TALLY,
+    WARNING,
+    WORD_KINDS,
+    RunnerLine,
+    Word,
+)
 from ev_stack.recording.recording import Recording
 from ev_stack.running.node_reports import NodeReports as Told
 from ev_stack.running.node_reports import node_reports as opened
@@ -143,18 +152,27 @@ def test_another_socket_under_the_number_is_no_line(monkeypatch):
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=6), inner, max_size=3),
+    lambda inner: (
+        st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=6), inner, max_size=3)
+    ),
     max_leaves=8,
 )
-VALUES = st.dictionaries(st.sampled_from(["stamp", "rests", "read", "written", "x"]), JSON, max_size=3) | JSON
-WORDS = st.dictionaries(st.sampled_from(["kind", "text", "what", "values", "more"]), JSON | st.sampled_from(WORD_KINDS))
+VALUES = (
+    st.dictionaries(st.sampled_from(["stamp", "rests", "read", "written", "x"]), JSON, max_size=3)
+    | JSON
+)
+WORDS = st.dictionaries(
+    st.sampled_from(["kind", "text", "what", "values", "more"]), JSON | st.sampled_from(WORD_KINDS)
+)
 
 
 @given(
     said=st.binary(max_size=30)
-    | (WORDS | JSON | st.builds(lambda k, v: {"kind": k, "values": v}, st.sampled_from(WORD_KINDS), VALUES)).map(
-        lambda j: json.dumps(j).encode()
-    )
+    | (
+        WORDS
+        | JSON
+        | st.builds(lambda k, v: {"kind": k, "values": v}, st.sampled_from(WORD_KINDS), VALUES)
+    ).map(lambda j: json.dumps(j).encode())
 )
 @example(said=b'{"kind": "tally", "values": {"stamp": null, "written": [], "read": {"": null}}}')
 @example(said=b'{"kind": "tally", "values": {"written": {"wheel_states": [3]}, "read": {}}}')
@@ -164,7 +182,10 @@ def test_whatever_is_said_there_is_a_word_or_is_noted_in_one_line(said):
     os.write(number, said or b" ")
     told.look()
     told.others_heard(NOTHING)
-    assert all(text.isprintable() and len(text) < 300 for text in (*told.notes, *told.warnings, *told.new_words()))
+    assert all(
+        text.isprintable() and len(text) < 300
+        for text in (*told.notes, *told.warnings, *told.new_words())
+    )
     told.close()
 
 

@@ -92,7 +92,9 @@ def test_the_input_of_a_node_that_is_best_effort_is_named(tmp_path: Path):
 
 
 @pytest.mark.parametrize("quality", [LATCHED, PUNCTUAL], ids=["transient local", "deadline"])
-def test_a_subscriber_that_receives_nothing_is_named_and_costs_no_number(quality: QoSProfile, tmp_path: Path):
+def test_a_subscriber_that_receives_nothing_is_named_and_costs_no_number(
+    quality: QoSProfile, tmp_path: Path
+):
     topic = TOPICS[BodyPose]
     with (
         graph(shchur(20.0, plant__real_time_factor=0.1), tmp_path) as nodes,
@@ -108,7 +110,9 @@ def test_nothing_is_named_in_a_graph_that_fits(tmp_path: Path):
     """Subscribers of best effort receive what is reliable."""
     topic = TOPICS[BodyPose]
     with graph(shchur(0.5), tmp_path, names=others_than("driver")) as nodes:
-        nodes.probe.create_subscription(message_class(topic.message_type), topic.name, print, BEST_EFFORT)
+        nodes.probe.create_subscription(
+            message_class(topic.message_type), topic.name, print, BEST_EFFORT
+        )
         plant = nodes.nodes["plant"]
         nodes.run_rounds()
         for _ in TOPICS:

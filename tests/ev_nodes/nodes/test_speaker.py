@@ -49,7 +49,9 @@ def heard(speaker: Speaker, gid: bytes) -> bool:
 
 def test_only_the_node_whose_task_it_is_is_heard_and_another_one_is_named_once_for_each_look(wall):
     said: list[str] = []
-    speaker = Speaker(Graph(ours="plant", another="stranger"), "imu", "plant", lambda _, line: said.append(line))
+    speaker = Speaker(
+        Graph(ours="plant", another="stranger"), "imu", "plant", lambda _, line: said.append(line)
+    )
     assert heard(speaker, OURS)
     assert not heard(speaker, ANOTHER)
     assert not heard(speaker, ANOTHER)
@@ -76,11 +78,17 @@ def test_whose_node_is_not_known_is_heard_when_it_is_and_told_of_when_it_takes_l
 def reader_of(said: list[bytes]) -> Reader:
     """What reads messages of these publishers, of which one may speak."""
     reader, left = object.__new__(Reader), iter(said)
-    reader.speaker = Speaker(Graph(ours="plant", another="stranger"), "imu", "plant", lambda *_: None)
+    reader.speaker = Speaker(
+        Graph(ours="plant", another="stranger"), "imu", "plant", lambda *_: None
+    )
 
     def take():
         gid = next(left, None)
-        return None if gid is None else (b"", {"publisher_gid": {"data": gid}, "received_timestamp": 1})
+        return (
+            None
+            if gid is None
+            else (b"", {"publisher_gid": {"data": gid}, "received_timestamp": 1})
+        )
 
     reader._take = take
     return reader
@@ -99,10 +107,14 @@ def test_a_master_that_was_started_anew_before_time_went_on_is_named(wall):
     """Its state at 0 has the stamp of the one before: nodes that have answered that would take it for a repetition."""
     graph, told = Graph(ours="plant"), []
     reception = Reception(
-        Stepper(find_method("asr", "off"), lambda: None, PERIOD), SimpleNamespace(warn=told.append), print
+        Stepper(find_method("asr", "off"), lambda: None, PERIOD),
+        SimpleNamespace(warn=told.append),
+        print,
     )
     inbox = reception._stepper.inbox
-    speakers = [Speaker(graph, "imu", "plant", lambda *_: None, reception.note_new_master) for _ in range(2)]
+    speakers = [
+        Speaker(graph, "imu", "plant", lambda *_: None, reception.note_new_master) for _ in range(2)
+    ]
     for others, stamp, named in ((b"1", None, 0), (b"2", PERIOD, 0), (b"3", 0, 1), (b"4", 0, 2)):
         inbox.expect(0 if stamp is None else stamp + PERIOD)
         for speaker, gid in zip(speakers, (others * 12 + b"a", others * 12 + b"b"), strict=True):

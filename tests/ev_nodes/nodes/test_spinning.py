@@ -49,5 +49,7 @@ def test_a_node_for_which_something_always_comes_hears_the_rest_too():
 @pytest.mark.parametrize("given", ["2", "", "off"])
 def test_only_0_and_1_say_whether_nodes_have_their_loop(given: str, monkeypatch):
     monkeypatch.setenv(ordinary_steps.VARIABLE, given)
-    with pytest.raises(ParameterError, match=f"^EV_STACK_NODE_LOOP='{given}' is refused, expected 1, or 0 "):
+    with pytest.raises(
+        ParameterError, match=f"^EV_STACK_NODE_LOOP='{given}' is refused, expected 1, or 0 "
+    ):
         ordinary_steps.is_switched_on()

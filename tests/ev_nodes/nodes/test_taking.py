@@ -31,7 +31,10 @@ def test_a_message_names_its_publisher_as_the_graph_does():
             assert name.encode()[:1] * length in message
             assert info["received_timestamp"] > 0
             names[name] = info["publisher_gid"]["data"]
-        there = {each.node_name: bytes(each.endpoint_gid) for each in node.get_publishers_info_by_topic("words")}
+        there = {
+            each.node_name: bytes(each.endpoint_gid)
+            for each in node.get_publishers_info_by_topic("words")
+        }
         assert names == there
         assert take() is None
 

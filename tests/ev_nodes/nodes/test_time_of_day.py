@@ -48,7 +48,9 @@ def test_a_run_does_not_begin(at):
 
 
 def test_what_the_middleware_cannot_send_is_put_down_to_the_time_of_day_only_if_it_is_late(at):
-    error = rclpy_implementation.RCLError("Failed to publish: cannot publish data, at /project/src/rmw_publish.cpp:68")
+    error = rclpy_implementation.RCLError(
+        "Failed to publish: cannot publish data, at /project/src/rmw_publish.cpp:68"
+    )
     at(LAST)
     assert one_line(error) == "Failed to publish: cannot publish data"
     at(LAST + 1)

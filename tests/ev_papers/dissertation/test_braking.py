@@ -15,7 +15,10 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def results() -> dict[str, CaseResult]:
     roads = ["wet", "dry, then snow"]
-    return {case.name: drive_case(case, braking.measure) for case in braking.cases(argparse.Namespace(roads=roads))}
+    return {
+        case.name: drive_case(case, braking.measure)
+        for case in braking.cases(argparse.Namespace(roads=roads))
+    }
 
 
 def test_a_traction_control_leaves_braking_alone(results):
@@ -28,7 +31,10 @@ def test_a_traction_control_leaves_braking_alone(results):
 def test_abs_stops_the_car_in_less(road, results):
     """Locked wheels have 0.69 of the friction on wet asphalt and 0.6 on snow; at a slip of 0.1 at least 0.95."""
     for name in ("friction", "drives", "stability"):
-        assert results[f"{road}: {name}"].measured["distance"] < 0.75 * results[f"{road}: off"].measured["distance"]
+        assert (
+            results[f"{road}: {name}"].measured["distance"]
+            < 0.75 * results[f"{road}: off"].measured["distance"]
+        )
 
 
 @pytest.mark.parametrize("road", ["wet", "dry, then snow"])
@@ -51,4 +57,7 @@ def test_rows(results):
     rows = braking.rows(argparse.Namespace(), results)
     assert [row[:2] for row in rows] == [tuple(name.split(": ")) for name in results]
     assert all(len(row) == len(braking.COLUMNS) for row in rows)
-    assert set(braking.metrics(argparse.Namespace(), results)) >= {"distance_wet_off", "recovered_wet_drives"}
+    assert set(braking.metrics(argparse.Namespace(), results)) >= {
+        "distance_wet_off",
+        "recovered_wet_drives",
+    }

@@ -18,7 +18,8 @@ from ev_study.studies.study import CaseResult
 
 pytestmark = pytest.mark.slow
 
-SEEDS = (1,)  # ten are in docs/dissertation.md, and single ones of them are driven anew by tests/docs
+# ten are in docs/dissertation.md, and single ones of them are driven anew by tests/docs
+SEEDS = (1,)
 WITHOUT_ASR = "method 1 without ASR"
 HALF_STEP = (("plant", "step", 0.5e-3),)
 
@@ -35,7 +36,9 @@ class Cycles(dict[str, CaseResult]):
     """By name, each driven when it is asked for first: 580 s, a second of a processor."""
 
     def __missing__(self, name: str) -> CaseResult:
-        (self[name],) = drive_here([each for each in CASES if each.name == name], [urban_cases.measure])
+        (self[name],) = drive_here(
+            [each for each in CASES if each.name == name], [urban_cases.measure]
+        )
         return self[name]
 
 
@@ -76,7 +79,8 @@ def test_released_pedal_costs_eq_2_37_a_lot(driven, method):
     measured = driven[case_name(method, "pulse", 1)].measured
     assert measured["wheel_efficiency_windows"] < measured["wheel_efficiency"] - 0.1
     driven_time = measured["energy_windows"] / measured["energy_as_printed"] * 580.0
-    assert driven_time == pytest.approx(355.2, abs=0.01)  # eq 2.40: energy over 355.2 s, times 580 s
+    # eq 2.40: energy over 355.2 s, times 580 s
+    assert driven_time == pytest.approx(355.2, abs=0.01)
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -141,25 +145,55 @@ def test_peaks_of_the_surfaces(surface, friction, slip):
 @pytest.mark.weekly
 def test_study_prints_both_tables_and_keeps_every_seed(tmp_path, capsys):
     """60 s of two roads with one driver: means, spreads and single seeds in summary.json, printed numbers beside."""
-    options = ["--seeds", "2", "--drivers", "pulse", "--duration", "60", "--workers", "2", "--out", str(tmp_path)]
+    options = [
+        "--seeds",
+        "2",
+        "--drivers",
+        "pulse",
+        "--duration",
+        "60",
+        "--workers",
+        "2",
+        "--out",
+        str(tmp_path),
+    ]
     main(["five_methods", *options])
     text = capsys.readouterr().out
     assert "1 adaptive" in text and "1b adaptive" in text and "0.96" in text and "99.7" in text
     summary = json.loads((tmp_path / "summary.json").read_text())
-    for quantity in ("wheel_efficiency_right", "drive_efficiency", "total_efficiency", "energy_as_printed"):
+    for quantity in (
+        "wheel_efficiency_right",
+        "drive_efficiency",
+        "total_efficiency",
+        "energy_as_printed",
+    ):
         for method in METHODS:
             metric = summary["metrics"][f"{quantity}_{method}_pulse"]
             assert len(metric["per_seed"]) == 2
             assert metric["value"] == pytest.approx(sum(metric["per_seed"]) / 2)
-            assert metric["std"] == pytest.approx(abs(metric["per_seed"][0] - metric["per_seed"][1]) / math.sqrt(2))
-    assert len(summary["cases"]) == 12 and all(len(c["signal_hash"]) == 64 for c in summary["cases"].values())
+            assert metric["std"] == pytest.approx(
+                abs(metric["per_seed"][0] - metric["per_seed"][1]) / math.sqrt(2)
+            )
+    assert len(summary["cases"]) == 12 and all(
+        len(c["signal_hash"]) == 64 for c in summary["cases"].values()
+    )
     assert (tmp_path / "wheel_efficiency.png").stat().st_size > 0
 
 
 @pytest.mark.weekly
 def test_another_cycle_takes_its_own_length_and_has_nothing_printed_beside(tmp_path, capsys):
     """ECE 15, 195 s, on the road of seed 1: the row of docs/dissertation.md, and no number of tables 3.1 to 3.6."""
-    options = ["--cycle", "ece", "--seeds", "1", "--drivers", "imposed_speed", "--workers", "2", "--no-report"]
+    options = [
+        "--cycle",
+        "ece",
+        "--seeds",
+        "1",
+        "--drivers",
+        "imposed_speed",
+        "--workers",
+        "2",
+        "--no-report",
+    ]
     main(["five_methods", *options, "--out", str(tmp_path)])
     assert "99.7" not in capsys.readouterr().out
     summary = json.loads((tmp_path / "summary.json").read_text())
@@ -179,11 +213,27 @@ def test_another_cycle_takes_its_own_length_and_has_nothing_printed_beside(tmp_p
             ["--cycle", "wltp"],
             "error: unknown cycle 'wltp'; known: ",
         ),
-        (["--set", "driver.level.factor=-1"], "error: none of 6 runs can be driven; method 1 pulse seed 1: driver: "),
+        (
+            ["--set", "driver.level.factor=-1"],
+            "error: none of 6 runs can be driven; method 1 pulse seed 1: driver: ",
+        ),
     ],
 )
 def test_bad_options_are_one_line(words, said, tmp_path):
     """A seed that is none ends the study, and so does a value that all cases refuse."""
     with pytest.raises(SystemExit) as end:
-        main(["five_methods", "--drivers", "pulse", "--seeds", "1", "--workers", "1", "--out", str(tmp_path), *words])
+        main(
+            [
+                "five_methods",
+                "--drivers",
+                "pulse",
+                "--seeds",
+                "1",
+                "--workers",
+                "1",
+                "--out",
+                str(tmp_path),
+                *words,
+            ]
+        )
     assert str(end.value.code).startswith(said) and "\n" not in str(end.value.code)

@@ -57,7 +57,8 @@ STEADY = cycle_of((0.0, 1.0, 3.0), MODES)
 TORQUE, FORCE, TURNING, ROLLING = 100.0, 250.0, 20.0, 18.0  # N m, N, rad/s, rad/s
 FORCE_SHARE = FORCE * 0.32 / TORQUE
 MOTOR = CAR.motor
-LOSS = MOTOR.copper_loss * 15**2 + MOTOR.inverter_torque_loss * 15 + MOTOR.iron_loss * 200  # of one motor [W]
+# of one motor [W]
+LOSS = MOTOR.copper_loss * 15**2 + MOTOR.inverter_torque_loss * 15 + MOTOR.iron_loss * 200
 LOSS += MOTOR.eddy_loss * 200**2 + MOTOR.inverter_loss
 
 
@@ -74,7 +75,9 @@ def steady_run(rate: float = 0.0) -> Recording:
     }
     for wheel in WHEEL_NAMES:
         front = wheel.startswith("front")
-        channels[f"wheel_states.velocity.{wheel}"] = (TURNING + rate * time) if front else ROLLING * ones
+        channels[f"wheel_states.velocity.{wheel}"] = (
+            (TURNING + rate * time) if front else ROLLING * ones
+        )
         channels[f"wheel_states.effort.{wheel}"] = TORQUE * front * ones
         channels[f"tire_forces.longitudinal_force.{wheel}"] = FORCE * front * ones
         channels[f"motor_states.effort.{wheel}"] = 15.0 * front * ones
@@ -94,7 +97,8 @@ def test_wheel_sums_of_constant_slip():
         assert sums.resistance == pytest.approx(2.0 * (TORQUE - FORCE * 0.32))
         assert sums.speed_efficiency == pytest.approx(0.9)
         assert sums.efficiency == pytest.approx(FORCE_SHARE * 0.9)
-        assert sums.power_efficiency == pytest.approx(FORCE_SHARE * 0.9)  # nothing changes over time
+        # nothing changes over time
+        assert sums.power_efficiency == pytest.approx(FORCE_SHARE * 0.9)
 
 
 def test_torque_that_turns_the_wheel_faster_is_no_resistance():
@@ -112,7 +116,9 @@ def test_energies_of_constant_power():
         assert sums.electrical_work == pytest.approx(6e3 + 2.0 * LOSS)
         assert sums.drive_efficiency == pytest.approx(3e3 / (3e3 + LOSS))
         assert sums.total_efficiency == pytest.approx(sums.efficiency * sums.drive_efficiency)
-    assert circuits.slip_energy(run, CAR, cycle.traction(run, STEADY)) == pytest.approx(2 * FORCE * 0.32 * 2.0 * 2.0)
+    assert circuits.slip_energy(run, CAR, cycle.traction(run, STEADY)) == pytest.approx(
+        2 * FORCE * 0.32 * 2.0 * 2.0
+    )
 
 
 def test_energy_as_printed_is_mean_power_times_the_time_of_the_cycle():
@@ -153,11 +159,17 @@ def test_four_driven_wheels_leave_none_to_measure_slip_with():
 
 
 def test_metrics_by_hand():
-    found = report_for("urban_mixed").metrics({"urban_mixed": steady_run()}, CAR, {"driver": STEADY})
+    found = report_for("urban_mixed").metrics(
+        {"urban_mixed": steady_run()}, CAR, {"driver": STEADY}
+    )
     value = {name: metric.value for name, metric in found.items()}
     wheel, drive, energy = FORCE_SHARE * 0.9, 3e3 / (3e3 + LOSS), 4.0 * (3e3 + LOSS)
     for row in ("", "_right", "_left"):
-        assert value[f"wheel_efficiency{row}"] == value[f"wheel_efficiency_windows{row}"] == pytest.approx(wheel)
+        assert (
+            value[f"wheel_efficiency{row}"]
+            == value[f"wheel_efficiency_windows{row}"]
+            == pytest.approx(wheel)
+        )
         assert value[f"wheel_speed_efficiency{row}"] == pytest.approx(0.9)
         assert value[f"drive_efficiency{row}"] == pytest.approx(drive)
         assert value[f"total_efficiency{row}"] == pytest.approx(wheel * drive)
@@ -187,29 +199,45 @@ def test_windows_cover_the_cycle_with_355_2_s_of_traction():
     begin, mode = list(driver["modes.begin"]), list(driver["modes.mode"])
     assert len(begin) == 19 and begin[0] == 0.0
     ends = [*begin[1:], 580.0]
-    assert sum(e - b for b, e, m in zip(begin, ends, mode, strict=True) if m == "traction") == pytest.approx(355.2)
+    assert sum(
+        e - b for b, e, m in zip(begin, ends, mode, strict=True) if m == "traction"
+    ) == pytest.approx(355.2)
     time = np.arange(116001) * PERIOD
     found = stretches(time, cycle.modes_over_time(Recording(time, {}), driver))
     assert [m for _, _, m in found] == mode
-    assert sum(end - start for start, end, m in found if m == MODES[TRACTION]) == pytest.approx(355.2, abs=1e-6)
+    assert sum(end - start for start, end, m in found if m == MODES[TRACTION]) == pytest.approx(
+        355.2, abs=1e-6
+    )
 
 
 @pytest.mark.parametrize("side", [0, 1])
 def test_surfaces_come_back_from_the_friction_under_the_wheels(side):
     """Against the drawn segments, by the distance of the front axle; a sample may lie on either side of a border."""
     run, wheel = driven("imposed_speed"), ("front_left", "front_right")[side]
-    road = {name.removeprefix("road."): v for name, v in PARAMETERS["plant"].items() if name.startswith("road.")}
+    road = {
+        name.removeprefix("road."): v
+        for name, v in PARAMETERS["plant"].items()
+        if name.startswith("road.")
+    }
     segments = left_and_right(RoadParameters(**road))[side]
     ahead = CAR.wheelbase - CAR.centre_of_mass_to_rear_axle
     expected = np.array([segments.at(x + ahead) for x in run.channels["pose.x"].tolist()])
     found = surfaces_under(run, CAR, wheel)
     assert np.count_nonzero(found != expected) <= len(segments.start)
     distance = run.channels["pose.x"][-1]
-    edges = np.clip([0.0, *(start - ahead for start in segments.start[1:]), math.inf], 0.0, distance)
+    edges = np.clip(
+        [0.0, *(start - ahead for start in segments.start[1:]), math.inf], 0.0, distance
+    )
     lengths = [b - a for a, b in pairwise(edges)]
-    snow = sum(part for part, name in zip(lengths, segments.surface, strict=True) if name == "packed_snow_1")
+    snow = sum(
+        part
+        for part, name in zip(lengths, segments.surface, strict=True)
+        if name == "packed_snow_1"
+    )
     # One sample at each of some twenty borders, 0.07 m each, of 400 m.
-    assert share_of(run, CAR, wheel, "packed_snow") == pytest.approx(snow / distance, abs=20 * 0.07 / 400)
+    assert share_of(run, CAR, wheel, "packed_snow") == pytest.approx(
+        snow / distance, abs=20 * 0.07 / 400
+    )
 
 
 # The drivers
@@ -217,8 +245,12 @@ def test_surfaces_come_back_from_the_friction_under_the_wheels(side):
 
 @pytest.mark.parametrize("driver", DRIVERS)
 def test_every_metric_is_measured(driver):
-    found = report_for("urban_mixed").metrics({"urban_mixed": driven(driver)}, CAR, parameters_of(scenario(driver)))
-    assert {name: metric.verdict for name, metric in found.items()} == dict.fromkeys(found, "measured")
+    found = report_for("urban_mixed").metrics(
+        {"urban_mixed": driven(driver)}, CAR, parameters_of(scenario(driver))
+    )
+    assert {name: metric.verdict for name, metric in found.items()} == dict.fromkeys(
+        found, "measured"
+    )
     for name, metric in found.items():
         if "efficiency" in name or "share" in name:
             assert 0.0 < metric.value < 1.0, name
@@ -230,7 +262,9 @@ def test_circuits_take_what_the_battery_gives(driver):
     run = driven(driver)
     inside = cycle.traction(run, PARAMETERS["driver"])
     taken = sum(of.electrical_work for of in circuits.circuits(run, CAR, inside).values())
-    given = float((circuits.battery_power(run) * np.diff(run.time, prepend=run.time[0]))[inside].sum())
+    given = float(
+        (circuits.battery_power(run) * np.diff(run.time, prepend=run.time[0]))[inside].sum()
+    )
     assert taken == pytest.approx(given, rel=0.005)
 
 
@@ -243,14 +277,23 @@ def test_metrics_are_the_printed_formulas(driver):
         free = f"rear_{wheel.partition('_')[2]}"
         at = {name: values[inside] for name, values in run.channels.items()}
         torque, speed = at[f"wheel_states.effort.{wheel}"], at[f"wheel_states.velocity.{wheel}"]
-        gained = np.diff(run.channels[f"wheel_states.velocity.{wheel}"], prepend=0.0)[inside] / PERIOD * INERTIA
+        gained = (
+            np.diff(run.channels[f"wheel_states.velocity.{wheel}"], prepend=0.0)[inside]
+            / PERIOD
+            * INERTIA
+        )
         rolling = torque - CAR.wheel_radius * at[f"tire_forces.longitudinal_force.{wheel}"] - gained
-        shares = (torque.sum() - rolling.sum()) / torque.sum(), at[f"wheel_states.velocity.{free}"].sum() / speed.sum()
+        shares = (
+            (torque.sum() - rolling.sum()) / torque.sum(),
+            at[f"wheel_states.velocity.{free}"].sum() / speed.sum(),
+        )
         # The period is that of the stamps, whose differences keep twelve digits at 580 s.
         assert sums.efficiency == pytest.approx(shares[0] * shares[1], rel=1e-10)
         motor, shaft = at[f"motor_states.effort.{wheel}"], at[f"motor_states.velocity.{wheel}"]
         power = motor * shaft + loss_power(MOTOR, motor, shaft)
-        assert sums.drive_efficiency == pytest.approx((motor * shaft).sum() / power.sum(), rel=1e-10)
+        assert sums.drive_efficiency == pytest.approx(
+            (motor * shaft).sum() / power.sum(), rel=1e-10
+        )
         assert sums.energy(580.0) == pytest.approx(power.sum() * 580.0 / len(power), rel=1e-10)
 
 
@@ -261,11 +304,15 @@ def test_metrics_are_the_printed_formulas(driver):
 def test_figures_have_quantities_and_units(driver):
     from ev_stack.figures.sheets import drawn
 
-    figures = drawn(report_for("urban_mixed").figures({"urban_mixed": driven(driver)}, CAR, PARAMETERS))
+    figures = drawn(
+        report_for("urban_mixed").figures({"urban_mixed": driven(driver)}, CAR, PARAMETERS)
+    )
     assert list(figures) == FIGURES
     for name, figure in figures.items():
         for axes in figure.axes:
-            is_strip = axes.get_title(loc="left").startswith(("Under the front", "Windows of the cycle"))
+            is_strip = axes.get_title(loc="left").startswith(
+                ("Under the front", "Windows of the cycle")
+            )
             assert is_strip or axes.get_ylabel().endswith("]")
             assert not any("not measured" in text.get_text() for text in axes.texts), name
         assert figure.axes[-1].get_xlabel().endswith("]")
@@ -285,15 +332,22 @@ def test_motors_and_cells_are_shown_where_they_are_modelled():
         )
         for wheel in CAR.driven_wheels
     }  # fmt: skip
-    channels["motor_temperatures.winding.front_left"] = np.where((time > 3.0) & (time < 5.02), hot, 40.0)
-    channels |= {"battery.cell.voltage": 3.3 - 0.01 * time, "battery.cell.temperature": 25.0 + 0.1 * time}
+    channels["motor_temperatures.winding.front_left"] = np.where(
+        (time > 3.0) & (time < 5.02), hot, 40.0
+    )
+    channels |= {
+        "battery.cell.voltage": 3.3 - 0.01 * time,
+        "battery.cell.temperature": 25.0 + 0.1 * time,
+    }
     report, run = report_for("urban_mixed"), Recording(time, channels)
     metrics = report.metrics({"urban_mixed": run}, CAR, {"driver": {}})
     assert metrics["derated_time"].value == pytest.approx(2.0)
     assert metrics["peak_winding_temperature"].value == hot
     assert metrics["least_cell_voltage"].value == pytest.approx(3.3 - 0.01 * 9.95)
     sheet = motors_and_cells(run, CAR, {})
-    assert all(panel.curves and not panel.note and panel.ylabel.endswith("]") for panel in sheet.panels)
+    assert all(
+        panel.curves and not panel.note and panel.ylabel.endswith("]") for panel in sheet.panels
+    )
     assert electrical_metrics(Recording(time, {}), CAR) == {}
 
 
@@ -303,12 +357,23 @@ def test_figures_say_what_is_missing(tmp_path):
     from ev_stack.figures.saving import save_figures
     from ev_stack.figures.sheets import drawn
 
-    few = Recording(np.arange(200) * PERIOD, {"twist.longitudinal": np.zeros(200), "twist.lateral": np.zeros(200)})
-    for car in (CAR, dataclasses.replace(CAR, driven_wheels=WHEEL_NAMES), dataclasses.replace(CAR, driven_wheels=())):
-        figures = drawn(report_for("urban_mixed").figures({"urban_mixed": few}, car, {"driver": {}}))
+    few = Recording(
+        np.arange(200) * PERIOD,
+        {"twist.longitudinal": np.zeros(200), "twist.lateral": np.zeros(200)},
+    )
+    for car in (
+        CAR,
+        dataclasses.replace(CAR, driven_wheels=WHEEL_NAMES),
+        dataclasses.replace(CAR, driven_wheels=()),
+    ):
+        figures = drawn(
+            report_for("urban_mixed").figures({"urban_mixed": few}, car, {"driver": {}})
+        )
         assert list(figures) == FIGURES
         for name, figure in figures.items():
-            assert any("not measured" in text.get_text() for axes in figure.axes for text in axes.texts), name
+            assert any(
+                "not measured" in text.get_text() for axes in figure.axes for text in axes.texts
+            ), name
     assert len(save_figures(figures, tmp_path)) == len(FIGURES)
 
 
@@ -326,7 +391,8 @@ def spinning_up(a: float, b: float) -> Recording:
         {
             "wheel_states.velocity.front_left": speed,
             "wheel_states.velocity.rear_left": free,
-            "wheel_states.effort.front_left": nominal * (a * mean + b * np.sqrt(mean)) + INERTIA * rate,
+            "wheel_states.effort.front_left": nominal * (a * mean + b * np.sqrt(mean))
+            + INERTIA * rate,
             "tire_forces.friction_coefficient.front_left": np.full_like(time, 0.4022),
         },
     )

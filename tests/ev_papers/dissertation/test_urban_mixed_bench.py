@@ -21,7 +21,9 @@ LENGTH = 24.0  # s: rest, pulling away, two surfaces, spinning wheels
 @pytest.fixture(scope="module")
 def recording():
     """With exact sensors."""
-    (run,) = load_scenario("urban_mixed_bench", Overrides(values=IDEAL["sensors"], duration=LENGTH)).runs
+    (run,) = load_scenario(
+        "urban_mixed_bench", Overrides(values=IDEAL["sensors"], duration=LENGTH)
+    ).runs
     return run_offline(run.configurations, LENGTH)
 
 
@@ -31,9 +33,13 @@ def test_the_energy_of_the_bench_balances(recording):
     The battery follows one exchange later, by voltage and current in single precision: 0.1 %.
     """
     last = {
-        name: recording.channels[f"bench.energy.{name}"][-1] for name in ("battery", "mains", "resistor", "machines")
+        name: recording.channels[f"bench.energy.{name}"][-1]
+        for name in ("battery", "mains", "resistor", "machines")
     }
-    last |= {name: recording.channels[f"bench.energy.{name}"][-1] for name in ("loads", "shafts", "stored")}
+    last |= {
+        name: recording.channels[f"bench.energy.{name}"][-1]
+        for name in ("loads", "shafts", "stored")
+    }
     gone = last["resistor"] + last["machines"] + last["loads"] + last["shafts"] + last["stored"]
     assert last["battery"] + last["mains"] == pytest.approx(gone, rel=1e-9)
     given = -recording.channels["battery.voltage"] * recording.channels["battery.current"]
@@ -44,7 +50,10 @@ def test_the_virtual_wheel_spins_up_when_the_machine_exceeds_the_load(recording)
     """diss.bench.spin: the sign of the wheel's acceleration is that of M_em - M_nu, one exchange later."""
     channels = recording.channels
     speed = channels["wheel_states.velocity.front_left"]
-    machine, load = channels["motor_states.effort.front_left"], channels["bench.load_command.torque.front_left"]
+    machine, load = (
+        channels["motor_states.effort.front_left"],
+        channels["bench.load_command.torque.front_left"],
+    )
     gained = np.diff(speed)[1:-1]
     excess = machine[2:-1] * 0.97 - load[1:-2]  # behind the gear
     clear = (np.abs(excess) > 5.0) & (machine[2:-1] > 0.0)
@@ -53,9 +62,13 @@ def test_the_virtual_wheel_spins_up_when_the_machine_exceeds_the_load(recording)
 
 
 def test_a_bench_needs_its_plant():
-    with pytest.raises(ParameterError, match="reads LoadCommand, which none of the chosen methods writes"):
+    with pytest.raises(
+        ParameterError, match="reads LoadCommand, which none of the chosen methods writes"
+    ):
         load_scenario("urban_mixed_bench", Overrides(values=[("plant", "method", "planar")]))
-    with pytest.raises(ParameterError, match="reads BenchShafts, which none of the chosen methods writes"):
+    with pytest.raises(
+        ParameterError, match="reads BenchShafts, which none of the chosen methods writes"
+    ):
         load_scenario("urban_mixed", Overrides(values=[("plant", "method", "planar_on_bench")]))
 
 
@@ -63,7 +76,9 @@ def test_without_a_bench_the_graph_is_as_short_as_ever():
     """No node, no channel and no number in the frames for those who do not ask for it."""
     (run,) = load_scenario("urban_mixed", Overrides(duration=0.05)).runs
     assert tuple(run.configurations) == REQUIRED
-    assert not [name for name in run_offline(run.configurations, 0.05).channels if name.startswith("bench")]
+    assert not [
+        name for name in run_offline(run.configurations, 0.05).channels if name.startswith("bench")
+    ]
 
 
 @pytest.mark.slow
@@ -72,9 +87,13 @@ def test_an_ideal_bench_converges_to_the_virtual_run():
     apart_by_period = {}
     for period in (2e-3, 5e-4):
         values = (("*", "control_period", period),)
-        virtual = drive_case(part_of_cycle("imposed_speed", "virtual", "urban_mixed", values), measure).measured
+        virtual = drive_case(
+            part_of_cycle("imposed_speed", "virtual", "urban_mixed", values), measure
+        ).measured
         of_bench = (*ideal(), *values)
-        bench = drive_case(part_of_cycle("imposed_speed", "bench", "urban_mixed_bench", of_bench), measure).measured
+        bench = drive_case(
+            part_of_cycle("imposed_speed", "bench", "urban_mixed_bench", of_bench), measure
+        ).measured
         apart_by_period[period] = apart(bench["torque"], virtual["torque"])
     assert apart_by_period[5e-4] < 0.1
     assert apart_by_period[5e-4] < apart_by_period[2e-3]

@@ -19,7 +19,8 @@ MODEL = [
     ("diss.nominal_conflict", ("*", "vehicle.motor.nominal_torque", 220.0)),
     ("diss.sizing.speed", ("*", "vehicle.motor.maximum_speed", 800.0)),
     ("diss.sizing.mass", ("*", "vehicle.motor.peak_torque", 370.0)),
-    ("diss.K", ("plant", "road.random_probability", (1.0, 0.0))),  # one friction: no difference of speeds to lock
+    # one friction: no difference of speeds to lock
+    ("diss.K", ("plant", "road.random_probability", (1.0, 0.0))),
     ("diss.eq1.5", ("asr", "high", 0.2)),
     ("diss.eq1.4.literal", ("*", "vehicle.wheel_radius", 0.42)),
     ("diss.t2.1", ("*", "vehicle.mass", 2171.0)),
@@ -40,9 +41,17 @@ MODEL = [
     ("diss.bench.constant_load", ("plant", "load.follows", "road")),
 ]
 EXPECTED = {"reproduced", "follows from the inputs"}
-SHORT = ("--drivers", "imposed_speed", "--seeds", "1", "--duration", "220")  # the first five windows of traction
+# the first five windows of traction
+SHORT = ("--drivers", "imposed_speed", "--seeds", "1", "--duration", "220")
 FEW = (  # of asr_shootout, for what is judged on all of it
-    *("--controls", "off", "maximum_transmissible_torque", "slip_window", "slip_window_side_force", "speed_corridor"),
+    *(
+        "--controls",
+        "off",
+        "maximum_transmissible_torque",
+        "slip_window",
+        "slip_window_side_force",
+        "speed_corridor",
+    ),
     *("--roads", "ice", "snow", "wet", "dry", "snow, bend of 25 m"),
 )
 STUDIES = [
@@ -62,7 +71,10 @@ def test_another_parameter_is_noticed(id: str, changed):
 
 def test_without_cooling_no_flow_is_measured():
     assert verdict_on("diss.bench.flow").judgement == "in part"
-    assert verdict_on("diss.bench.flow", ("test_bench", "cooling", False)).judgement == "not reproduced"
+    assert (
+        verdict_on("diss.bench.flow", ("test_bench", "cooling", False)).judgement
+        == "not reproduced"
+    )
 
 
 @pytest.mark.parametrize(
@@ -85,7 +97,11 @@ def test_another_surface_is_noticed(id: str, surface: dict, monkeypatch):
     [
         ("diss.eq2.37", "efficiency", lambda sums: sums.power_efficiency),
         ("diss.eq2.38", "drive_efficiency", lambda sums: sums.wheel_work / sums.electrical_work),
-        ("diss.eq2.39", "total_efficiency", lambda sums: sums.power_efficiency * sums.drive_efficiency),
+        (
+            "diss.eq2.39",
+            "total_efficiency",
+            lambda sums: sums.power_efficiency * sums.drive_efficiency,
+        ),
     ],
 )
 def test_another_formula_is_noticed(id: str, quantity: str, formula, monkeypatch):
@@ -96,14 +112,19 @@ def test_another_formula_is_noticed(id: str, quantity: str, formula, monkeypatch
 
 def test_another_time_of_the_cycle_is_noticed(monkeypatch):
     assert verdict_on("diss.eq2.40").judgement == "reproduced"
-    monkeypatch.setattr(circuits.CircuitSums, "energy", lambda sums, cycle_time: sums.electrical_work)
+    monkeypatch.setattr(
+        circuits.CircuitSums, "energy", lambda sums, cycle_time: sums.electrical_work
+    )
     assert verdict_on("diss.eq2.40").judgement == "not reproduced"
 
 
 @pytest.mark.parametrize("id", ["diss.asr.peak", "diss.fig2.8"])
 def test_a_wheel_that_never_passes_its_peak_is_noticed(id: str):
     assert verdict_on(id).judgement == "reproduced"
-    assert verdict_on(id, ("driver", "method", "tracking"), ("plant", "speed", "free")).judgement == "not measured"
+    assert (
+        verdict_on(id, ("driver", "method", "tracking"), ("plant", "speed", "free")).judgement
+        == "not measured"
+    )
 
 
 @pytest.mark.weekly
@@ -117,10 +138,16 @@ def test_a_wheel_that_never_passes_its_peak_is_noticed(id: str):
 @pytest.mark.sampled
 def test_motors_too_weak_to_spin_on_snow_make_no_control_better(id: str):
     """What the survey says of slip controls holds where there is slip."""
-    motor = [word for of in ("peak", "nominal") for word in ("--set", f"*.vehicle.motor.{of}_torque=60.0")]
+    motor = [
+        word
+        for of in ("peak", "nominal")
+        for word in ("--set", f"*.vehicle.motor.{of}_torque=60.0")
+    ]
 
     def driven_with(*further: str) -> Verdict:
-        return verdict_from(id, lambda need: dataclasses.replace(need, options=(*(need.options or FEW), *further)))
+        return verdict_from(
+            id, lambda need: dataclasses.replace(need, options=(*(need.options or FEW), *further))
+        )
 
     assert driven_with().judgement in ("reproduced", "in part")
     assert driven_with(*motor).judgement == "not reproduced"
@@ -129,9 +156,17 @@ def test_motors_too_weak_to_spin_on_snow_make_no_control_better(id: str):
 @pytest.mark.parametrize(
     "id",
     [
-        *("diss.requirement.smooth", "diss.asr.torque_falls", "diss.ideal.proportion", "diss.bench.load_above"),
+        *(
+            "diss.requirement.smooth",
+            "diss.asr.torque_falls",
+            "diss.ideal.proportion",
+            "diss.bench.load_above",
+        ),
         *("diss.burckhardt.C1", "diss.burckhardt.C3"),
-        *(pytest.param(id, marks=pytest.mark.weekly) for id in ("diss.direct_torque", "diss.direct_torque.fastest")),
+        *(
+            pytest.param(id, marks=pytest.mark.weekly)
+            for id in ("diss.direct_torque", "diss.direct_torque.fastest")
+        ),
     ],
 )
 def test_claims_that_do_not_hold(id: str):
@@ -147,8 +182,10 @@ def test_claims_that_hold_in_part(id: str):
 @pytest.mark.parametrize(
     ("id", "changed"),
     [
-        ("diss.limited.advantages", ("plant", "road.left", ("dry_asphalt",))),  # the same on both sides
-        ("diss.ideal.bend", ("driver", "pedals.drive_torque", (0.0, 0.0, 1800.0))),  # more than the inner wheel holds
+        # the same on both sides
+        ("diss.limited.advantages", ("plant", "road.left", ("dry_asphalt",))),
+        # more than the inner wheel holds
+        ("diss.ideal.bend", ("driver", "pedals.drive_torque", (0.0, 0.0, 1800.0))),
     ],
 )
 def test_what_holds_in_part_is_gone_with_another_parameter(id: str, changed):
@@ -213,7 +250,10 @@ def test_what_is_not_reproduced(id: str):
 def test_with_a_limit_method_5_is_better_than_all_others():
     """Who knows the friction and limits by it never slips; without the limit the order is the printed one."""
     assert studied("diss.t3.6.order").judgement == "reproduced"
-    assert studied("diss.t3.6.order", "--set", "electronic_differential.limit=true").judgement == "not reproduced"
+    assert (
+        studied("diss.t3.6.order", "--set", "electronic_differential.limit=true").judgement
+        == "not reproduced"
+    )
 
 
 def studied(id: str, *options: str) -> Verdict:

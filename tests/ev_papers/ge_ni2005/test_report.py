@@ -26,7 +26,10 @@ def test_steady_turn_solves_eqs_1_to_3(rear):
     pushed = (back + 2 * paper.TORQUE / paper.RADIUS) * rear  # side force of the turned rear wheels
     lateral, yaw_rate = np.linalg.solve(
         [[(front + back) / u, couple / u + paper.MASS * u], [couple / u, square / u]],
-        (front * paper.STEERING + pushed, paper.FRONT_ARM * front * paper.STEERING - paper.REAR_ARM * pushed),
+        (
+            front * paper.STEERING + pushed,
+            paper.FRONT_ARM * front * paper.STEERING - paper.REAR_ARM * pushed,
+        ),
     )
     turn = paper.steady_turn(rear)
     assert turn.yaw_rate == pytest.approx(yaw_rate, rel=1e-12)
@@ -36,7 +39,9 @@ def test_steady_turn_solves_eqs_1_to_3(rear):
 
 
 @pytest.mark.parametrize("quantity", QUANTITIES)
-@pytest.mark.parametrize(("run", "rear"), [("equal_torque", 0.0), ("equal_torque_rear_steered", -paper.STEERING / 2)])
+@pytest.mark.parametrize(
+    ("run", "rear"), [("equal_torque", 0.0), ("equal_torque_rear_steered", -paper.STEERING / 2)]
+)
 def test_equal_torque_turns_as_the_closed_form_of_this_car_says(quantity, run, rear):
     """0.5 %; measured are 0.06 % without and 0.3 % with rear steering: angles that are not quite small."""
     closed = getattr(paper.steady_turn(rear), quantity)
@@ -46,7 +51,9 @@ def test_equal_torque_turns_as_the_closed_form_of_this_car_says(quantity, run, r
 @pytest.mark.parametrize("quantity", QUANTITIES)
 def test_full_car_turns_nearly_alike_with_u_held(quantity):
     closed = getattr(paper.steady_turn(), quantity)
-    assert value("ge_ni2005", f"{quantity}_equal_torque_full_car") == pytest.approx(closed, rel=0.005)
+    assert value("ge_ni2005", f"{quantity}_equal_torque_full_car") == pytest.approx(
+        closed, rel=0.005
+    )
 
 
 @pytest.mark.parametrize(
@@ -54,7 +61,8 @@ def test_full_car_turns_nearly_alike_with_u_held(quantity):
     [
         ("equal_torque", False, 0.0, 0.002),
         ("equal_torque_rear_steered", False, -paper.STEERING / 2, 0.003),
-        ("equal_torque_free_speed", True, 0.0, 0.01),  # loads by tyre forces across the car, not across the path
+        # loads by tyre forces across the car, not across the path
+        ("equal_torque_free_speed", True, 0.0, 0.01),
     ],
 )
 def test_the_sources_car_moves_as_the_printed_equations_say(run, free, rear, tolerance):
@@ -80,7 +88,9 @@ def test_turn_begins_in_the_equilibrium_of_straight_running():
     for side in ("left", "right"):
         slip = channels[f"tire_forces.slip_ratio.rear_{side}"]
         assert slip[0] == pytest.approx(paper.slip_of(paper.REAR_LOAD), rel=1e-6)
-        assert channels[f"tire_forces.longitudinal_force.rear_{side}"][0] == pytest.approx(paper.TORQUE / paper.RADIUS)
+        assert channels[f"tire_forces.longitudinal_force.rear_{side}"][0] == pytest.approx(
+            paper.TORQUE / paper.RADIUS
+        )
     assert channels["twist.lateral"][0] == channels["twist.yaw_rate"][0] == 0.0
 
 
@@ -88,7 +98,9 @@ def test_radius_comes_into_the_axis_of_fig_4b_after_a_quarter_of_a_second():
     """A step of the wheels begins at an infinite radius; 70 m are passed at 0.27 s, by eqs 1 and 2 alone at 0.25 s."""
     run = driven("ge_ni2005").runs["equal_torque"]
     radius = motion.radius_of_path(run)
-    assert run.time[np.flatnonzero((radius > 70.0) | (radius < 0.0))[-1]] == pytest.approx(0.268, abs=0.005)
+    assert run.time[np.flatnonzero((radius > 70.0) | (radius < 0.0))[-1]] == pytest.approx(
+        0.268, abs=0.005
+    )
 
 
 def failing(case: str) -> set[str]:
@@ -102,7 +114,11 @@ def failing(case: str) -> set[str]:
     ]
     judged = {name: metrics[name] for name in names if name in metrics}
     assert all(metric.value is not None for metric in judged.values())
-    return {name.removesuffix(case) for name, metric in judged.items() if metric.judgement != "reproduced"}
+    return {
+        name.removesuffix(case)
+        for name, metric in judged.items()
+        if metric.judgement != "reproduced"
+    }
 
 
 def test_every_ordering_holds_with_u_held_on_both_cars():
@@ -111,10 +127,16 @@ def test_every_ordering_holds_with_u_held_on_both_cars():
 
 def test_with_u_free_the_orderings_are_those_of_the_car():
     """The source's car spins with `increment` and loses speed; the full car drives off on a wide path."""
-    spun = {"ge.claim.speed.increment", "ge.claim.slip_use.increment_left", "ge.claim.slip_use.increment_right"}
+    spun = {
+        "ge.claim.speed.increment",
+        "ge.claim.slip_use.increment_left",
+        "ge.claim.slip_use.increment_right",
+    }
     assert failing("_free_speed") == spun
     assert value("ge_ni2005", "sideslip_increment_free_speed") < -0.5
-    turned = {f"ge.claim.{name}.increment" for name in ("beta", "radius", "centripetal", "yaw_rate")}
+    turned = {
+        f"ge.claim.{name}.increment" for name in ("beta", "radius", "centripetal", "yaw_rate")
+    }
     assert failing("_full_car_free_speed") == turned
 
 
@@ -131,7 +153,11 @@ def test_printed_target_slip_is_reached_by_increment_alone():
 
 
 def test_boundary_layer_takes_the_chatter_away_where_its_control_is_continuous():
-    for name, least in (("rate_lower_target", 50.0), ("offset_lower_target", 1e4), ("increment", 1e3)):
+    for name, least in (
+        ("rate_lower_target", 50.0),
+        ("offset_lower_target", 1e4),
+        ("increment", 1e3),
+    ):
         assert value("ge_ni2005", f"chatter_{name}_switched") > least
     metrics = metrics_of("ge_ni2005")
     assert metrics["ge.claim.chatter.rate_lower_target"].judgement == "reproduced"

@@ -11,7 +11,8 @@ from ev_papers.ge_ni2005 import paper
 from ev_study.verdicts.need import Need, ScenarioNeed
 from ev_study.verdicts.sources import published
 
-# A finding each: `increment` spins with u free, and with a heavier car; slip costs more with the law than without.
+# A finding each: `increment` spins with u free, and with a heavier car; slip costs more with the
+# law than without.
 NOT_REPRODUCED = {"ge.claim.speed", "ge.claim.robust", "ge.claim.efficiency"}
 
 
@@ -59,9 +60,9 @@ def test_another_parameter_is_noticed(id: str, changed):
 
 def test_the_layer_removes_the_chatter_of_one_reading_alone():
     assert verdict_on("ge.claim.chatter").judgement == "in part"
-    assert verdict_on("ge.claim.chatter", ("electronic_differential", "boundary_layer", False)).judgement == (
-        "not reproduced"
-    )
+    assert verdict_on(
+        "ge.claim.chatter", ("electronic_differential", "boundary_layer", False)
+    ).judgement == ("not reproduced")
 
 
 def test_at_the_speed_of_the_source_the_model_of_ackermann_does_not_hold():
@@ -69,22 +70,35 @@ def test_at_the_speed_of_the_source_the_model_of_ackermann_does_not_hold():
 
     def at_5_m_per_s(need: Need) -> Need:
         changed = ("plant", "initial_speed", 5.0)
-        return dataclasses.replace(need, values=(*need.values, changed)) if isinstance(need, ScenarioNeed) else need
+        return (
+            dataclasses.replace(need, values=(*need.values, changed))
+            if isinstance(need, ScenarioNeed)
+            else need
+        )
 
     assert verdict_from("ge.claim.low_speed", at_5_m_per_s).judgement == "not reproduced"
 
 
 def test_full_car_in_place_of_the_sources_own_is_noticed():
     """With u free the source's car spins with `increment`, the full one drives off."""
-    changed = (("*", "vehicle.load_transfer", "both"), ("*", "vehicle.tyre.lateral_curve", "linear"))
+    changed = (
+        ("*", "vehicle.load_transfer", "both"),
+        ("*", "vehicle.tyre.lateral_curve", "linear"),
+    )
     assert verdict_on("ge.claim.speed", *changed).judgement == "reproduced"
 
 
 def test_values_that_follow_are_those_of_the_equations():
     """published.csv has seven digits of what the printed equations give with the printed parameters."""
-    turn, speeds, slips = paper.steady_turn(), paper.rear_speeds(), [paper.slip_of(n) for n in paper.rear_loads()]
-    change = paper.YAW_GAIN * (0.0 - paper.STEERING * paper.SPEED / paper.WHEELBASE)  # eq 6 before the car yaws
-    target = paper.friction(paper.TARGET) * paper.REAR_LOAD * paper.RADIUS  # holds lambda_3* straight ahead [N m]
+    turn, speeds, slips = (
+        paper.steady_turn(),
+        paper.rear_speeds(),
+        [paper.slip_of(n) for n in paper.rear_loads()],
+    )
+    # eq 6 before the car yaws
+    change = paper.YAW_GAIN * (0.0 - paper.STEERING * paper.SPEED / paper.WHEELBASE)
+    # holds lambda_3* straight ahead [N m]
+    target = paper.friction(paper.TARGET) * paper.REAR_LOAD * paper.RADIUS
     follows = {
         "eq.yaw_rate": [turn.yaw_rate],
         "eq.beta": [turn.sideslip],
@@ -93,7 +107,10 @@ def test_values_that_follow_are_those_of_the_equations():
         "eq.centripetal": [turn.centripetal_acceleration],
         "eq.loads": paper.rear_loads(),
         "eq.slips": [*slips, paper.slip_of(paper.REAR_LOAD)],
-        "eq.speeds": [*speeds, *(speed / (1.0 - slip) for speed, slip in zip(speeds, slips, strict=True))],
+        "eq.speeds": [
+            *speeds,
+            *(speed / (1.0 - slip) for speed, slip in zip(speeds, slips, strict=True)),
+        ],
         "target": [target],
         "turn_in": [change, paper.TARGET - change],
     }

@@ -25,7 +25,9 @@ def judged(id: str, changed=None) -> str:
     """The verdict from the measured numbers, those of cases that `changed` names by (name, quantity) replaced."""
     kept = read_measured(ROOT, CLAIMS[id].needs[0])
     results = {
-        name: dataclasses.replace(of, measured={q: changed(name, q, value) for q, value in of.measured.items()})
+        name: dataclasses.replace(
+            of, measured={q: changed(name, q, value) for q, value in of.measured.items()}
+        )
         if changed
         else of
         for name, of in kept.results.items()
@@ -47,14 +49,18 @@ def judged(id: str, changed=None) -> str:
 )
 def test_other_numbers_are_noticed(id: str, law: str, factor: float):
     assert judged(id) == "reproduced"
-    assert judged(id, lambda name, _, value: value * factor if law in name else value) == "not reproduced"
+    assert (
+        judged(id, lambda name, _, value: value * factor if law in name else value)
+        == "not reproduced"
+    )
 
 
 def test_sliding_modes_that_slide_less_would_reproduce_the_order():
     assert judged("novellis.friction") == "not reproduced"
     modes = (" truth super_twisting 1.5:", " truth suboptimal 1.5:")
     assert judged(
-        "novellis.friction", lambda name, _, value: value / 2 if any(m in name for m in modes) else value
+        "novellis.friction",
+        lambda name, _, value: value / 2 if any(m in name for m in modes) else value,
     ) == ("reproduced")
 
 
@@ -63,7 +69,11 @@ def test_a_car_that_leaves_the_course_no_faster_than_by_the_fixed_split_gains_no
 
     def slower(name: str, quantity: str, value: object) -> object:
         law, scale = name.partition(": ")[0].rsplit(" ", 1)
-        return None if quantity == "lap_time" and law.endswith("least_squares") and float(scale) > 0.87 else value
+        return (
+            None
+            if quantity == "lap_time" and law.endswith("least_squares") and float(scale) > 0.87
+            else value
+        )
 
     assert judged("broere.lap") == "in part"  # not with the best brakes of each
     assert judged("broere.lap", slower) == "not reproduced"
@@ -73,21 +83,32 @@ def test_a_lap_is_driven_by_the_drawn_friction_and_scale():
     """21 scales, 5 draws, 4 + 1 + 5 times 2 laws; the driver knows the friction of the draw."""
     cases = {case.name: case for case in lap.cases(Namespace())}
     assert len(cases) == 21 * 5 * 15
-    given = run_of(cases["all accelerates less truth pi_neutral_least_squares 0.90: 2"]).configurations
+    given = run_of(
+        cases["all accelerates less truth pi_neutral_least_squares 0.90: 2"]
+    ).configurations
     driver, law = (given[role].values() for role in ("driver", "electronic_differential"))
     assert (driver["limit.scale"], driver["limit.driving"]) == (0.9, 0.6)
     assert driver["limit.friction"] == drawn()["friction"][2]
-    assert (law["controller"], law["reference"], law["allocation"]) == ("pi", "neutral", "least_squares")
+    assert (law["controller"], law["reference"], law["allocation"]) == (
+        "pi",
+        "neutral",
+        "least_squares",
+    )
 
 
 def test_draws_are_the_same_for_all_laws_and_the_given_friction_is_the_laws_alone():
     """All but what the differential is given; ten draws of 5 cells, 6 laws, 5 factors, and equal torques."""
     cases = friction.cases(Namespace())
     assert len(cases) == DRAWS * (5 * 6 * 5 + 4) == 1540
-    of = {case.name: [value for value in case.values if value[0] != "electronic_differential"] for case in cases}
+    of = {
+        case.name: [value for value in case.values if value[0] != "electronic_differential"]
+        for case in cases
+    }
     assert of["all wet truth pi 0.5: 3"] == of["all wet estimated suboptimal + sideslip 1.5: 3"]
     assert of["all wet truth pi 0.5: 3"] != of["all wet truth pi 0.5: 4"]
-    (case,) = (case for case in cases if case.name == "all wet estimated suboptimal + sideslip 1.5: 3")
+    (case,) = (
+        case for case in cases if case.name == "all wet estimated suboptimal + sideslip 1.5: 3"
+    )
     given = run_of(case).configurations["electronic_differential"].values()
     assert (given["reference"], given["controller"], given["estimation"], given["known.error_factor"]) == (
         "sideslip_limit", "suboptimal", "estimated", 1.5,
@@ -101,7 +122,9 @@ def test_wrong_tyres_are_what_a_law_believes_and_not_what_the_car_has():
     )
     apart = {name for (node, name, value) in set(right.values) ^ set(wrong.values)}
     groups = ("single_track", "known.observer")
-    assert apart == {f"{group}.{axle}_cornering_stiffness" for group in groups for axle in ("front", "rear")}
+    assert apart == {
+        f"{group}.{axle}_cornering_stiffness" for group in groups for axle in ("front", "rear")
+    }
 
 
 def test_super_twisting_tracks_the_designed_yaw_rate_on_a_ramp():
@@ -122,4 +145,6 @@ def test_interval_of_the_median_is_seeded_and_holds_it():
 
 
 def test_studies_are_judged_from_their_files():
-    assert all(isinstance(need, StudyNeed) and need.slow for of in CLAIMS.values() for need in of.needs)
+    assert all(
+        isinstance(need, StudyNeed) and need.slow for of in CLAIMS.values() for need in of.needs
+    )

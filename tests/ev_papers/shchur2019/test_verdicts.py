@@ -45,8 +45,14 @@ def test_everything_else_that_can_be_judged_is_reproduced(id: str):
         ("shchur.fig4.V2", ("driver", "speed_profile.speed", (0.0, 4.1667, 4.1667, 8.0, 8.0))),
         ("shchur.fig4.M.plateau", ("*", "vehicle.rolling_resistance", 0.016)),
         ("shchur.fig4.M.acceleration", ("*", "vehicle.mass", 1600.0)),
-        ("shchur.fig4.delta.left", ("driver", "steering.wanted_angle.angle", (0.0, 0.5, 0.0, -0.5, 0.0))),
-        ("shchur.fig4.delta.right", ("driver", "steering.wanted_angle.angle", (0.0, 0.5, 0.0, -0.5, 0.0))),
+        (
+            "shchur.fig4.delta.left",
+            ("driver", "steering.wanted_angle.angle", (0.0, 0.5, 0.0, -0.5, 0.0)),
+        ),
+        (
+            "shchur.fig4.delta.right",
+            ("driver", "steering.wanted_angle.angle", (0.0, 0.5, 0.0, -0.5, 0.0)),
+        ),
         ("shchur.fig4.dM.left", ("electronic_differential", "gamma", 6.0)),
         ("shchur.fig4.dM.right", ("electronic_differential", "gamma", 6.0)),
         ("shchur.fig4.references", ("electronic_differential", "b_ck", 0.063)),
@@ -69,10 +75,16 @@ def test_another_parameter_is_noticed(id: str, changed):
 def test_values_that_follow_are_those_of_the_equations():
     """published.csv has seven digits of what the printed equations give with the printed parameters."""
     one, two = paper.OBJECT, paper.CLOSED_LOOP
-    ends = one.steady_angle(paper.I_RATIO * 5.0), two.steady_angle((1 + paper.GAMMA) * paper.I_RATIO * 1.0)
+    ends = (
+        one.steady_angle(paper.I_RATIO * 5.0),
+        two.steady_angle((1 + paper.GAMMA) * paper.I_RATIO * 1.0),
+    )
     time, lowest = printed.lowest_differential_torque()
     slow, fast = paper.SPEED_LEFT_TURN, paper.SPEED_RIGHT_TURN
-    manual, assisted = printed.hand_torque_manual(paper.TURN_ANGLE), paper.hand_torque_assisted(paper.TURN_ANGLE)
+    manual, assisted = (
+        printed.hand_torque_manual(paper.TURN_ANGLE),
+        paper.hand_torque_assisted(paper.TURN_ANGLE),
+    )
     holding = paper.differential_torque(assisted, paper.TURN_ANGLE)
     turn = paper.turn(paper.TURN_ANGLE)
     follows = {
@@ -110,8 +122,16 @@ def test_values_that_follow_are_those_of_the_equations():
             paper.speed_difference(slow, paper.TURN_ANGLE),
             paper.speed_difference(fast, -paper.TURN_ANGLE),
         ],
-        "angles30": [turn.left_angle, turn.right_angle, turn.left_radius, turn.right_radius, turn.radius],
+        "angles30": [
+            turn.left_angle,
+            turn.right_angle,
+            turn.left_radius,
+            turn.right_radius,
+            turn.radius,
+        ],
     }
     for id, values in follows.items():
-        written = [check.value for check in published("shchur2019")[f"shchur.{id}"].checks if check.value]
+        written = [
+            check.value for check in published("shchur2019")[f"shchur.{id}"].checks if check.value
+        ]
         assert written == pytest.approx(values, rel=1e-6), id

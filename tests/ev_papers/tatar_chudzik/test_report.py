@@ -14,7 +14,8 @@ from ev_stack.measures.handling import energy_since_turning_in, turning_in, tyre
 from ev_stack.recording.offline import run_offline
 from ev_stack.scenarios.scenario import Overrides, load_scenario
 
-# Changes of F_y by the correction at 8.5 m/s [N]: an independent calculation with 100 N m and 50 % at pi/10.
+# Changes of F_y by the correction at 8.5 m/s [N]: an independent calculation with 100 N m and 50 %
+# at pi/10.
 EXPECTED = {
     "front": (-79.0, 31.0, 40.0, 36.0),
     "rear": (-42.0, -8.0, 42.0, 38.0),
@@ -27,7 +28,9 @@ def vehicle():
 
 
 def change(kind: str, wheel: str, layout: str) -> float:
-    corrected, equal = (value("tatar_chudzik", f"{kind}_{wheel}_{layout}_{c}") for c in ("corrected", "equal"))
+    corrected, equal = (
+        value("tatar_chudzik", f"{kind}_{wheel}_{layout}_{c}") for c in ("corrected", "equal")
+    )
     return corrected - equal
 
 
@@ -55,16 +58,25 @@ def test_forces_in_the_axes_of_the_car_add_up_to_its_acceleration():
 def test_a_wheel_force_does_not_change_its_magnitude_between_the_axes():
     run = driven("tatar_chudzik").runs["front_equal"]
     x, y = tyre_force(run, "front_left", vehicle())
-    along, across = (run.channels[f"tire_forces.{kind}_force.front_left"] for kind in ("longitudinal", "lateral"))
+    along, across = (
+        run.channels[f"tire_forces.{kind}_force.front_left"] for kind in ("longitudinal", "lateral")
+    )
     assert np.hypot(x, y) == pytest.approx(np.hypot(along, across), rel=1e-12, abs=1e-9)
 
 
 def test_correction_costs_tyre_force_and_saves_energy():
     """The outer wheel pushes the car round, so the front wheels, whose force points backwards, have less to do."""
     for layout in ("front", "rear", "all"):
-        for quantity, sign in (("total_tyre_force", 1), ("drive_energy", -1), ("time_to_speed", -1)):
+        for quantity, sign in (
+            ("total_tyre_force", 1),
+            ("drive_energy", -1),
+            ("time_to_speed", -1),
+        ):
             equal = value("tatar_chudzik", f"{quantity}_{layout}_equal")
-            assert sign * (value("tatar_chudzik", f"{quantity}_{layout}_corrected") - equal) > 1e-3 * equal
+            assert (
+                sign * (value("tatar_chudzik", f"{quantity}_{layout}_corrected") - equal)
+                > 1e-3 * equal
+            )
 
 
 def test_drive_energy_until_turning_in_is_kinetic_energy_and_drag():
@@ -80,7 +92,9 @@ def test_drive_energy_until_turning_in_is_kinetic_energy_and_drag():
 def test_printed_wheel_inertia_halves_the_speed_before_the_bend():
     """Eq 1 as printed counts the mass twice: 3.7 instead of 7.3 m/s after 15 s, 1/2.02 of it but for less drag."""
     changed = Overrides(values=[("*", "vehicle.printed_wheel_inertia", True)], duration=15.0)
-    printed = next(run for run in load_scenario("tatar_chudzik", changed).runs if run.name == "all_equal")
+    printed = next(
+        run for run in load_scenario("tatar_chudzik", changed).runs if run.name == "all_equal"
+    )
     slow = motion.path_speed(run_offline(printed.configurations, printed.duration))[-1]
     usual = driven("tatar_chudzik").runs["all_equal"]
     fast = motion.path_speed(usual)[turning_in(usual)]

@@ -7,9 +7,14 @@ from helpers.judging import verdict_on
 
 from ev_study.verdicts.sources import published
 
-# It rises in the axes of the car; and so does the sum of the magnitudes. The path changes by half a per cent.
+# It rises in the axes of the car; and so does the sum of the magnitudes. The path changes by half a
+# per cent.
 NOT_REPRODUCED = {"tatar.fig14.FR", "tatar.aim", "tatar.trajectory"}
-SIGNS = [id for id in published("tatar_chudzik") if id.startswith(("tatar.fig12.", "tatar.fig13.", "tatar.fig14."))]
+SIGNS = [
+    id
+    for id in published("tatar_chudzik")
+    if id.startswith(("tatar.fig12.", "tatar.fig13.", "tatar.fig14."))
+]
 NOT_CLAIMED = {"tatar.fig12.FR"}
 
 
@@ -22,7 +27,10 @@ def test_verdict_is_the_expected_one(id: str):
 
 @pytest.mark.parametrize("id", [id for id in SIGNS if id not in NOT_REPRODUCED | NOT_CLAIMED])
 def test_a_correction_without_gain_changes_nothing_beyond_the_margin(id: str):
-    assert verdict_on(id, ("electronic_differential", "gain", 0.0)).judgement in ("not reproduced", "not measured")
+    assert verdict_on(id, ("electronic_differential", "gain", 0.0)).judgement in (
+        "not reproduced",
+        "not measured",
+    )
 
 
 @pytest.mark.parametrize(
@@ -40,7 +48,9 @@ def test_below_7_m_per_s_the_magnitude_rises():
     """There the lateral force of the front left wheel, one of two parallel ones, still points outwards."""
     for fig in (12, 13, 14):
         metrics = verdict_on(f"tatar.fig{fig}.FL").metrics
-        corrected, equal = (metrics[f"at 6 m/s, 70 N m, {of}"].value for of in ("corrected", "equal"))
+        corrected, equal = (
+            metrics[f"at 6 m/s, 70 N m, {of}"].value for of in ("corrected", "equal")
+        )
         assert corrected < 1.05 * equal < 0.0
 
 

@@ -16,7 +16,10 @@ def path(x: np.ndarray, y: np.ndarray) -> Recording:
 
 def test_an_arc_is_a_circle():
     """1e-9: rounding of a radius of 40 m."""
-    assert deviation_from_circle(path(3 + 40 * np.sin(0.1 * TIME), 40 * np.cos(0.1 * TIME)), 0.0) < 1e-9
+    assert (
+        deviation_from_circle(path(3 + 40 * np.sin(0.1 * TIME), 40 * np.cos(0.1 * TIME)), 0.0)
+        < 1e-9
+    )
 
 
 def test_what_lies_before_the_beginning_does_not_count():
@@ -30,9 +33,9 @@ def test_a_radius_that_swings_deviates_by_its_amplitude():
     """Full circles of 40 m with a wave of 0.5 m, six to the turn; 2 %: the fit takes little of it."""
     angle = 2 * np.pi * TIME / 5.0
     radius = 40 + 0.5 * np.sin(6 * angle)
-    assert deviation_from_circle(path(radius * np.cos(angle), radius * np.sin(angle)), 0.0) == pytest.approx(
-        0.5, rel=0.02
-    )
+    assert deviation_from_circle(
+        path(radius * np.cos(angle), radius * np.sin(angle)), 0.0
+    ) == pytest.approx(0.5, rel=0.02)
 
 
 def test_standing_still_is_no_circle():

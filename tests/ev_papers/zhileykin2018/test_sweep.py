@@ -27,7 +27,9 @@ CALM = dict.fromkeys(("h_n", "h_2", "h_4"), 0)
 def counted(study, peak) -> dict[str, float]:
     """The metrics of a study whose cases have the sideslip angle that `peak` gives for a case [rad]."""
     cases = study.cases(Namespace())
-    results = {case.name: CaseResult(case.name, {"peak_sideslip": peak(case), **CALM}) for case in cases}
+    results = {
+        case.name: CaseResult(case.name, {"peak_sideslip": peak(case), **CALM}) for case in cases
+    }
     return {name: metric.value for name, metric in study.metrics(Namespace(), results).items()}
 
 
@@ -50,9 +52,14 @@ def test_a_row_of_the_variants_is_that_of_its_cases():
     cases = grid.cases_of((grid.REAR_DRIVE, "k1"), variant.values, variant.name)
     results = {result.name: result for result in drive_cases(cases, variants.measure)}
     spins, held = grid.spins(results, variant.name), grid.holds(results, "k1", variant.name)
-    (row,) = (line for line in block("zhileykin2018_variants").splitlines() if variant.title in line)
+    (row,) = (
+        line for line in block("zhileykin2018_variants").splitlines() if variant.title in line
+    )
     _, _, printed_spins, _, printed_k1, *_ = (cell.strip() for cell in row.split("|"))
-    assert (printed_spins, printed_k1) == (str(spins.sum()), f"{(spins & held).sum()} ({held.sum()})")
+    assert (printed_spins, printed_k1) == (
+        str(spins.sum()),
+        f"{(spins & held).sum()} ({held.sum()})",
+    )
 
 
 def test_holds_are_counted_among_the_cases_in_which_rear_drive_spins():
@@ -66,7 +73,10 @@ def test_holds_are_counted_among_the_cases_in_which_rear_drive_spins():
     found = counted(sweep, peak)
     assert (found["cases"], found["rear_drive_spins"]) == (40, 24)
     assert (found["holds_where_rear_drive_spins_k05"], found["holds_k05"]) == (8, 24)
-    assert (found["holds_where_rear_drive_spins_fixed_split"], found["holds_fixed_split"]) == (24, 40)
+    assert (found["holds_where_rear_drive_spins_fixed_split"], found["holds_fixed_split"]) == (
+        24,
+        40,
+    )
     assert found["calm_k1"] == 40
 
 
@@ -83,11 +93,21 @@ def test_every_reading_is_driven_in_all_cases_and_told_to_the_law():
 @pytest.mark.slow
 def test_engine_and_converter_drive_the_sweep():
     """All controls at 3000 N and 6 deg: none is refused, rear drive spins, the fixed half holds, as with motors."""
-    cases = [case for case in sweep.cases(Namespace(drive="engine")) if " 3000 N 6 deg" in case.name]
+    cases = [
+        case for case in sweep.cases(Namespace(drive="engine")) if " 3000 N 6 deg" in case.name
+    ]
     assert len(cases) == 10 and all(set(grid.ENGINE) <= set(case.values) for case in cases)
-    peak = {case.run: drive_case(case, sweep.measure) for case in cases if case.run in ("rear_drive", "fixed_split")}
+    peak = {
+        case.run: drive_case(case, sweep.measure)
+        for case in cases
+        if case.run in ("rear_drive", "fixed_split")
+    }
     assert not any(result.refused for result in peak.values())
-    assert peak["rear_drive"].measured["peak_sideslip"] > LIMIT > peak["fixed_split"].measured["peak_sideslip"]
+    assert (
+        peak["rear_drive"].measured["peak_sideslip"]
+        > LIMIT
+        > peak["fixed_split"].measured["peak_sideslip"]
+    )
 
 
 def test_a_refused_case_neither_holds_nor_spins():
@@ -106,8 +126,14 @@ def test_a_reading_of_the_law_is_counted_against_the_rear_drive_of_the_base():
         return LIMIT if case.run == "rear_drive" and case.name.endswith(" base") else 0.0
 
     found = counted(variants, peak)
-    assert found["rear_drive_spins_by_geometry"] == found["holds_where_rear_drive_spins_k1_by_geometry"] == 40
-    assert found["rear_drive_spins_S0_high"] == found["holds_where_rear_drive_spins_k1_S0_high"] == 0
+    assert (
+        found["rear_drive_spins_by_geometry"]
+        == found["holds_where_rear_drive_spins_k1_by_geometry"]
+        == 40
+    )
+    assert (
+        found["rear_drive_spins_S0_high"] == found["holds_where_rear_drive_spins_k1_S0_high"] == 0
+    )
 
 
 def test_every_variant_is_a_row_of_the_page():

@@ -30,10 +30,13 @@ def on_sweep(id: str, changed=(), **peaks: float) -> Verdict:
     runs = driven(ScenarioNeed(SOURCE, values=changed))
     sweep = StudyCases(results, arguments("zhileykin2018_sweep", ()))
     needs = published(SOURCE)[id].needs  # with an engine the same is held against the shown numbers
-    return verdict(published(SOURCE)[id], [runs if isinstance(need, ScenarioNeed) else sweep for need in needs])
+    return verdict(
+        published(SOURCE)[id], [runs if isinstance(need, ScenarioNeed) else sweep for need in needs]
+    )
 
 
-# Eq 5 does not follow; with the engine braking rear drive spins in a bend, and straight ahead it is not the calmest.
+# Eq 5 does not follow; with the engine braking rear drive spins in a bend, and straight ahead it is
+# not the calmest.
 NOT_REPRODUCED = {"zhil.eq5.derivation", "zhil.engine_braking.bend", "zhil.engine_braking.ahead"}
 
 
@@ -74,11 +77,13 @@ def test_eq_5_does_not_follow_from_the_line_above_it():
         ("zhil.eq4.values", (LAW, "k", 0.4)),
         ("zhil.eq5.values", (LAW, "second_branch", "derived")),
         ("zhil.braking", (LAW, "braking", "command")),
-        ("zhil.compensated", ("driver", "speed_profile.speed", (6.9, 6.9, 14.0))),  # beyond what the friction allows
+        # beyond what the friction allows
+        ("zhil.compensated", ("driver", "speed_profile.speed", (6.9, 6.9, 14.0))),
         ("zhil.eq7.neutral", (LAW, "speed_deadband", 5.0)),
         ("zhil.eq7.shares", (LAW, "largest_front_share", 0.4)),
         ("zhil.small_angles", ("steering_column", "profile.angle", (0.0, 3.3))),
-        ("zhil.all_wheels", ("driver", "pedals.drive_torque", (350.0,))),  # less than one axle brings down
+        # less than one axle brings down
+        ("zhil.all_wheels", ("driver", "pedals.drive_torque", (350.0,))),
     ],
 )
 def test_another_parameter_is_noticed(id: str, changed):

@@ -9,7 +9,12 @@ import pytest
 from ev_core.parameters.values import build
 from ev_core.vehicle.battery import Battery, Cells
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.drives.electrical_side import cell_power_limits, current_at_power, relaxed, temperature_share
+from ev_sim.drives.electrical_side import (
+    cell_power_limits,
+    current_at_power,
+    relaxed,
+    temperature_share,
+)
 
 CORNERS = (0.0, 10.0, 45.0, 60.0)
 
@@ -19,14 +24,27 @@ def test_relaxation_is_the_exponential():
     tau, steps, resistance = 30.0, 1000, 0.103
     share = -math.expm1(-2.0 * tau / steps / tau)
     voltage = 0.0
-    for current, expected in ((100.0, 10.3 * (1 - math.exp(-2.0))), (0.0, 10.3 * (1 - math.exp(-2.0)) * math.exp(-2))):
+    for current, expected in (
+        (100.0, 10.3 * (1 - math.exp(-2.0))),
+        (0.0, 10.3 * (1 - math.exp(-2.0)) * math.exp(-2)),
+    ):
         for _ in range(steps):
             voltage = relaxed(voltage, current, resistance, share)
         assert voltage == pytest.approx(expected, rel=1e-11)
 
 
 def test_currents_by_temperature():
-    places = {-5.0: 0.0, 0.0: 0.0, 5.0: 0.5, 10.0: 1.0, 30.0: 1.0, 45.0: 1.0, 51.0: 0.6, 60.0: 0.0, 80.0: 0.0}
+    places = {
+        -5.0: 0.0,
+        0.0: 0.0,
+        5.0: 0.5,
+        10.0: 1.0,
+        30.0: 1.0,
+        45.0: 1.0,
+        51.0: 0.6,
+        60.0: 0.0,
+        80.0: 0.0,
+    }
     for temperature, share in places.items():
         assert temperature_share(CORNERS, temperature) == pytest.approx(share)
 

@@ -33,10 +33,17 @@ class Column:
     def __init__(self, name: str, period: float = 0.001, **changed: Any) -> None:
         method = find_method("steering_column", name)
         self._reads = method.reads
-        self._column = CompiledObject(method, dataclasses.replace(method.parameters(), **changed), CAR, period)
+        self._column = CompiledObject(
+            method, dataclasses.replace(method.parameters(), **changed), CAR, period
+        )
 
-    def advance(self, hand_torque: float = 0.0, wheels: WheelStates | None = None) -> SteeringColumnState:
+    def advance(
+        self, hand_torque: float = 0.0, wheels: WheelStates | None = None
+    ) -> SteeringColumnState:
         """The state after one more period."""
-        there = {DriverCommand: DriverCommand(0.0, 0.0, hand_torque), WheelStates: wheels or wheels_with()}
+        there = {
+            DriverCommand: DriverCommand(0.0, 0.0, hand_torque),
+            WheelStates: wheels or wheels_with(),
+        }
         self._column.advance(*(there[signal] for signal in self._reads))
         return self._column.outputs()[0]

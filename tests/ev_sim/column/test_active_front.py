@@ -29,7 +29,9 @@ class Active:
     def drive(self, body: BodyVelocity, seconds: float) -> SteeringColumnState:
         for _ in range(round(seconds / PERIOD)):
             there = {Instant: Instant(self.n * PERIOD), BodyVelocity: body}
-            self.column.advance(*(there[signal] for signal in find_method("steering_column", "active_front").reads))
+            self.column.advance(
+                *(there[signal] for signal in find_method("steering_column", "active_front").reads)
+            )
             self.n += 1
         return self.column.outputs()[0]
 
@@ -86,7 +88,10 @@ def test_without_gain_it_is_the_steering_robot():
     """Both agree to the bit, whatever the car does."""
     values = {"profile.time": [0.1, 0.6], "profile.angle": [0.0, 3.0]}
     method = find_method("steering_column", "steering_robot")
-    robot, active = create(method, build(method.parameters, values), CAR, PERIOD), Active(gain=0.0, **values)
+    robot, active = (
+        create(method, build(method.parameters, values), CAR, PERIOD),
+        Active(gain=0.0, **values),
+    )
     for n in range(100):
         robot.advance(Instant(n * PERIOD))
         assert (active.drive(BodyVelocity(9.0, 0.1, 0.7), PERIOD),) == robot.outputs()

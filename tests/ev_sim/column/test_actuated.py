@@ -71,7 +71,10 @@ def test_rate_is_what_the_actuator_can_do():
     column, last, fastest = Actuated(), 0.0, 0.0
     for _ in range(60):
         state = column.hold(PERIOD, 10.0)
-        fastest, last = max(fastest, (state["actuator.angle"] - last) / PERIOD), state["actuator.angle"]
+        fastest, last = (
+            max(fastest, (state["actuator.angle"] - last) / PERIOD),
+            state["actuator.angle"],
+        )
     assert state["angle"] > 16.0 * state["actuator.angle"]
     assert 0.9 < fastest < 1.05
 
@@ -85,7 +88,10 @@ def test_scenario_steers_by_wire_with_and_without_feel():
     for run, share in zip(by_wire, (0.0, 1.0), strict=True):
         recorded = run_offline(run.configurations, 4.9)
         shown = {key: values[-1] for key, values in recorded.channels.items()}
-        angle, road = shown["steering_column.state.angle"], shown["steering_column.state.road_wheel_angle"]
+        angle, road = (
+            shown["steering_column.state.angle"],
+            shown["steering_column.state.road_wheel_angle"],
+        )
         assert road == pytest.approx(angle / RATIO, rel=0.01)
         expected = 0.25 * angle + share * K * road / RATIO
         assert shown["steering_column.state.hand_torque"] == pytest.approx(expected, rel=0.05)

@@ -16,7 +16,9 @@ from ev_msgs_py.contract.signals import SteeringColumnState
 @pytest.mark.parametrize("name", ["manual", "powered", "by_wire"])
 def test_columns_are_registered_and_start_at_rest(name):
     column = find_method("steering_column", name)
-    assert column.factory(column.parameters(), CAR, 0.01).outputs() == (SteeringColumnState(0.0, 0.0, 0.0, 0.0, 0.0),)
+    assert column.factory(column.parameters(), CAR, 0.01).outputs() == (
+        SteeringColumnState(0.0, 0.0, 0.0, 0.0, 0.0),
+    )
 
 
 @pytest.mark.parametrize("name", ["manual", "powered"])
@@ -26,7 +28,9 @@ def test_step_of_hand_torque_is_the_exact_step_response(name):
         column = Column(name, period)
         time = np.arange(round(10 / period) + 1) * period
         angle = [0.0] + [column.advance(5.0).road_wheel_angle for _ in time[1:]]
-        _, exact = scipy.signal.step(scipy.signal.TransferFunction([RATIO * 5.0], [J, B, K]), T=time)
+        _, exact = scipy.signal.step(
+            scipy.signal.TransferFunction([RATIO * 5.0], [J, B, K]), T=time
+        )
         assert angle == pytest.approx(exact, abs=1e-10)
 
 
@@ -57,7 +61,11 @@ def test_stick_holds_exactly_for_a_minute(name, period):
         assert state.road_wheel_rate == 0.0
 
 
-@given(torques=st.lists(st.tuples(st.floats(-8.0, 8.0), st.floats(-50.0, 50.0)), min_size=1, max_size=30))
+@given(
+    torques=st.lists(
+        st.tuples(st.floats(-8.0, 8.0), st.floats(-50.0, 50.0)), min_size=1, max_size=30
+    )
+)
 @pytest.mark.parametrize("name", ["powered", "by_wire"])
 def test_columns_mirror_to_the_bit(name, torques):
     changed = {"dry_friction": 5.0, "wheel_inertia": 0.5, "max_angle": 0.6}

@@ -63,7 +63,9 @@ def test_dry_friction_takes_the_same_angle_of_every_half_oscillation(period):
         halves, phase = divmod(step * period, half)
         centre = 0.1 * (-1) ** halves
         start = (-1) ** halves * (0.95 - 0.2 * halves)
-        assert angle == pytest.approx(centre + (start - centre) * math.cos(math.pi * phase / half), abs=1e-12)
+        assert angle == pytest.approx(
+            centre + (start - centre) * math.cos(math.pi * phase / half), abs=1e-12
+        )
     angle, rate = advance(motion, angle, rate, 0.0)
     assert (angle, rate) == (pytest.approx(0.05, abs=1e-12), 0.0)
 
@@ -155,7 +157,8 @@ def test_mirror_and_stops(torques, angle, rate, friction, damping, stop, period)
 def test_motion_does_not_depend_on_the_period(torque, angle, rate, friction, damping, stop, period):
     """Ten steps of a tenth end where one step ends, reversals, sticking and impacts included.
 
-    1e-6: an impact or a reversal at low speed magnifies rounding (its instant shifts by the root of it).
+    1e-6: an impact or a reversal at low speed magnifies rounding (its instant shifts by the root of
+    it).
     """
     whole = advance(oscillator(J, damping, K, friction, stop, period), angle, rate, torque)
     tenth = oscillator(J, damping, K, friction, stop, period / 10)

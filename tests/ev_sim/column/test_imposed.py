@@ -13,7 +13,9 @@ def test_the_angle_follows_its_profile_as_the_sensor_is_corrected():
     before = column.advance(3.0)
     for n in range(2, 80):
         state = column.advance(3.0)
-        assert state.road_wheel_angle == pytest.approx(1.1 * max(0.1 * (n * 0.01 - 0.05), 0.0) + 0.01, abs=1e-12)
+        assert state.road_wheel_angle == pytest.approx(
+            1.1 * max(0.1 * (n * 0.01 - 0.05), 0.0) + 0.01, abs=1e-12
+        )
         assert before.road_wheel_angle + 0.01 * before.road_wheel_rate == pytest.approx(
             state.road_wheel_angle, abs=1e-12
         )

@@ -17,9 +17,14 @@ def test_drive_torque_difference_turns_the_wheels():
 def test_inertia_of_the_wheels_works_against_their_acceleration():
     """The J_k term of eq 3: the speed difference grows by 0.5 rad/s in 10 ms, so 1 kg m^2 takes 50 N m of the drives.
 
-    To the bit: both columns get the same numbers, 50 N m of torque difference less or 0.5/0.01 rad/s^2.
+    To the bit: both columns get the same numbers, 50 N m of torque difference less or 0.5/0.01
+    rad/s^2.
     """
     with_inertia = Column("powered", 0.01, wheel_inertia=1.0)
     without = Column("powered", 0.01)
-    assert with_inertia.advance(0.0, wheels_with(60.0, 0.5)) == without.advance(0.0, wheels_with(10.0))
-    assert with_inertia.advance(0.0, wheels_with(60.0, 0.5)) == without.advance(0.0, wheels_with(60.0))
+    assert with_inertia.advance(0.0, wheels_with(60.0, 0.5)) == without.advance(
+        0.0, wheels_with(10.0)
+    )
+    assert with_inertia.advance(0.0, wheels_with(60.0, 0.5)) == without.advance(
+        0.0, wheels_with(60.0)
+    )

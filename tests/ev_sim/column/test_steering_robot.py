@@ -36,7 +36,11 @@ def test_robot_angle_goes_on_at_its_rate_without_jumps():
 
 def test_sine_with_dwell_shape():
     """0.7 Hz: peak at 0.357 s, second peak from 1.071 s for half a second, back at zero after 1.929 s."""
-    values = {"shape": "sine_with_dwell", "sine_with_dwell.begin": 0.0, "sine_with_dwell.amplitude": 2.0}
+    values = {
+        "shape": "sine_with_dwell",
+        "sine_with_dwell.begin": 0.0,
+        "sine_with_dwell.amplitude": 2.0,
+    }
     robot = robot_with(values, 1e-3)
     angles = []
     for n in range(2500):

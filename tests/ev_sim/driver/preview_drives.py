@@ -19,17 +19,28 @@ def drives(
 ) -> BatchResult:  # fmt: skip
     """The car at each speed [m/s], which is held, or in reverse reached from rest; in `values` __ stands for a dot."""
     held = "held" if min(speeds) > 0.0 else "free"
-    changed = {"driver.method": "preview", "plant.speed": held, "plant.initial_x": 0.0, "driver.plan.follow": False}
+    changed = {
+        "driver.method": "preview",
+        "plant.speed": held,
+        "plant.initial_x": 0.0,
+        "driver.plan.follow": False,
+    }
     changed |= {f"driver.path.{name}": value for name, value in path.items()}
     changed |= {name.replace("__", "."): value for name, value in values.items()}
     words = [(*name.split(".", 1), value) for name, value in changed.items()]
-    configurations = load_scenario("double_lane_change", Overrides(values=words, vehicle=car)).runs[0].configurations
+    configurations = (
+        load_scenario("double_lane_change", Overrides(values=words, vehicle=car))
+        .runs[0]
+        .configurations
+    )
     by_speed = {
         "plant.initial_speed": [max(speed, 0.0) for speed in speeds],
         "driver.speed_profile.speed": [[speed] for speed in speeds],
     }
     signals = ("pose.x", "pose.y", "steering_column.state.angle", "driver.command.hand_torque")
-    return batch(configurations, duration, vary={**by_speed, **(vary or {})}, signals=signals, every=2)
+    return batch(
+        configurations, duration, vary={**by_speed, **(vary or {})}, signals=signals, every=2
+    )
 
 
 def from_circle(found: BatchResult, run: int, begin: float, radius: float) -> np.ndarray:

@@ -42,13 +42,20 @@ def test_pedal_is_at_the_power_or_released(driver):
     """The pedal is one of both in traction windows; `imposed_speed` never releases it."""
     run = driven(driver)
     c = run.channels
-    speed = np.copysign(np.hypot(c["twist.longitudinal"], c["twist.lateral"]), c["twist.longitudinal"])
+    speed = np.copysign(
+        np.hypot(c["twist.longitudinal"], c["twist.lateral"]), c["twist.longitudinal"]
+    )
     asked = c["driver.command.drive_torque"]
     velocity = np.array([c[f"wheel_states.velocity.{wheel}"] for wheel in WHEEL_NAMES]).T
     inside = np.flatnonzero(modes(run) == MODES[TRACTION])
     expected = np.array(
         [
-            torque_of_power(LEVEL, NUMBERS, speed[i], WheelStates(NO_WHEELS, Wheels(*velocity[i].tolist()), NO_WHEELS))
+            torque_of_power(
+                LEVEL,
+                NUMBERS,
+                speed[i],
+                WheelStates(NO_WHEELS, Wheels(*velocity[i].tolist()), NO_WHEELS),
+            )
             for i in inside
         ]
     )

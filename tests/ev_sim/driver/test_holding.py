@@ -17,7 +17,9 @@ from ev_sim.plant.planar.planar_state import VX
 from ev_stack.recording.offline import run_offline
 from ev_stack.scenarios.scenario import Overrides, load_scenario
 
-CARS = sorted(path.stem for path in (Path(__file__).parents[3] / "config" / "vehicles").glob("*.yaml"))
+CARS = sorted(
+    path.stem for path in (Path(__file__).parents[3] / "config" / "vehicles").glob("*.yaml")
+)
 FEET = SpeedControlParameters()
 FRONT_SHARE = 0.6  # of the brakes, as every electronic differential has it by default
 ROADS = {
@@ -35,12 +37,25 @@ def car_named(name: str) -> Vehicle:
 
 
 def rolls(
-    vehicle: Vehicle, road: str, grade: float, seconds: float, *, locked: bool = False, speed: float = 0.0
+    vehicle: Vehicle,
+    road: str,
+    grade: float,
+    seconds: float,
+    *,
+    locked: bool = False,
+    speed: float = 0.0,
 ) -> tuple[float, float]:
     """Distance [m] and speed [m/s] of a car that a driver holds, or that has locked wheels."""
     left, right = ROADS[road]
-    moving = plant(vehicle, road__grade=(grade,), road__left=(left,), road__right=(right,), initial_speed=speed)
-    car, feet, drive, brakes = namespace(car_numbers(vehicle)), SpeedControlState(), 0.0, (4000.0,) * 4
+    moving = plant(
+        vehicle, road__grade=(grade,), road__left=(left,), road__right=(right,), initial_speed=speed
+    )
+    car, feet, drive, brakes = (
+        namespace(car_numbers(vehicle)),
+        SpeedControlState(),
+        0.0,
+        (4000.0,) * 4,
+    )
     driven = np.array(car.driven) / car.number_driven
     for _ in range(round(seconds / 0.01)):
         if not locked:
@@ -75,7 +90,9 @@ def steepest(vehicle: Vehicle, road: str, direction: float) -> float:
 @pytest.mark.parametrize("road", ROADS)
 @pytest.mark.parametrize("name", CARS)
 @pytest.mark.sampled
-def test_a_driver_who_wants_to_stand_stands_up_to_the_steepest_slope_that_friction_holds(name, road, direction):
+def test_a_driver_who_wants_to_stand_stands_up_to_the_steepest_slope_that_friction_holds(
+    name, road, direction
+):
     """The car stands at 97 % of the slope on which locked wheels begin to slide, at half and at a tenth of it."""
     vehicle = car_named(name)
     limit = steepest(vehicle, road, direction)
@@ -88,7 +105,9 @@ def test_a_driver_who_wants_to_stand_stands_up_to_the_steepest_slope_that_fricti
 def test_the_brakes_of_a_car_take_what_holds_it(name):
     """Else every run in which it stands would note commands that are out of range."""
     vehicle = car_named(name)
-    _, brake = follow_speed(FEET, namespace(car_numbers(vehicle)), SpeedControlState(), 0.01, 0.0, 0.0)
+    _, brake = follow_speed(
+        FEET, namespace(car_numbers(vehicle)), SpeedControlState(), 0.01, 0.0, 0.0
+    )
     assert 0.5 * brake * max(FRONT_SHARE, 1.0 - FRONT_SHARE) <= vehicle.maximum_brake_torque
 
 

@@ -25,7 +25,8 @@ def loaded():
 
 
 lane_change = loaded()
-# At 80 km/h the tyres of one have lost half their slope on the line (3.7 of 4.4 m/s^2); the other slides by 10 degrees.
+# At 80 km/h the tyres of one have lost half their slope on the line (3.7 of 4.4 m/s^2); the other
+# slides by 10 degrees.
 WITHOUT_GRIP = ("ge_ni2005", "zhileykin_4x4")
 
 
@@ -57,7 +58,8 @@ def test_cones_do_not_hang_on_how_far_the_driver_sees(car):
 def test_the_car_turns_about_as_fast_as_its_line_bends():
     """The line's largest bend, 1/134 m, is 0.17 rad/s at 80 km/h; a quarter more (0.21) is what its tail does.
 
-    A car with its centre of mass held on a line is free to swing: omega^2 = L C_r/J_z, damped by zeta = omega b/(2 V),
+    A car with its centre of mass held on a line is free to swing: omega^2 = L C_r/J_z, damped by
+    zeta = omega b/(2 V),
     0.31 at 80 km/h. A driver who holds the line too firmly, or does not know how late his wheels turn, makes it swing.
     """
     assert 0.16 < ev_stack.run("double_lane_change").metrics["peak_yaw_rate"].value < 0.23

@@ -16,12 +16,17 @@ from ev_stack.recording.recording import Recording
 from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 
-def driven(duration: float | None = None, vehicle: str | None = None, **values: object) -> DrivenRun:
+def driven(
+    duration: float | None = None, vehicle: str | None = None, **values: object
+) -> DrivenRun:
     """The scenario with other values of the driver and the plant, their dots as two underscores."""
     changed = [(*name.replace("__", ".").split(".", 1), value) for name, value in values.items()]
-    run = load_scenario("lap", Overrides(values=changed, duration=duration, vehicle=vehicle)).runs[0]
+    run = load_scenario("lap", Overrides(values=changed, duration=duration, vehicle=vehicle)).runs[
+        0
+    ]
     return driven_run(
-        true_motion(run_offline(run.configurations, run.duration), run.configurations), run.configurations
+        true_motion(run_offline(run.configurations, run.duration), run.configurations),
+        run.configurations,
     )
 
 
@@ -50,7 +55,9 @@ def test_a_lap_is_driven_on_the_line_and_then_the_car_stands(lap: DrivenRun):
 def test_the_time_of_a_slower_lap_is_longer_by_the_scale(lap: DrivenRun):
     """Speeds in proportion: within 3 %, for launch and power do not scale."""
     slow = driven(duration=75.0, driver__limit__scale=0.65)
-    assert measured(slow, "lap_time") == pytest.approx(measured(lap, "lap_time") * 0.85 / 0.65, rel=0.03)
+    assert measured(slow, "lap_time") == pytest.approx(
+        measured(lap, "lap_time") * 0.85 / 0.65, rel=0.03
+    )
 
 
 def test_the_small_racing_car_laps_on_its_tyres_from_the_rig():
@@ -90,7 +97,10 @@ def test_a_lap_the_other_way_round_is_the_mirror_image():
 
 
 def test_the_hottest_winding_counts(lap: DrivenRun):
-    channels = {f"motor_temperatures.winding.{wheel}": np.full(3, float(n)) for n, wheel in enumerate(WHEEL_NAMES)}
+    channels = {
+        f"motor_temperatures.winding.{wheel}": np.full(3, float(n))
+        for n, wheel in enumerate(WHEEL_NAMES)
+    }
     run = lap._replace(signals=Recording(np.arange(3.0), channels))
     assert measured(run, "peak_winding_temperature") == 3.0
 
@@ -109,12 +119,16 @@ def test_a_car_that_cuts_across_leaves_the_course(lap: DrivenRun):
 
 
 @pytest.mark.parametrize("crossing", [0, 1], ids=["first", "last"])
-def test_a_car_that_goes_back_across_the_line_begins_no_lap_once_more(lap: DrivenRun, crossing: int):
+def test_a_car_that_goes_back_across_the_line_begins_no_lap_once_more(
+    lap: DrivenRun, crossing: int
+):
     """The lap is as long as without reversing 5 samples behind the line, or longer by the way to and fro."""
     signals, line = lap.signals, line_of(lap.course, lap.vehicle).points[0]
     far = np.hypot(signals.channels["pose.x"] - line[0], signals.channels["pose.y"] - line[1])
     at = far[:1000].argmin() if crossing == 0 else 1000 + far[1000:].argmin()
-    order = np.concatenate((np.arange(at + 5), np.arange(at + 5, at - 5, -1), np.arange(at - 5, len(far))))
+    order = np.concatenate(
+        (np.arange(at + 5), np.arange(at + 5, at - 5, -1), np.arange(at - 5, len(far)))
+    )
     channels = {name: values[order] for name, values in signals.channels.items()}
     back = lap._replace(signals=Recording(signals.time[1] * np.arange(len(order)), channels))
     assert laps_begun(back.signals, back.vehicle, back.course) == 2
@@ -140,7 +154,9 @@ def test_an_own_course_is_lapped_as_documented_even_where_it_crosses_itself(tmp_
     file = Path(eight(tmp_path))
     head, *rows = file.read_text().splitlines()
     cells = [row.split(",") for row in rows]
-    file.write_text("\n".join([head, *(f"{x},{side * float(y)},{le},{ri}" for x, y, le, ri in cells)]) + "\n")
+    file.write_text(
+        "\n".join([head, *(f"{x},{side * float(y)},{le},{ri}" for x, y, le, ri in cells)]) + "\n"
+    )
     run = driven(driver__course__file=str(file), driver__limit__scale=0.6)
     line = line_of(run.course, run.vehicle)
     assert leaves(run.signals, run.vehicle, run.course) is None
@@ -176,5 +192,7 @@ def test_a_small_course_is_begun_at_its_line(tmp_path):
     rows = [f"{10.0 * np.sin(t)},{10.0 * (1.0 - np.cos(t))},3,3" for t in turn]
     (tmp_path / "circle.csv").write_text("\n".join(["x_m,y_m,left_m,right_m", *rows]))
     start = {"plant__initial_x": 0.0, "plant__initial_y": 0.0, "plant__initial_heading": 0.0}
-    run = driven(20.0, driver__course__file=str(tmp_path / "circle.csv"), driver__limit__scale=0.6, **start)
+    run = driven(
+        20.0, driver__course__file=str(tmp_path / "circle.csv"), driver__limit__scale=0.6, **start
+    )
     assert leaves(run.signals, run.vehicle, run.course) is None

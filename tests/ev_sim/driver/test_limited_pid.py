@@ -10,7 +10,11 @@ from ev_sim.driver.pedals import limited_pid
 PERIOD = 0.01
 
 
-@given(errors=st.lists(st.floats(-1000.0, 1000.0), max_size=50), low=st.floats(-50.0, 0.0), high=st.floats(0.0, 50.0))
+@given(
+    errors=st.lists(st.floats(-1000.0, 1000.0), max_size=50),
+    low=st.floats(-50.0, 0.0),
+    high=st.floats(0.0, 50.0),
+)
 def test_output_keeps_its_limits_and_the_integral_stays_in_reach(errors, low, high):
     """The integral part grows only while the output is inside the limits, so one period's growth is all beyond them.
 

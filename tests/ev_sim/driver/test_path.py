@@ -18,7 +18,8 @@ def test_path_of_arcs_and_its_nearest_point():
     assert point_at(path, 5 * math.pi, 0) == pytest.approx((10.0, 10.0), abs=0.02)
     distance, _ = nearest(path, 10 * math.sin(0.5), 10 - 10 * math.cos(0.5), 0)
     assert distance == pytest.approx(5.0, abs=0.01)
-    assert nearest(path, -3.0, 0.0, 0)[0] == pytest.approx(-3.0, abs=0.1)  # straight on before the beginning
+    # straight on before the beginning
+    assert nearest(path, -3.0, 0.0, 0)[0] == pytest.approx(-3.0, abs=0.1)
 
 
 # 10 m to the east, then 10 m to the north.
@@ -46,7 +47,8 @@ def test_outside_of_a_corner_the_corner_is_nearest():
 
 @pytest.mark.parametrize("leg", [0, 1])
 @pytest.mark.parametrize(
-    ("distance", "point"), [(-5.0, (-5.0, 0.0)), (10.0, (10.0, 0.0)), (13.0, (10.0, 3.0)), (30.0, (10.0, 20.0))]
+    ("distance", "point"),
+    [(-5.0, (-5.0, 0.0)), (10.0, (10.0, 0.0)), (13.0, (10.0, 3.0)), (30.0, (10.0, 20.0))],
 )
 def test_point_at_a_distance_is_found_from_every_leg(leg, distance, point):
     assert point_at(CORNER, distance, leg) == point
@@ -58,7 +60,10 @@ def test_point_at_a_distance_is_found_from_every_leg(leg, distance, point):
         ({"x": [0.0, 1.0]}, None),
         ({"x": [0.0], "y": [0.0]}, "x and y need the same number of elements, at least two"),
         ({"x": [1.0, 1.0], "y": [2.0, 2.0]}, "x and y repeat a waypoint"),
-        ({"length": [1.0, 2.0]}, "length and curvature need the same number of elements, at least one"),
+        (
+            {"length": [1.0, 2.0]},
+            "length and curvature need the same number of elements, at least one",
+        ),
     ],
 )
 def test_bad_paths_are_refused(values, message):

@@ -22,7 +22,9 @@ def test_a_car_that_leaves_its_road_says_so():
     assert driver.reports() == ()
     for time, aside in ((2.0, -4.0), (3.0, -20.0), (4.0, 0.0)):
         driver.step(Instant(time), at(5.0), BodyPose.at(5.0 * time, aside, 0.0), CENTRED)
-    assert driver.reports() == ("the car left the road at 2.00 s and has been more than 10 m from its path",)
+    assert driver.reports() == (
+        "the car left the road at 2.00 s and has been more than 10 m from its path",
+    )
 
 
 def test_at_rest_the_eyes_stay_where_they_were():
@@ -30,5 +32,7 @@ def test_at_rest_the_eyes_stay_where_they_were():
     torques = []
     for speed in (1e-35, -1e-35, 0.0):
         driver = driver_of("path_follower")
-        torques.append(driver.step(Instant(0.0), at(speed), BodyPose.at(0.0, -1.0, 0.3), CENTRED).hand_torque)
+        torques.append(
+            driver.step(Instant(0.0), at(speed), BodyPose.at(0.0, -1.0, 0.3), CENTRED).hand_torque
+        )
     assert torques[0] == torques[1] == torques[2]

@@ -35,10 +35,14 @@ def test_driven_wheels_carry_the_power():
     all_wheels = namespace(car_numbers(dataclasses.replace(VEHICLE, driven_wheels=WHEEL_NAMES)))
     rolling = WheelStates(NO_WHEELS, Wheels(20.0, 30.0, 40.0, 50.0), NO_WHEELS)
     power = LEVEL.factor * (0.4022 + 0.083) * 2170 * 9.81 * 8.0 / (1 - 0.0907)
-    assert torque_of_power(LEVEL, all_wheels, 8.0, rolling) == pytest.approx(power / 35.0, rel=1e-12)
+    assert torque_of_power(LEVEL, all_wheels, 8.0, rolling) == pytest.approx(
+        power / 35.0, rel=1e-12
+    )
 
 
 @pytest.mark.parametrize("method", ["pulse", "imposed_speed"])
 def test_power_needs_a_driven_wheel(method):
-    with pytest.raises(ParameterError, match=f"driver method {method} needs at least one driven wheel"):
+    with pytest.raises(
+        ParameterError, match=f"driver method {method} needs at least one driven wheel"
+    ):
         configure("driver", {"method": method, "vehicle.driven_wheels": []})

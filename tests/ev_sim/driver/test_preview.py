@@ -50,8 +50,9 @@ def test_every_car_settles_in_reverse(car):
 def test_bends_of_3_m_per_s2_are_followed(car):
     """The car stays within 0.45 m of a bend that begins at once, and within 2 cm per m/s^2 at its end.
 
-    Speeds are 30 to 140 km/h. The driver learns what tyres lose against their slope at rest. The kei car of Ge & Ni
-    has 40 % more of that, so 2 m/s^2, and its tyres slide so slowly that it is still on its way: 0.2 m.
+    Speeds are 30 to 140 km/h. The driver learns what tyres lose against their slope at rest. The
+    kei car of Ge & Ni has 40 % more of that, so 2 m/s^2, and its tyres slide so slowly that it is
+    still on its way: 0.2 m.
     """
     acceleration = 2.0 if car == "ge_ni2005" else 3.0
     radii = [speed * speed / acceleration for speed in SPEEDS_DRIVEN]
@@ -67,8 +68,8 @@ def test_bends_of_3_m_per_s2_are_followed(car):
 def test_a_circle_is_followed_without_error_on_linear_tyres(preview_time):
     """Understeer is known and the bend goes on behind the horizon: 4 m/s^2 at 80 km/h after 8 s, whatever is seen.
 
-    3 cm are left by sines of slip angles and by drive forces that pull the front wheels inwards; 9 m would be left
-    by a driver who takes the car for neutral.
+    3 cm are left by sines of slip angles and by drive forces that pull the front wheels inwards; 9
+    m would be left by a driver who takes the car for neutral.
     """
     radius = (80 / 3.6) ** 2 / 4.0
     linear = {
@@ -78,7 +79,9 @@ def test_a_circle_is_followed_without_error_on_linear_tyres(preview_time):
         "*__vehicle__tyre__combined": "uncoupled",
     }
     bend = {"shape": "arcs", "length": [80.0, 500.0], "curvature": [0.0, 1.0 / radius]}
-    found = drives("audi_a2", [80 / 3.6], bend, 14.0, driver__preview__preview_time=preview_time, **linear)
+    found = drives(
+        "audi_a2", [80 / 3.6], bend, 14.0, driver__preview__preview_time=preview_time, **linear
+    )
     aside = from_circle(found, 0, 80.0, radius)
     assert np.abs(aside[found.time[: len(aside)] > 8.0]).max() < 0.03
 
@@ -111,7 +114,9 @@ def test_gains_are_those_of_the_textbook():
         cost = solve_discrete_are(a_step, b_step, weight, np.array([[1.0 / p.steering_rate**2]]))
         share = 1.0 / p.steering_rate**2 + b_step.T @ cost @ b_step
         feedback = b_step.T @ cost @ a_step / share
-        assert gains.feedback[n * len(STATES) : (n + 1) * len(STATES)] == pytest.approx(feedback[0], rel=1e-6)
+        assert gains.feedback[n * len(STATES) : (n + 1) * len(STATES)] == pytest.approx(
+            feedback[0], rel=1e-6
+        )
         ahead, kept = cost[:, HEADING_ERROR], (a_step - b_step @ feedback).T
         for gain in gains.preview[n * points : (n + 1) * points - 1]:
             assert gain == pytest.approx((b_step[:, 0] @ ahead / share).item(), rel=1e-6, abs=1e-6)
@@ -125,7 +130,9 @@ def test_a_flat_front_tyre_is_learnt():
     ends = {}
     for learning in (6.0, 1e6):
         flat["driver__preview__learning"] = learning
-        ends[learning] = abs(from_circle(drives("audi_a2", [60 / 3.6], bend, 15.0, **flat), 0, 40.0, 100.0)[-1])
+        ends[learning] = abs(
+            from_circle(drives("audi_a2", [60 / 3.6], bend, 15.0, **flat), 0, 40.0, 100.0)[-1]
+        )
     assert ends[6.0] < 0.1 * ends[1e6] and ends[1e6] > 0.5, ends
 
 

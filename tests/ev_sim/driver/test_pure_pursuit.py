@@ -37,7 +37,10 @@ def test_circle_through_the_point_ahead(side):
     vehicle, path = Vehicle(), path_of(PathParameters())
     pose = BodyPose.at(vehicle.centre_of_mass_to_rear_axle, -side, 0.0)
     angle, leg = pure_pursuit(PurePursuitParameters(), vehicle, path, pose, 0.0, 0)
-    assert (math.tan(angle), leg) == (pytest.approx(side * 2 * vehicle.wheelbase / 17.0, rel=1e-12), 0)
+    assert (math.tan(angle), leg) == (
+        pytest.approx(side * 2 * vehicle.wheelbase / 17.0, rel=1e-12),
+        0,
+    )
 
 
 def test_angle_keeps_its_limit():
@@ -45,4 +48,7 @@ def test_angle_keeps_its_limit():
     vehicle, path = Vehicle(), path_of(PathParameters())
     for side in (1.0, -1.0):
         pose = BodyPose.at(0.0, -3.0 * side, 0.0)
-        assert pure_pursuit(PurePursuitParameters(max_angle=0.1), vehicle, path, pose, 0.0, 0)[0] == side * 0.1
+        assert (
+            pure_pursuit(PurePursuitParameters(max_angle=0.1), vehicle, path, pose, 0.0, 0)[0]
+            == side * 0.1
+        )

@@ -19,7 +19,8 @@ HELD = 2.0 * 1400.0 * 9.81 * 0.294  # N m, of the brake while it holds
 @pytest.mark.parametrize(
     ("wanted", "speed", "drive", "brake"),
     [
-        (9.7, 10.0, -600.0, 3.0),  # P 600 and I 3: the drives brake to their limit, the brakes do the rest
+        # P 600 and I 3: the drives brake to their limit, the brakes do the rest
+        (9.7, 10.0, -600.0, 3.0),
         (9.9, 10.0, -201.0, 0.0),  # the drives alone
         (0.0, 20.0, -600.0, 4000.0),  # everything
         (20.0, 0.0, 1500.0, 0.0),
@@ -59,10 +60,14 @@ def test_pedals_keep_their_limits_and_mirror_in_reverse(wanted, speeds):
 def test_speed_control_recovers_from_its_limit():
     """A jump to 20 m/s holds the drive torque at its limit for about 6 s; the overshoot stays below 0.5 %.
 
-    What remains is the little that the integral part gains outside the limit. Wound up over 6 s it would be worth
-    1000 * 20 * 6/2 = 60000 N m and the overshoot above 50 %.
+    What remains is the little that the integral part gains outside the limit. Wound up over 6 s it
+    would be worth 1000 * 20 * 6/2 = 60000 N m and the overshoot above 50 %.
     """
-    rows = ride(driver_of("speed_profile", speed_profile__time=(0.0,), speed_profile__speed=(20.0,)), PointMass(), 40.0)
+    rows = ride(
+        driver_of("speed_profile", speed_profile__time=(0.0,), speed_profile__speed=(20.0,)),
+        PointMass(),
+        40.0,
+    )
     limited = [time for time, _, command in rows if command.drive_torque == LIMITS.max_drive_torque]
     assert max(limited) > 5.0
     assert max(speed for _, speed, _ in rows) < 20.0 * 1.005
@@ -71,10 +76,16 @@ def test_speed_control_recovers_from_its_limit():
 
 def test_stop_and_stand():
     """The car stops from 10 m/s within 4 s, by regeneration alone; then it stands exactly, on the brake."""
-    driver = driver_of("speed_profile", speed_profile__time=(0.0, 2.0, 12.0), speed_profile__speed=(10.0, 10.0, 0.0))
+    driver = driver_of(
+        "speed_profile",
+        speed_profile__time=(0.0, 2.0, 12.0),
+        speed_profile__speed=(10.0, 10.0, 0.0),
+    )
     rows = ride(driver, PointMass(10.0), 20.0)
     assert max(command.brake_torque for time, _, command in rows if time < 12.0) == 0.0
-    assert {(speed, command) for time, speed, command in rows if time > 16.0} == {(0.0, DriverCommand(0.0, HELD, 0.0))}
+    assert {(speed, command) for time, speed, command in rows if time > 16.0} == {
+        (0.0, DriverCommand(0.0, HELD, 0.0))
+    }
 
 
 def test_drive_backwards_and_forwards_again():

@@ -36,7 +36,10 @@ def planned(path: Path) -> tuple[np.ndarray, np.ndarray]:
     plan, found = speed_plan(P, path), []
     for leg, length in enumerate(path.length):
         for passed in np.linspace(0.0, length, 5, endpoint=False):
-            x, y = path.x[leg] + passed * path.along_x[leg], path.y[leg] + passed * path.along_y[leg]
+            x, y = (
+                path.x[leg] + passed * path.along_x[leg],
+                path.y[leg] + passed * path.along_y[leg],
+            )
             speed = planned_speed(NUMBERS, plan, path, SpeedPlanState(), OnLeg(leg, x, y, 0.0, 0.0))
             found.append((path.start[leg] + passed, speed))
     return tuple(np.array(found).T)
@@ -50,11 +53,16 @@ def planned(path: Path) -> tuple[np.ndarray, np.ndarray]:
 )
 def test_no_bend_is_too_fast_and_none_comes_too_suddenly(lengths, curvatures):
     """V^2/R within the grip but for the chords of half a metre, and V V' = a at most, along any arcs."""
-    arcs = PathParameters(shape="arcs", length=tuple(lengths), curvature=tuple(curvatures[: len(lengths)]))
+    arcs = PathParameters(
+        shape="arcs", length=tuple(lengths), curvature=tuple(curvatures[: len(lengths)])
+    )
     distance, speed = planned(path_of(arcs))
     growth = np.abs(np.diff(speed**2) / np.diff(distance))
-    # V^2 and the distance are rounded: along a nearly straight arc V^2 is 1e10, and its last bits are worth 1e-5 m/s^2.
-    rounding = 8.0 * np.finfo(float).eps * (speed[1:] ** 2 + growth * distance[1:]) / np.diff(distance)
+    # V^2 and the distance are rounded: along a nearly straight arc V^2 is 1e10, and its last bits
+    # are worth 1e-5 m/s^2.
+    rounding = (
+        8.0 * np.finfo(float).eps * (speed[1:] ** 2 + growth * distance[1:]) / np.diff(distance)
+    )
     allowed = 2.0 * P.acceleration * (1.0 + 1e-6) + rounding
     assert (growth < allowed)[speed[1:] < 1e6].all()
     begin = 0.0
@@ -65,11 +73,15 @@ def test_no_bend_is_too_fast_and_none_comes_too_suddenly(lengths, curvatures):
 
 
 def test_a_circle_is_taken_with_the_share_of_friction():
-    distance, speed = planned(path_of(PathParameters(shape="arcs", length=(40.0, 60.0), curvature=(0.0, 1 / 30))))
+    distance, speed = planned(
+        path_of(PathParameters(shape="arcs", length=(40.0, 60.0), curvature=(0.0, 1 / 30)))
+    )
     bend = (distance > 40.5) & (distance < 99.0)
     assert speed[bend] == pytest.approx(math.sqrt(GRIP * 30.0), rel=1e-3)
     before = distance < 39.0
-    assert speed[before] ** 2 == pytest.approx(GRIP * 30.0 + 2 * P.acceleration * (40.0 - distance[before]), rel=0.01)
+    assert speed[before] ** 2 == pytest.approx(
+        GRIP * 30.0 + 2 * P.acceleration * (40.0 - distance[before]), rel=0.01
+    )
 
 
 def test_a_corner_between_waypoints_is_rounded_off():
@@ -92,7 +104,9 @@ def into_bend(straight: float, follows: bool = True) -> tuple[float, float, list
     }
     changed = Overrides(values=[(*name, value) for name, value in values.items()])
     run, notes = load_scenario("double_lane_change", changed).runs[0], []
-    recording = run_offline(run.configurations, 12.0, note=lambda role, text: notes.append((role, text)))
+    recording = run_offline(
+        run.configurations, 12.0, note=lambda role, text: notes.append((role, text))
+    )
     x, y = recording.channels["pose.x"], recording.channels["pose.y"]
     error = np.where((x < 0.0) & (y < 30.0), y, 30.0 - np.hypot(x, y - 30.0))
     lowest = float(recording.channels["twist.longitudinal"].min())
@@ -110,7 +124,9 @@ def test_a_driver_slows_down_before_a_bend_that_the_car_cannot_take():
 def test_a_plan_that_comes_too_late_is_said():
     """A note names the time from which on the plan is missed: 10 m before the bend it allows 14 m/s."""
     _, _, notes = into_bend(10.0)
-    assert notes[0].startswith("the car was too fast for its speed plan from 0.00 s on, by more than 2 m/s")
+    assert notes[0].startswith(
+        "the car was too fast for its speed plan from 0.00 s on, by more than 2 m/s"
+    )
 
 
 def test_a_driver_told_his_speed_does_not_slow_down():

@@ -17,13 +17,16 @@ from ev_sim.profiles.profile import profile_of, value_at
 def test_driver_is_registered_and_its_defaults_start_at_rest():
     """The paper's cycle stands at t = 0: the brake holds, the hands rest."""
     holding = SpeedControlParameters().holding_share * CAR.mass * 9.81 * CAR.wheel_radius
-    assert driver_of("speed_profile").step(Instant(0.0), at(0.0), CENTRED) == DriverCommand(0.0, holding, 0.0)
+    assert driver_of("speed_profile").step(Instant(0.0), at(0.0), CENTRED) == DriverCommand(
+        0.0, holding, 0.0
+    )
 
 
 def test_default_driver_follows_the_cycle_of_the_paper():
     """Fig 4: 15 km/h from 4 s, 30 km/h from 29 s. Within 1 km/h on the ramps, within 1 % once they are over for 5 s.
 
-    The slower pole of the control is at 0.57/s, so 5 s leave e^-2.8 of the 0.2 m/s that the ramp leaves.
+    The slower pole of the control is at 0.57/s, so 5 s leave e^-2.8 of the 0.2 m/s that the ramp
+    leaves.
     """
     wanted = profile_of((0.0, 4.0, 25.0, 29.0), (0.0, 15 / 3.6, 15 / 3.6, 30 / 3.6), "linear")
     rows = ride(driver_of("speed_profile"), PointMass(), 50.0)
@@ -40,7 +43,9 @@ def test_hand_torque_profile_passes_through():
         steering__hand_torque__time=(0.0, 1.0),
         steering__hand_torque__torque=(0.0, 5.0),
     )
-    assert [driver.step(Instant(t), at(0.0), CENTRED).hand_torque for t in (0.0, 0.99, 1.0, 7.0)] == [
+    assert [
+        driver.step(Instant(t), at(0.0), CENTRED).hand_torque for t in (0.0, 0.99, 1.0, 7.0)
+    ] == [
         0.0,
         0.0,
         5.0,
@@ -54,7 +59,8 @@ def test_driver_reads_files_only_when_told_to(tmp_path):
     path.write_text("t_s,v_mps\n0,7\n")
     parameters = build(method.parameters, {"speed_profile.file": str(path)})
     with pytest.raises(
-        ParameterError, match=r"^speed_profile.file: .*cycle.csv has not been read into time and speed$"
+        ParameterError,
+        match=r"^speed_profile.file: .*cycle.csv has not been read into time and speed$",
     ):
         create(method, parameters, CAR, PERIOD)
     driver = create(method, method.law.load_files(parameters), CAR, PERIOD)

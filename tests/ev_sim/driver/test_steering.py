@@ -21,7 +21,10 @@ def test_first_step_by_hand():
     gains = AngleControlParameters(
         proportional_gain=2.0, integral_gain=10.0, derivative_gain=0.5, max_hand_torque=100.0
     )
-    state, column = AngleControlState(reference=5.0, integral=1.0), SteeringColumnState(2.0, -4.0, 0.0, 0.0, 0.0)
+    state, column = (
+        AngleControlState(reference=5.0, integral=1.0),
+        SteeringColumnState(2.0, -4.0, 0.0, 0.0, 0.0),
+    )
     assert turn_to_angle(gains, state, PERIOD, 5.0, column) == pytest.approx(9.3)
     assert state.integral == pytest.approx(1.3)
 
@@ -70,8 +73,9 @@ def turns_to(*degrees: float, every: float = 8.0, **values: Any) -> Any:
 def test_driver_turns_to_the_angle_with_and_without_assistance(concept, dry_friction):
     """Within 0.1 % of 30 deg at the end of 8 s, hardly more on the way (5 %), never more than the hands can give.
 
-    The turn takes 1 s at 8 rad/s; the slowest column, by hand, then settles with 1/s: e^-7 is 0.1 %. Dry friction of
-    2 N m by wire would hold the road wheels within 2/65 rad of it; the integral works on that for longer, so 0.5 %.
+    The turn takes 1 s at 8 rad/s; the slowest column, by hand, then settles with 1/s: e^-7 is 0.1
+    %. Dry friction of 2 N m by wire would hold the road wheels within 2/65 rad of it; the integral
+    works on that for longer, so 0.5 %.
     """
     rows = turn(turns_to(30.0, -30.0), *COLUMNS[concept], 16.0, dry_friction=dry_friction)
     for step, degrees in ((800, 30.0), (1600, -30.0)):
@@ -82,7 +86,9 @@ def test_driver_turns_to_the_angle_with_and_without_assistance(concept, dry_fric
     assert max(abs(torque) for _, torque in rows) <= 8.0
 
 
-@pytest.mark.parametrize(("concept", "expected"), [("by hand", 2.127), ("with power steering", 0.426)])
+@pytest.mark.parametrize(
+    ("concept", "expected"), [("by hand", 2.127), ("with power steering", 0.426)]
+)
 def test_holding_30_degrees_takes_the_torque_of_the_paper(concept, expected):
     """0.5 %, the band of steady values."""
     assert turn(turns_to(30.0), *COLUMNS[concept], 8.0)[-1][1] == pytest.approx(expected, rel=0.005)
@@ -90,13 +96,17 @@ def test_holding_30_degrees_takes_the_torque_of_the_paper(concept, expected):
 
 @pytest.mark.parametrize("concept", COLUMNS)
 def test_hands_mirror_to_the_bit(concept):
-    left, right = (turn(turns_to(side * 20.0, every=3.0), *COLUMNS[concept], 3.0) for side in (1, -1))
+    left, right = (
+        turn(turns_to(side * 20.0, every=3.0), *COLUMNS[concept], 3.0) for side in (1, -1)
+    )
     assert [torque for _, torque in left] == [-torque for _, torque in right]
 
 
 def test_reference_keeps_its_rate():
     """One radian of road-wheel angle is 16 rad at the steering wheel: 2 s at 8 rad/s; to rounding of 200 additions."""
-    driver = driver_of("speed_profile", steering__wanted_angle__time=(0.0,), steering__wanted_angle__angle=(1.0,))
+    driver = driver_of(
+        "speed_profile", steering__wanted_angle__time=(0.0,), steering__wanted_angle__angle=(1.0,)
+    )
     for step in range(200):
         driver.step(Instant(step * PERIOD), at(0.0), CENTRED)
         assert state_of(driver, "speed_profile")["hands.reference"] == pytest.approx(
@@ -109,10 +119,13 @@ def test_reference_keeps_its_rate():
 def test_hands_recover_from_their_limit():
     """Hands of 1 N m cannot hold 30 deg (2.1 N m): after 20 s of trying they return to straight as after 8 s, to 0.1 %.
 
-    Wound up, the integral part would be worth 0.5 * 4.4 rad * 20 s = 44 N m and take 10 s more to run down.
+    Wound up, the integral part would be worth 0.5 * 4.4 rad * 20 s = 44 N m and take 10 s more to
+    run down.
     """
     driver = turns_to(30.0, 0.0, every=20.0, steering__angle_control__max_hand_torque=1.0)
     rows = turn(driver, *COLUMNS["by hand"], 28.0)
-    assert math.degrees(rows[2000][0].road_wheel_angle) == pytest.approx(math.degrees(16 / 65), rel=0.001)
+    assert math.degrees(rows[2000][0].road_wheel_angle) == pytest.approx(
+        math.degrees(16 / 65), rel=0.001
+    )
     assert {torque for _, torque in rows[500:2000]} == {1.0}
     assert abs(rows[-1][0].road_wheel_angle) < 0.001 * math.radians(30.0)

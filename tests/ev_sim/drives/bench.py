@@ -15,7 +15,11 @@ BUS_VOLTAGE = 480.0
 TORQUE_CONSTANT = 2 * 10 * 0.2  # 2 p psi [N m/A]
 INDUCTANCE = 0.008
 RESISTANCE = 0.15
-CONTROLS = ({"drive": "averaged"}, {"drive": "switched"}, {"drive": "switched", "switched.current_control": "pwm"})
+CONTROLS = (
+    {"drive": "averaged"},
+    {"drive": "switched"},
+    {"drive": "switched", "switched.current_control": "pwm"},
+)
 SWITCHED = CONTROLS[1:]
 
 advance_drive = compiled(drive.advance_drive)
@@ -39,7 +43,9 @@ def run(changes, torque, speed, *, duration, step=1e-3, bus_voltage=BUS_VOLTAGE,
         if k >= round(settled / step):
             for name, values in samples.items():
                 values.append(state[name].item())
-    return SimpleNamespace(**{name: np.array(values) for name, values in samples.items()}, state=state)
+    return SimpleNamespace(
+        **{name: np.array(values) for name, values in samples.items()}, state=state
+    )
 
 
 def magnetic_energy(drive, state):

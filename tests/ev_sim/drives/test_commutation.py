@@ -20,10 +20,12 @@ from drives.bench import (
 def phase_model(speed, bus_voltage, duration):
     """Torque after `duration` of a motor on block commutation without current control, from rest.
 
-    A second model to compare with: three named phases, EMF by the electrical angle, explicit Euler at 0.1 us.
+    A second model to compare with: three named phases, EMF by the electrical angle, explicit Euler
+    at 0.1 us.
     """
     step = 1e-7
-    angle = math.radians(60)  # the middle of sector 0, which begins 30 deg after phase a's EMF rises through zero
+    # the middle of sector 0, which begins 30 deg after phase a's EMF rises through zero
+    angle = math.radians(60)
     currents = [0.0, 0.0, 0.0]
     torque = 0.0
 
@@ -50,7 +52,9 @@ def phase_model(speed, bus_voltage, duration):
         neutral = sum(voltages[k] - emfs[k] for k in conducting) / len(conducting)
         off_before = currents[off]
         for k in conducting:
-            currents[k] += step / INDUCTANCE * (voltages[k] - neutral - emfs[k] - RESISTANCE * currents[k])
+            currents[k] += (
+                step / INDUCTANCE * (voltages[k] - neutral - emfs[k] - RESISTANCE * currents[k])
+            )
         if currents[off] * off_before < 0.0:
             currents[low] += currents[off]
             currents[off] = 0.0
@@ -85,8 +89,9 @@ def test_commutation_makes_six_ripples_in_an_electrical_turn(changes):
 def test_commutation_dip_begins_where_four_times_the_emf_exceeds_the_bus_voltage():
     """Carlson, Lajoie-Mazenc and Fagundes (IEEE Trans. Ind. Appl. 28, 1992): U = 4 E keeps the current that stays on.
 
-    E = p psi omega reaches 120 V at 60 rad/s. Below, hysteresis holds the current in its band of 0.5 A; above, the
-    incoming phase rises more slowly than the outgoing one falls. 0.05 A: samples lie between switching instants.
+    E = p psi omega reaches 120 V at 60 rad/s. Below, hysteresis holds the current in its band of
+    0.5 A; above, the incoming phase rises more slowly than the outgoing one falls. 0.05 A: samples
+    lie between switching instants.
     """
     slow = run({"drive": "switched"}, 40.0, 55.0, duration=0.1, step=2e-5, settled=0.05)
     fast = run({"drive": "switched"}, 40.0, 75.0, duration=0.1, step=2e-5, settled=0.05)
@@ -97,8 +102,8 @@ def test_commutation_dip_begins_where_four_times_the_emf_exceeds_the_bus_voltage
 def test_second_turn_needs_more_than_300_volt():
     """The outer motor turns at 95.2 rad/s: EMF 381 V between two phases, torque of rolling and air 12 N m.
 
-    480 V holds the reference within 6 % (commutation takes longer than half a sector there), at 300 V the motor
-    brakes through the diodes whatever the reference is.
+    480 V holds the reference within 6 % (commutation takes longer than half a sector there), at 300
+    V the motor brakes through the diodes whatever the reference is.
     """
     speed = 95.2
     assert TORQUE_CONSTANT * speed == pytest.approx(381.0, abs=0.5)
@@ -113,7 +118,8 @@ def test_second_turn_needs_more_than_300_volt():
 def test_lost_current_control_does_not_depend_on_how_the_converter_chops():
     """Hysteresis and PWM then both keep the rails where they are; 1e-6 is left of how the currents began."""
     hysteresis, pwm = (
-        run(changes, 12.0, 95.2, duration=0.3, settled=0.2, bus_voltage=300.0).mean_torque for changes in SWITCHED
+        run(changes, 12.0, 95.2, duration=0.3, settled=0.2, bus_voltage=300.0).mean_torque
+        for changes in SWITCHED
     )
     assert hysteresis == pytest.approx(pwm, rel=1e-6)
 
@@ -122,8 +128,9 @@ def test_lost_current_control_does_not_depend_on_how_the_converter_chops():
 def test_halving_the_micro_step_converges(changes):
     """Mean torque over 50 ms at 60 rad/s against a micro-step of 0.25 us; 1e-5 of it at the default of 5 us.
 
-    The instants of PWM do not feed back on themselves: its error falls with the square of the step: to a quarter,
-    or a third where events within a step disturb that. Hysteresis shifts its own instants, so only its size is known.
+    The instants of PWM do not feed back on themselves: its error falls with the square of the step:
+    to a quarter, or a third where events within a step disturb that. Hysteresis shifts its own
+    instants, so only its size is known.
     """
 
     def mean_torque(micro_step):
@@ -131,7 +138,9 @@ def test_halving_the_micro_step_converges(changes):
         return np.mean(result.mean_torque)
 
     exact = mean_torque(0.25e-6)
-    coarse, half, default = (abs(mean_torque(micro_step) - exact) for micro_step in (20e-6, 10e-6, 5e-6))
+    coarse, half, default = (
+        abs(mean_torque(micro_step) - exact) for micro_step in (20e-6, 10e-6, 5e-6)
+    )
     assert default < 1e-5 * 40.0
     if "switched.current_control" in changes:
         assert coarse > 3 * half > 9 * default

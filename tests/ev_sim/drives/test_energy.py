@@ -2,7 +2,16 @@
 
 import numpy as np
 import pytest
-from drives.bench import BUS_VOLTAGE, CONTROLS, RESISTANCE, advance_drive, drive_with, magnetic_energy, name_of, run
+from drives.bench import (
+    BUS_VOLTAGE,
+    CONTROLS,
+    RESISTANCE,
+    advance_drive,
+    drive_with,
+    magnetic_energy,
+    name_of,
+    run,
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -28,7 +37,9 @@ def test_without_resistance_electrical_energy_is_mechanical_work_and_magnetic_en
 
 
 @pytest.mark.parametrize("changes", CONTROLS, ids=name_of)
-@pytest.mark.parametrize(("torque", "speed"), [(80.0, 40.0), (-80.0, 40.0), (80.0, 0.0), (12.0, -95.0)])
+@pytest.mark.parametrize(
+    ("torque", "speed"), [(80.0, 40.0), (-80.0, 40.0), (80.0, 0.0), (12.0, -95.0)]
+)
 def test_what_is_left_of_the_electrical_energy_is_copper_loss(changes, torque, speed):
     """R sum(i^2) from samples every 10 us; 1 %: the currents between two samples are taken as straight lines."""
     state, parameters = drive_with(changes)
@@ -41,12 +52,20 @@ def test_what_is_left_of_the_electrical_energy_is_copper_loss(changes, torque, s
         if changes["drive"] == "averaged":
             after = state["current"], -state["current"], 0.0
         else:
-            after = state["high_current"], state["off_current"], -state["high_current"] - state["off_current"]
+            after = (
+                state["high_current"],
+                state["off_current"],
+                -state["high_current"] - state["off_current"],
+            )
             if not np.isclose(after, before, atol=1.0).all():
                 before = after  # a commutation gives the same currents other names
-        copper += RESISTANCE * sum(((a + b) / 2) ** 2 for a, b in zip(before, after, strict=True)) * 1e-5
+        copper += (
+            RESISTANCE * sum(((a + b) / 2) ** 2 for a, b in zip(before, after, strict=True)) * 1e-5
+        )
         before = after
-    assert electrical - mechanical - magnetic_energy(changes["drive"], state) == pytest.approx(copper, rel=0.01)
+    assert electrical - mechanical - magnetic_energy(changes["drive"], state) == pytest.approx(
+        copper, rel=0.01
+    )
 
 
 @pytest.mark.parametrize("drive", DRIVE_MODELS)

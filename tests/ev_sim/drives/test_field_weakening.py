@@ -13,7 +13,12 @@ from ev_core.vehicle.losses import loss_power
 from ev_core.vehicle.motor import Motor, Winding
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED
 from ev_msgs_py.can.frames import TORQUE_MODE
-from ev_sim.drives.synchronous_motor import phase_values, torque_per_current, voltage_limited_torque, weakening_loss
+from ev_sim.drives.synchronous_motor import (
+    phase_values,
+    torque_per_current,
+    voltage_limited_torque,
+    weakening_loss,
+)
 
 VOLTAGE = 659.2  # 206 cells at 3.2 V
 LAZY = Winding(inductance=3e-5)  # psi > L I: its speed has an end
@@ -43,7 +48,9 @@ def test_torque_falls_from_the_base_speed_on(winding):
 
 def test_the_speed_ends_where_the_current_cannot_weaken_the_magnets_enough():
     """w_max = U/(p (psi - L I)), i_d = -I; the root's slope there is infinite, so 1e-6 before it 0.3 % is left."""
-    end = limit(LAZY, VOLTAGE) / (LAZY.pole_pairs * (LAZY.flux_linkage - LAZY.inductance * amplitude(LAZY)))
+    end = limit(LAZY, VOLTAGE) / (
+        LAZY.pole_pairs * (LAZY.flux_linkage - LAZY.inductance * amplitude(LAZY))
+    )
     assert 0.0 < voltage_limited_torque(LAZY, VOLTAGE, end * (1.0 - 1e-6)) < 0.01 * 360.0
     assert voltage_limited_torque(LAZY, VOLTAGE, end * (1.0 + 1e-6)) == 0.0
 
@@ -55,10 +62,16 @@ def test_it_is_the_most_that_both_circles_leave(winding, speed):
     direct = np.linspace(-amplitude(winding), 0.0, 100_001)
     reach = limit(winding, VOLTAGE) / (winding.pole_pairs * speed)
     held = winding.flux_linkage + winding.inductance * direct
-    squared = np.minimum(amplitude(winding) ** 2 - direct**2, (reach**2 - held**2) / winding.inductance**2)
+    squared = np.minimum(
+        amplitude(winding) ** 2 - direct**2, (reach**2 - held**2) / winding.inductance**2
+    )
     best = torque_per_current(winding) * math.sqrt(max(float(squared.max()), 0.0))
-    assert voltage_limited_torque(winding, VOLTAGE, speed) == pytest.approx(best, rel=1e-4, abs=1e-9)
-    assert voltage_limited_torque(winding, VOLTAGE, -speed) == voltage_limited_torque(winding, VOLTAGE, speed)
+    assert voltage_limited_torque(winding, VOLTAGE, speed) == pytest.approx(
+        best, rel=1e-4, abs=1e-9
+    )
+    assert voltage_limited_torque(winding, VOLTAGE, -speed) == voltage_limited_torque(
+        winding, VOLTAGE, speed
+    )
 
 
 @BOTH
@@ -66,7 +79,9 @@ def test_speed_scales_with_the_voltage(winding):
     """Both circles know the voltage only as U/w."""
     for speed in (200.0, 500.0, 785.0):
         whole = voltage_limited_torque(winding, VOLTAGE, speed)
-        assert voltage_limited_torque(winding, 0.5 * VOLTAGE, 0.5 * speed) == pytest.approx(whole, rel=1e-12)
+        assert voltage_limited_torque(winding, 0.5 * VOLTAGE, 0.5 * speed) == pytest.approx(
+            whole, rel=1e-12
+        )
 
 
 @BOTH
@@ -106,7 +121,12 @@ def test_an_inverter_keeps_to_the_envelope_of_its_dc_link(asked):
     """Torque is the envelope at 329.6 V and 7000 rpm behind the lag; DC current is all power over the voltage."""
     p, s, speed = InverterParameters(), Inverter(), 733.0
     s.state, s.dc_link.voltage = float(OPERATION_ENABLED), 0.5 * VOLTAGE
-    s.command.mode, s.command.torque, s.command.torque_limit, s.command.speed = float(TORQUE_MODE), asked, 360.0, 1e3
+    s.command.mode, s.command.torque, s.command.torque_limit, s.command.speed = (
+        float(TORQUE_MODE),
+        asked,
+        360.0,
+        1e3,
+    )
     advance_torque(p, s, speed, 1.0)
     machine, most = p.machine, voltage_limited_torque(p.machine.winding, 0.5 * VOLTAGE, speed)
     assert most < min(machine.peak_power, machine.generator_power) / speed

@@ -11,16 +11,26 @@ from ev_core.lockstep.finding import find_method
 from ev_core.parameters.values import build
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.optional_signals import WheelSpeedCommand
-from ev_msgs_py.contract.signals import MotorStates, SteeringColumnState, WheelStates, WheelTorqueCommand
+from ev_msgs_py.contract.signals import (
+    MotorStates,
+    SteeringColumnState,
+    WheelStates,
+    WheelTorqueCommand,
+)
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_sim.drives.synchronous_motor import SpeedControl, speed_control, speed_control_without_windup
+from ev_sim.drives.synchronous_motor import (
+    SpeedControl,
+    speed_control,
+    speed_control_without_windup,
+)
 
 STRAIGHT = SteeringColumnState(0.0, 0.0, 0.0, 0.0, 0.0)
 PERIOD = 0.01
 CAR = Vehicle(gear_ratio=7.4)
 CONTROL = SpeedControl(gain=3.0, integral_time=0.1, period=1e-3, least=0.0, most=10.0)
 BOTH_WAYS = CONTROL._replace(least=-10.0)
-OVERSHOOTS = (("ice", 0.0, 100.0, 20.0, 0.02), ("dry_asphalt", 0.05, 300.0, 10.0, 0.1))  # the PI itself makes 0.07
+# the PI itself makes 0.07
+OVERSHOOTS = (("ice", 0.0, 100.0, 20.0, 0.02), ("dry_asphalt", 0.05, 300.0, 10.0, 0.1))
 
 
 def test_proportional_and_integral_part_by_hand():
@@ -52,8 +62,8 @@ def signals(car: CompiledObject) -> dict[type, tuple]:
 def test_drive_reaches_its_set_point_within_the_torque_and_never_pulls_back():
     """A hill of 5 % with at most 300 N m a wheel: 10 rad/s within 0.5 % after 10 s; then 5 rad/s, no torque at once.
 
-    The speed control of these gains has a damping ratio of 0.6 with the car, 2 rad/s of natural frequency: 10 s are
-    many times its settling.
+    The speed control of these gains has a damping ratio of 0.6 with the car, 2 rad/s of natural
+    frequency: 10 s are many times its settling.
     """
     car = plant("planar_speed_mode", **{"road.grade": (0.05,)})
     command = WheelTorqueCommand(Wheels.front(300.0, 300.0), NO_WHEELS)
@@ -71,7 +81,9 @@ def test_drive_reaches_its_set_point_within_the_torque_and_never_pulls_back():
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])
 @pytest.mark.parametrize(("surface", "grade", "torque", "goal", "beyond"), OVERSHOOTS)
-def test_an_integral_that_waited_at_the_limit_does_not_overshoot(surface, grade, torque, goal, beyond, sense):
+def test_an_integral_that_waited_at_the_limit_does_not_overshoot(
+    surface, grade, torque, goal, beyond, sense
+):
     """The overshoot from rest is that of the PI itself; windup would make 0.27 rad/s on ice and 0.67 on the hill."""
     road = {"road.left": (surface,), "road.right": (surface,), "road.grade": (sense * grade,)}
     car = plant("planar_speed_mode", **road)
@@ -89,7 +101,11 @@ def test_a_set_point_that_comes_into_reach_takes_over_without_a_jump():
     car = plant("planar_speed_mode")
     command = WheelTorqueCommand(Wheels.front(250.0, 250.0), NO_WHEELS)
     for _ in range(50):
-        car.advance(command, STRAIGHT, WheelSpeedCommand(Wheels.all(CAR.motor.maximum_speed / CAR.gear_ratio)))
+        car.advance(
+            command,
+            STRAIGHT,
+            WheelSpeedCommand(Wheels.all(CAR.motor.maximum_speed / CAR.gear_ratio)),
+        )
     before = signals(car)[WheelStates]
     car.advance(command, STRAIGHT, WheelSpeedCommand(before.velocity))
     after = signals(car)[WheelStates]
@@ -104,14 +120,18 @@ def test_a_set_point_out_of_reach_is_torque_mode_to_the_bit():
     for torque in [250.0] * 60 + [0.0] * 20 + [-80.0] * 40:
         command = WheelTorqueCommand(Wheels.front(torque, torque), NO_WHEELS)
         free.advance(command, STRAIGHT)
-        set_.advance(command, STRAIGHT, WheelSpeedCommand(Wheels.all(fastest if torque >= 0.0 else -fastest)))
+        set_.advance(
+            command, STRAIGHT, WheelSpeedCommand(Wheels.all(fastest if torque >= 0.0 else -fastest))
+        )
         assert set_.outputs() == free.outputs()
 
 
 def test_coupled_wheels_are_refused():
     """One motor behind a differential cannot give each wheel a speed."""
     found = find_method("plant", "planar_speed_mode")
-    coupled = dataclasses.replace(Vehicle(), driveline=dataclasses.replace(Vehicle().driveline, coupling="open"))
+    coupled = dataclasses.replace(
+        Vehicle(), driveline=dataclasses.replace(Vehicle().driveline, coupling="open")
+    )
     (need,) = found.factory.needs
     assert need(found.parameters(), coupled) == "driveline.coupling individual"
     assert need(found.parameters(), Vehicle()) == ""

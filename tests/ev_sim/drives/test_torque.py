@@ -29,7 +29,9 @@ from ev_sim.drives.drive import DRIVE_MODELS, DriveParameters
 def test_torque_reference_is_limited_to_the_torque_limit(drive):
     """2 % is more than the hysteresis band of 0.5 A in 25 A adds to the mean over 1 ms."""
     for sign in (1.0, -1.0):
-        result = run({"drive": drive, "motor.torque_limit": 100.0}, sign * 300.0, 0.0, duration=0.05)
+        result = run(
+            {"drive": drive, "motor.torque_limit": 100.0}, sign * 300.0, 0.0, duration=0.05
+        )
         assert result.mean_torque[-1] == pytest.approx(sign * 100.0, rel=0.02)
 
 
@@ -44,7 +46,8 @@ def test_ideal_drive_gives_the_reference_without_losses(torque, speed):
 def test_averaged_current_follows_the_first_order_loop_it_is_tuned_for():
     """Zero of the controller on the pole of the motor: 1 - exp(-bandwidth t).
 
-    2 %: sampling every 10 us delays a loop of 3000 rad/s by half a sample, 1.5 % of a time constant.
+    2 %: sampling every 10 us delays a loop of 3000 rad/s by half a sample, 1.5 % of a time
+    constant.
     """
     changes = {"drive": "averaged", "averaged.sampling_period": 1e-5}
     result = run(changes, 10.0, 0.0, duration=1e-3, step=1e-5)
@@ -57,7 +60,8 @@ def test_averaged_drive_rises_no_faster_than_the_bus_voltage_allows_and_does_not
     result = run({"drive": "averaged"}, 200.0, 0.0, duration=5e-3, step=1e-4)
     decay = RESISTANCE / INDUCTANCE
     rise = BUS_VOLTAGE / (2 * RESISTANCE) * (1 - math.exp(-decay * 1e-3))
-    assert result.current[9] == pytest.approx(rise, rel=1e-6)  # midpoint rule at 100 us: (decay h)^2/12 = 3e-7
+    # midpoint rule at 100 us: (decay h)^2/12 = 3e-7
+    assert result.current[9] == pytest.approx(rise, rel=1e-6)
     assert max(result.current) < 1.001 * 200.0 / TORQUE_CONSTANT
 
 
@@ -67,7 +71,8 @@ def test_averaged_drive_rises_no_faster_than_the_bus_voltage_allows_and_does_not
 def test_mean_torque_is_the_reference_in_all_four_quadrants(changes, torque, speed):
     """12 N m drives the car at constant speed; 60 rad/s are 24 km/h.
 
-    1 %: during a commutation the torque dips by the part of the current that is still in the outgoing phase.
+    1 %: during a commutation the torque dips by the part of the current that is still in the
+    outgoing phase.
     """
     result = run(changes, torque, speed, duration=0.4, settled=0.1)
     assert np.mean(result.mean_torque) == pytest.approx(torque, rel=0.01)
@@ -75,7 +80,9 @@ def test_mean_torque_is_the_reference_in_all_four_quadrants(changes, torque, spe
 
 @pytest.mark.parametrize("changes", SWITCHED, ids=name_of)
 @pytest.mark.parametrize("sector", range(6))
-def test_switched_drive_holds_its_torque_at_standstill_in_every_sector_and_on_every_edge(changes, sector):
+def test_switched_drive_holds_its_torque_at_standstill_in_every_sector_and_on_every_edge(
+    changes, sector
+):
     """0.5 %: means over 1 ms hold about 15 chopping periods of which one may be cut."""
     for sector_angle in (0.0, 0.7, SECTOR):
         state, parameters = drive_with(changes)

@@ -45,16 +45,19 @@ def test_schedules_of_the_epa(name, seconds, miles, fastest):
     assert [t for t, _ in rows] == list(range(seconds + 1))
     tenths = [v * 3.6 / 0.1609344 for _, v in rows]
     rounded = [round(v) for v in tenths]
-    assert tenths == pytest.approx(rounded, abs=0.005 / 0.1609344 + 1e-9)  # the files have 0.01 km/h
+    # the files have 0.01 km/h
+    assert tenths == pytest.approx(rounded, abs=0.005 / 0.1609344 + 1e-9)
     assert max(rounded) / 10 == fastest
     assert rounded[0] == rounded[-1] == 0
-    assert sum(rounded) / 36000 == pytest.approx(miles, abs=0.005)  # ends at rest, so the sum is the integral
+    # ends at rest, so the sum is the integral
+    assert sum(rounded) / 36000 == pytest.approx(miles, abs=0.005)
 
 
 @pytest.mark.parametrize(
     ("name", "mean", "digit", "fastest"),
     [
-        ("ece_15", 19.0, 0.5, 50.0),  # km/h; UN Regulation 83, annex 4a: average and maximum speed of part one
+        # km/h; UN Regulation 83, annex 4a: average and maximum speed of part one
+        ("ece_15", 19.0, 0.5, 50.0),
         ("nedc", 33.6, 0.05, 120.0),  # the same, parts one and two: 11.007 km in 1180 s
         ("wltc_class_3b", 46.5, 0.05, 131.3),  # UN GTR 15, class 3b, stops included
         ("udds", 19.6 * MILE, 0.05 * MILE, 56.7 * MILE),  # EPA

@@ -7,7 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ev_sim.profiles.cycle_windows import MODES, CycleModesParameters, cycle_modes, mode_at, modes_at, values_at
+from ev_sim.profiles.cycle_windows import (
+    MODES,
+    CycleModesParameters,
+    cycle_modes,
+    mode_at,
+    modes_at,
+    values_at,
+)
 from ev_sim.profiles.profile import INTERPOLATIONS, profile_of, value_at
 
 points = st.dictionaries(
@@ -25,7 +32,12 @@ def test_values_are_those_one_by_one(interpolation, points, times):
     assert values_at(profile, np.array(times)).tolist() == [value_at(profile, t) for t in times]
 
 
-@given(points=points, times=times, mode=st.lists(st.sampled_from(MODES), min_size=6, max_size=6), windows=st.booleans())
+@given(
+    points=points,
+    times=times,
+    mode=st.lists(st.sampled_from(MODES), min_size=6, max_size=6),
+    windows=st.booleans(),
+)
 def test_modes_are_those_one_by_one(points, times, mode, windows):
     """Both agree with windows, which begin at the points here, and without."""
     cycle = profile_of(*points, "linear")

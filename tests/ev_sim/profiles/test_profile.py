@@ -43,17 +43,29 @@ def test_number_of_points_until_a_time_is_that_of_bisect(points, t):
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"speed_profile.time": (0.0, 1.0)}, "speed_profile.time and speed have 2 and 4 elements, expected the same"),
-        ({"speed_profile.time": (), "speed_profile.speed": ()}, "have 0 and 0 elements, expected .* at least one"),
         (
-            {"steering.hand_torque.time": (0.0, 2.0, 1.0), "steering.hand_torque.torque": (0.0, 1.0, 2.0)},
+            {"speed_profile.time": (0.0, 1.0)},
+            "speed_profile.time and speed have 2 and 4 elements, expected the same",
+        ),
+        (
+            {"speed_profile.time": (), "speed_profile.speed": ()},
+            "have 0 and 0 elements, expected .* at least one",
+        ),
+        (
+            {
+                "steering.hand_torque.time": (0.0, 2.0, 1.0),
+                "steering.hand_torque.torque": (0.0, 1.0, 2.0),
+            },
             "steering.hand_torque.time: 1 s after 2 s is refused, expected increasing time",
         ),
         (
             {"steering.wanted_angle.time": (3.0, 3.0), "steering.wanted_angle.angle": (0.0, 1.0)},
             "steering.wanted_angle.time: 3 s after 3 s is refused, expected increasing time",
         ),
-        ({"steering.mode": "feet"}, "steering.mode: 'feet' is refused, expected one of hand_torque, angle"),
+        (
+            {"steering.mode": "feet"},
+            "steering.mode: 'feet' is refused, expected one of hand_torque, angle",
+        ),
     ],
 )
 def test_bad_profiles_are_refused_in_one_line(values, message):

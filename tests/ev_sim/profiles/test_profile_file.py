@@ -13,10 +13,16 @@ def write(folder, text: str) -> SpeedProfileParameters:
     return SpeedProfileParameters(file=str(folder / "cycle.csv"))
 
 
-@pytest.mark.parametrize(("header", "speeds"), [("t_s,v_kmh", "36.0,-18"), ("v_mps, t_s,note", "10, -5.0")])
+@pytest.mark.parametrize(
+    ("header", "speeds"), [("t_s,v_kmh", "36.0,-18"), ("v_mps, t_s,note", "10, -5.0")]
+)
 def test_profile_file_in_either_unit(tmp_path, header, speeds):
     first, second = speeds.split(",")
-    rows = f"0,{first}\n2.5,{second}\n" if header.startswith("t_s") else f"{first},0,a\n{second},2.5,b\n"
+    rows = (
+        f"0,{first}\n2.5,{second}\n"
+        if header.startswith("t_s")
+        else f"{first},0,a\n{second},2.5,b\n"
+    )
     got = with_profile_from_file(write(tmp_path, f"{header}\n{rows}"))
     assert got.time == (0.0, 2.5)
     assert got.speed == pytest.approx((10.0, -5.0), rel=1e-15)
@@ -34,9 +40,18 @@ def test_without_a_file_nothing_is_read():
         ("time,v_mps\n0,0\n", "line 1: no header with the columns t_s and one of v_mps and v_kmh"),
         ("t_s,speed\n0,0\n", "line 1: no header with the columns t_s and one of v_mps and v_kmh"),
         ("", "line 1: no header with the columns"),
-        ("t_s,v_mps,v_kmh\n0,0,0\n", "line 1: v_mps and v_kmh are both there, expected one of them"),
-        ("t_s;v_kmh\n0;0,0\n", "line 1: columns are separated by ';', expected ',', and a point in decimals"),
-        ("t_s,v_mps,grade\n0,0,0\n1,1,0.06\n", "line 1: column grade is not read, expected zeros in it"),
+        (
+            "t_s,v_mps,v_kmh\n0,0,0\n",
+            "line 1: v_mps and v_kmh are both there, expected one of them",
+        ),
+        (
+            "t_s;v_kmh\n0;0,0\n",
+            "line 1: columns are separated by ';', expected ',', and a point in decimals",
+        ),
+        (
+            "t_s,v_mps,grade\n0,0,0\n1,1,0.06\n",
+            "line 1: column grade is not read, expected zeros in it",
+        ),
         ("t_s,v_mps\n", "time and speed have 0 and 0 elements"),
         ("t_s,v_mps\n0,0\n2,1\n1,2\n", "time: 1 s after 2 s is refused, expected increasing time"),
         ("t_s,v_mps\n0,0\n1,nan\n", "line 3: v_mps is no finite number"),
@@ -54,7 +69,9 @@ def test_bad_profile_files_are_refused_in_one_line(tmp_path, text, message):
 
 
 def test_missing_and_binary_profile_files_are_named(tmp_path):
-    with pytest.raises(ParameterError, match=r"^speed_profile.file: .*none.csv: No such file or directory$"):
+    with pytest.raises(
+        ParameterError, match=r"^speed_profile.file: .*none.csv: No such file or directory$"
+    ):
         with_profile_from_file(SpeedProfileParameters(file="none.csv"))
     (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00t_s")
     with pytest.raises(ParameterError, match=r"^speed_profile.file: .*binary.csv: no CSV text$"):
@@ -63,5 +80,8 @@ def test_missing_and_binary_profile_files_are_named(tmp_path):
 
 def test_profile_of_an_unread_file_is_refused_by_the_name_of_its_parameters():
     unread = SpeedProfileParameters(file="cycle.csv")
-    with pytest.raises(ParameterError, match=r"^imposed_speed.file: cycle.csv has not been read into time and speed$"):
+    with pytest.raises(
+        ParameterError,
+        match=r"^imposed_speed.file: cycle.csv has not been read into time and speed$",
+    ):
         wanted_speed(unread, "imposed_speed")

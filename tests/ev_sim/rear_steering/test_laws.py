@@ -33,7 +33,9 @@ def ratio_after_a_while(method: str, speed: float) -> float:
     return law.outputs()[0].angle / FRONT
 
 
-@pytest.mark.parametrize(("speed", "ratio"), [(0.0, -0.4), (5.0, -0.3), (15.0, 0.0), (22.5, 0.15), (50.0, 0.3)])
+@pytest.mark.parametrize(
+    ("speed", "ratio"), [(0.0, -0.4), (5.0, -0.3), (15.0, 0.0), (22.5, 0.15), (50.0, 0.3)]
+)
 def test_speed_dependent_follows_its_points_forwards_and_in_reverse(speed, ratio):
     assert ratio_after_a_while("speed_dependent", speed) == pytest.approx(ratio, abs=1e-5)
     assert ratio_after_a_while("speed_dependent", -speed) == pytest.approx(ratio, abs=1e-5)
@@ -51,10 +53,14 @@ def test_zero_sideslip_is_that_of_the_linear_model(speed):
 
 def test_at_standstill_zero_sideslip_turns_about_a_point_beside_the_centre_of_mass():
     rear = CAR.centre_of_mass_to_rear_axle
-    assert ratio_after_a_while("zero_sideslip", 0.0) == pytest.approx(-rear / (CAR.wheelbase - rear), abs=1e-5)
+    assert ratio_after_a_while("zero_sideslip", 0.0) == pytest.approx(
+        -rear / (CAR.wheelbase - rear), abs=1e-5
+    )
 
 
-def driven(run: str, *values: tuple, scenario: str = "rear_steering", duration: float | None = None) -> Recording:
+def driven(
+    run: str, *values: tuple, scenario: str = "rear_steering", duration: float | None = None
+) -> Recording:
     loaded = load_scenario(scenario, Overrides((), values, duration), (run,) if run else ())
     return run_offline(loaded.runs[0].configurations, loaded.runs[0].duration)
 
@@ -83,7 +89,12 @@ def test_zero_sideslip_holds_forwards_and_in_reverse(speed):
     )
     steered = (("rear_steering", "method", "zero_sideslip"), ("steering_column", "scale", 0.1))
     run = driven(
-        "left", ("plant", "method", "planar_rear_steering"), *slow, *steered, scenario="step_steer", duration=8.0
+        "left",
+        ("plant", "method", "planar_rear_steering"),
+        *slow,
+        *steered,
+        scenario="step_steer",
+        duration=8.0,
     )
     lateral, yaw_rate = (abs(run.channels[f"twist.{name}"][-1]) for name in ("lateral", "yaw_rate"))
     assert yaw_rate > 0.001
@@ -111,7 +122,8 @@ def test_without_trail_straight_wheels_are_those_of_the_plain_plant():
         duration=4.0,
     )
     assert {*apart.channels} - {*plain.channels} == {
-        f"rear_steering.state.{name}" for name in ("angle", "rate", "motor_speed", "motor_torque", "power")
+        f"rear_steering.state.{name}"
+        for name in ("angle", "rate", "motor_speed", "motor_torque", "power")
     }
     for name, values in plain.channels.items():
         assert apart.channels[name].tobytes() == values.tobytes(), name
@@ -119,7 +131,10 @@ def test_without_trail_straight_wheels_are_those_of_the_plain_plant():
 
 def test_opposite_wheels_turn_a_slow_car_on_a_smaller_circle():
     """R = L/(tan d_f - tan d_r) without slip angles; at 2 m/s they are below 0.1 degree."""
-    turned = [("steering_column", "method", "steering_robot"), ("steering_column", "profile.angle", [2.0])]
+    turned = [
+        ("steering_column", "method", "steering_robot"),
+        ("steering_column", "profile.angle", [2.0]),
+    ]
     slow = [("plant", "initial_speed", 2.0), ("driver", "speed_profile.speed", [2.0])]
     radii = {}
     for run in ("straight", "speed_dependent"):
@@ -150,7 +165,11 @@ def test_a_left_turn_mirrors_a_right_one():
 
 @pytest.mark.parametrize(
     ("speed", "ratio", "named"),
-    [((0.0, 10.0), (0.0,), "2 and 1 elements"), ((10.0, 5.0), (0.0, 0.1), "5 m/s after 10 m/s"), ((), (), "0 and 0")],
+    [
+        ((0.0, 10.0), (0.0,), "2 and 1 elements"),
+        ((10.0, 5.0), (0.0, 0.1), "5 m/s after 10 m/s"),
+        ((), (), "0 and 0"),
+    ],
 )
 def test_points_that_are_none_are_refused(speed, ratio, named):
     with pytest.raises(ParameterError, match=named):
@@ -158,10 +177,16 @@ def test_points_that_are_none_are_refused(speed, ratio, named):
 
 
 def test_a_plant_that_turns_no_rear_wheels_is_refused_in_one_line():
-    with pytest.raises(ParameterError, match="requires plant method planar_rear_steering, but planar is chosen"):
-        load_scenario("double_lane_change", Overrides((), [("rear_steering", "method", "zero_sideslip")]))
+    with pytest.raises(
+        ParameterError, match="requires plant method planar_rear_steering, but planar is chosen"
+    ):
+        load_scenario(
+            "double_lane_change", Overrides((), [("rear_steering", "method", "zero_sideslip")])
+        )
     with pytest.raises(ParameterError, match="reads RearSteeringState, which none"):
-        load_scenario("double_lane_change", Overrides((), [("plant", "method", "planar_rear_steering")]))
+        load_scenario(
+            "double_lane_change", Overrides((), [("plant", "method", "planar_rear_steering")])
+        )
 
 
 def test_side_force_of_the_road_is_within_what_the_motor_carries():

@@ -30,7 +30,9 @@ def test_it_holds_its_angle_against_the_road(moment):
         turn(P, servo(P, PERIOD), s, 0.05, moment)
     assert s.angle == pytest.approx(0.05, abs=1e-6)
     assert s.torque == pytest.approx(-moment / P.gear_ratio, abs=1e-6)
-    assert s.power == pytest.approx(P.copper_loss * (moment / P.gear_ratio) ** 2, rel=1e-3, abs=1e-6)
+    assert s.power == pytest.approx(
+        P.copper_loss * (moment / P.gear_ratio) ** 2, rel=1e-3, abs=1e-6
+    )
 
 
 def test_it_gets_there_as_fast_as_it_may():
@@ -59,7 +61,9 @@ def test_limits_hold_whatever_is_asked_and_both_sides_are_alike(told):
         )
 
 
-@given(st.lists(st.tuples(st.floats(-0.05, 0.05), st.floats(-150.0, 150.0)), min_size=1, max_size=100))
+@given(
+    st.lists(st.tuples(st.floats(-0.05, 0.05), st.floats(-150.0, 150.0)), min_size=1, max_size=100)
+)
 def test_energy_closes(told):
     """Supply = copper + friction + kinetic energy - work of the road, exactly for the rule by which a step is taken."""
     s, c = SteeringMotorState(), servo(P, ONE_STEP)
@@ -77,7 +81,9 @@ def test_energy_closes(told):
 
 def test_power_is_limited():
     """500 W at 600 rad/s of the shaft leave 0.83 of 3 N m; in a step of 0.5 ms the speed gains less than 24 rad/s."""
-    quick = SteeringMotorParameters(max_rate=100.0, position_gain=1000.0, max_angle=1.0, damping=0.0)
+    quick = SteeringMotorParameters(
+        max_rate=100.0, position_gain=1000.0, max_angle=1.0, damping=0.0
+    )
     s, c, most = SteeringMotorState(), servo(quick, ONE_STEP), 0.0
     for _ in range(1000):
         turn(quick, c, s, 1.0, 0.0)

@@ -8,7 +8,14 @@ import numpy as np
 import pytest
 
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.surfaces import SURFACES, RoadParameters, Surface, interpolate, left_and_right, segment_at
+from ev_sim.surfaces import (
+    SURFACES,
+    RoadParameters,
+    Surface,
+    interpolate,
+    left_and_right,
+    segment_at,
+)
 from ev_stack.recording.offline import run_offline
 from ev_stack.scenarios.scenario import Overrides, load_scenario
 
@@ -22,20 +29,35 @@ def test_random_sides_are_independent_repeatable_and_have_the_given_shares():
         lengths = np.diff(side.start)
         assert lengths.min() >= 5.0 and lengths.max() <= 50.0
         wet = lengths[np.array(side.surface[:-1]) == "wet_asphalt_1"].sum() / lengths.sum()
-        assert wet == pytest.approx(0.4, abs=0.03)  # about 3600 draws: two standard deviations are 0.02
+        # about 3600 draws: two standard deviations are 0.02
+        assert wet == pytest.approx(0.4, abs=0.03)
 
 
 def test_jump_and_checkerboard():
-    jump, _ = left_and_right(RoadParameters(pattern="segments", left=("dry_asphalt", "ice"), length=(30.0,)))
-    assert [jump.at(s) for s in (-5.0, 29.9, 30.0, 1e6)] == ["dry_asphalt", "dry_asphalt", "ice", "ice"]
-    left, right = left_and_right(RoadParameters(pattern="checkerboard", left=("ice",), length=(10.0,)))
+    jump, _ = left_and_right(
+        RoadParameters(pattern="segments", left=("dry_asphalt", "ice"), length=(30.0,))
+    )
+    assert [jump.at(s) for s in (-5.0, 29.9, 30.0, 1e6)] == [
+        "dry_asphalt",
+        "dry_asphalt",
+        "ice",
+        "ice",
+    ]
+    left, right = left_and_right(
+        RoadParameters(pattern="checkerboard", left=("ice",), length=(10.0,))
+    )
     assert [left.at(s) for s in (5.0, 15.0, 25.0)] == ["ice", "dry_asphalt", "ice"]
     assert [right.at(s) for s in (5.0, 15.0, 25.0)] == ["dry_asphalt", "ice", "dry_asphalt"]
 
 
 def test_look_up_goes_both_ways():
     start = np.array([-1e9, 10.0, 20.0])
-    assert [segment_at(start, s, n) for s, n in ((5.0, 2), (10.0, 0), (25.0, 0), (15.0, 2))] == [0, 1, 2, 1]
+    assert [segment_at(start, s, n) for s, n in ((5.0, 2), (10.0, 0), (25.0, 0), (15.0, 2))] == [
+        0,
+        1,
+        2,
+        1,
+    ]
 
 
 def test_slope_is_linear_between_points_and_constant_outside():
@@ -74,9 +96,15 @@ def test_a_surface_of_ones_own_drives_as_one_of_the_table_with_its_numbers():
     ("values", "said"),
     [
         ({"left": ("gravl",)}, "left: unknown surface 'gravl'; did you mean gravel"),
-        ({"own": ("ice", "oil")}, "own 'ice' is refused: there is such a surface, expected another name"),
+        (
+            {"own": ("ice", "oil")},
+            "own 'ice' is refused: there is such a surface, expected another name",
+        ),
         ({"own": ("gravel", "gravel")}, "own 'gravel' is refused"),
-        ({"own_c2": (10.0,)}, "own_c1, own_c2, own_c3 and own_rolling_resistance need one number for each of own"),
+        (
+            {"own_c2": (10.0,)},
+            "own_c1, own_c2, own_c3 and own_rolling_resistance need one number for each of own",
+        ),
         ({"own_c3": (0.2, 0.1)}, "own 'oil' has no friction at a slip of 1, expected a smaller c3"),
     ],
 )

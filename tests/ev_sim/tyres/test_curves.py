@@ -40,7 +40,8 @@ SIMPLE = [curve for curve in FRICTION_CURVES if curve != "mf_tyre"]
 
 
 @pytest.mark.parametrize(
-    ("surface", "friction", "slip"), [("wet_asphalt_1", 0.8013, 0.1308), ("packed_snow_1", 0.4022, 0.0907)]
+    ("surface", "friction", "slip"),
+    [("wet_asphalt_1", 0.8013, 0.1308), ("packed_snow_1", 0.4022, 0.0907)],
 )
 def test_burckhardt_peaks(surface, friction, slip):
     """S* = ln(C1 C2/C3)/C2, dissertation, table 2.3."""
@@ -78,21 +79,30 @@ def test_dry_friction_is_that_of_limit_by_s_triple():
     assert use == pytest.approx([0.0, 0.6875, 1.0, 0.85, 0.7, 0.7], abs=1e-12)
     tyre = namespace(number_tree(Tyre(curve="dry_friction", coefficients=TYRES["dry_friction"])))
     pushed = [
-        slip_vector(tyre, on_road("dry_friction", "dry_asphalt"), (0.03, 0.04), speed, (0.0, 0.0))[0] * 0.05 / speed
+        slip_vector(tyre, on_road("dry_friction", "dry_asphalt"), (0.03, 0.04), speed, (0.0, 0.0))[
+            0
+        ]
+        * 0.05
+        / speed
         for speed in (6.0, 60.0)
     ]
     assert pushed == pytest.approx([0.6875] * 2, rel=1e-12)
 
 
 def on_road(curve: str, surface: str) -> Coefficients:
-    return Coefficients(*tyre_on_road(Tyre(curve=curve, coefficients=TYRES.get(curve, (0.0,) * 4)), surface)[:4])
+    return Coefficients(
+        *tyre_on_road(Tyre(curve=curve, coefficients=TYRES.get(curve, (0.0,) * 4)), surface)[:4]
+    )
 
 
 @pytest.mark.parametrize("curve", SIMPLE)
 def test_secant_is_finite_and_never_negative(curve):
     for surface in SURFACES:
         c = on_road(curve, surface)
-        values = [secant(FRICTION_CURVES.index(curve), slip, c) for slip in (0.0, 1e-12, 1e-3, 0.1, 1.0, 2.0, 3.0)]
+        values = [
+            secant(FRICTION_CURVES.index(curve), slip, c)
+            for slip in (0.0, 1e-12, 1e-3, 0.1, 1.0, 2.0, 3.0)
+        ]
         assert all(math.isfinite(value) and value >= 0.0 for value in values)
 
 
@@ -143,7 +153,9 @@ def test_peak_is_the_highest_of_all_points_of_the_grid(curve):
     st.floats(0.1, 2.0), st.floats(0.1, 2.0), st.floats(0.01, 20.0), st.floats(1.1, 10.0), st.floats(1e-3, 50.0),
     st.floats(0.0, 50.0), st.floats(0.1, 10.0),
 )  # fmt: skip
-def test_dry_friction_is_that_of_its_slip_speed_however_fast(adhesion, sliding, rise, beyond, along, across, ratio):
+def test_dry_friction_is_that_of_its_slip_speed_however_fast(
+    adhesion, sliding, rise, beyond, along, across, ratio
+):
     """The force is use times load at any speed of its own, of 20 m/s as well; the peak is the larger of both levels."""
     coefficients = (adhesion, rise, sliding, rise * beyond)
     tyre = Tyre("dry_friction", coefficients, lateral_ratio=ratio)
@@ -152,6 +164,8 @@ def test_dry_friction_is_that_of_its_slip_speed_however_fast(adhesion, sliding, 
     transport = along + across
     secants = slip_vector(record, on_road, (along, across), transport, (0.0, 0.0))
     use = math.hypot(secants[0] * along, secants[1] * across) / transport
-    assert use == pytest.approx(dry_friction(math.hypot(along, ratio * across), *coefficients), rel=1e-9)
+    assert use == pytest.approx(
+        dry_friction(math.hypot(along, ratio * across), *coefficients), rel=1e-9
+    )
     assert peak("dry_friction", coefficients) == pytest.approx(max(adhesion, sliding), rel=1e-15)
     assert use <= max(adhesion, sliding) * (1.0 + 1e-12)

@@ -25,18 +25,27 @@ NUMBERS = read_tyre("vehicle.tyre.front_file", FILE)
 TYRES = mf_tyres(NUMBERS, NUMBERS)
 FRONT_LEFT = MfTyre(TYRES, 0, True)
 FRONT = {name: getattr(TYRES, name)[0] for name in MF_NAMES}
-DRY = tyre_on_road(Tyre(curve="mf_tyre", combined="weighted", front_mf=NUMBERS, rear_mf=NUMBERS), "dry_asphalt")
-ENTRIES = {name.upper(): repr(value) for name, value in zip(MF_NAMES, NUMBERS, strict=True)} | {"FITTYP": "61"}
+DRY = tyre_on_road(
+    Tyre(curve="mf_tyre", combined="weighted", front_mf=NUMBERS, rear_mf=NUMBERS), "dry_asphalt"
+)
+ENTRIES = {name.upper(): repr(value) for name, value in zip(MF_NAMES, NUMBERS, strict=True)} | {
+    "FITTYP": "61"
+}
 
 with (Path(__file__).parent / "mf_tyre_forces.csv").open() as file:
-    REFERENCE = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(r for r in file if r[0] != "#")]
+    REFERENCE = [
+        {k: float(v) for k, v in row.items()}
+        for row in csv.DictReader(r for r in file if r[0] != "#")
+    ]
 
 
 def forces_at(tyres, load, slip_ratio, slip_angle, plain):
     """Sizes of both forces [N] of the front left tyre at signed slips."""
     tyre = MfTyre(tyres, 0, plain)
     loaded = at_load(tyre, load, 1.0, 1.0)
-    return forces(tyre, loaded, abs(slip_ratio), math.tan(slip_angle), math.copysign(1.0, slip_ratio))
+    return forces(
+        tyre, loaded, abs(slip_ratio), math.tan(slip_angle), math.copysign(1.0, slip_ratio)
+    )
 
 
 def test_forces_are_those_of_an_independent_implementation():
@@ -56,7 +65,9 @@ def test_tyres_with_all_terms_follow_the_printed_formula():
     assert not is_plain(tyres) and is_plain(TYRES)
     for load, slip_ratio, angle in ((2000.0, 0.05, 0.1), (4000.0, -0.12, 0.03), (7000.0, 0.4, 0.3)):
         expected = printed_formula(load / 4000.0 - 1.0, load, slip_ratio, angle, **numbers)
-        assert forces_at(tyres, load, slip_ratio, angle, False) == pytest.approx(expected, rel=1e-12)
+        assert forces_at(tyres, load, slip_ratio, angle, False) == pytest.approx(
+            expected, rel=1e-12
+        )
 
 
 def printed_formula(df, load, kappa, alpha, **n):
@@ -67,18 +78,28 @@ def printed_formula(df, load, kappa, alpha, **n):
 
     peak_x, peak_y = (n["pdx1"] + n["pdx2"] * df) * load, (n["pdy1"] + n["pdy2"] * df) * load
     stiffness_x = load * (n["pkx1"] + n["pkx2"] * df) * math.exp(n["pkx3"] * df)
-    stiffness_y = n["pky1"] * n["fnomin"] * math.sin(n["pky4"] * math.atan(load / (n["pky2"] * n["fnomin"])))
-    curved_x = (n["pex1"] + n["pex2"] * df + n["pex3"] * df * df) * (1.0 - n["pex4"] * math.copysign(1.0, kappa))
+    stiffness_y = (
+        n["pky1"] * n["fnomin"] * math.sin(n["pky4"] * math.atan(load / (n["pky2"] * n["fnomin"])))
+    )
+    curved_x = (n["pex1"] + n["pex2"] * df + n["pex3"] * df * df) * (
+        1.0 - n["pex4"] * math.copysign(1.0, kappa)
+    )
     curved_y = n["pey1"] + n["pey2"] * df
-    pure_x = peak_x * math.sin(n["pcx1"] * bent(stiffness_x / (n["pcx1"] * peak_x) * kappa, curved_x))
-    pure_y = peak_y * math.sin(n["pcy1"] * bent(stiffness_y / (n["pcy1"] * peak_y) * alpha, curved_y))
+    pure_x = peak_x * math.sin(
+        n["pcx1"] * bent(stiffness_x / (n["pcx1"] * peak_x) * kappa, curved_x)
+    )
+    pure_y = peak_y * math.sin(
+        n["pcy1"] * bent(stiffness_y / (n["pcy1"] * peak_y) * alpha, curved_y)
+    )
     shift = n["rhy1"] + n["rhy2"] * df
     slope_x = n["rbx1"] * math.cos(math.atan(n["rbx2"] * kappa))
     slope_y = n["rby1"] * math.cos(math.atan(n["rby2"] * alpha))
     curved_x, curved_y = n["rex1"] + n["rex2"] * df, n["rey1"] + n["rey2"] * df
     weight_x = math.cos(n["rcx1"] * bent(slope_x * alpha, curved_x))
     weight_y = math.cos(n["rcy1"] * bent(slope_y * (kappa + shift), curved_y))
-    return abs(pure_x * weight_x), pure_y * weight_y / math.cos(n["rcy1"] * bent(slope_y * shift, curved_y))
+    return abs(pure_x * weight_x), pure_y * weight_y / math.cos(
+        n["rcy1"] * bent(slope_y * shift, curved_y)
+    )
 
 
 def test_plant_slides_at_the_slips_of_the_formula():
@@ -105,7 +126,10 @@ def stiffness(load, on_road=DRY):
 
 
 def test_snow_scales_friction_and_leaves_slip_stiffness():
-    snow = tyre_on_road(Tyre(curve="mf_tyre", combined="weighted", front_mf=NUMBERS, rear_mf=NUMBERS), "packed_snow_1")
+    snow = tyre_on_road(
+        Tyre(curve="mf_tyre", combined="weighted", front_mf=NUMBERS, rear_mf=NUMBERS),
+        "packed_snow_1",
+    )
     scale = SURFACES["packed_snow_1"].peak_friction / SURFACES["dry_asphalt"].peak_friction
     assert snow.friction == pytest.approx(scale * FRONT["pdx1"], rel=1e-12)
     assert stiffness(4000.0, snow) == pytest.approx(stiffness(4000.0), rel=1e-12)
@@ -140,7 +164,9 @@ def test_a_coefficient_that_is_there_twice_is_refused(tmp_path):
     """Two values in one section or two are refused; one value twice is not, nor is MASS of units and inertia."""
     lines = [f"{key} = {value} $ comment" for key, value in ENTRIES.items()]
     file = tmp_path / "one.tir"
-    file.write_text("\n".join(["[UNITS]", "MASS = 'kg'", "[INERTIA]", "MASS = 9.3", *lines, lines[3]]))
+    file.write_text(
+        "\n".join(["[UNITS]", "MASS = 'kg'", "[INERTIA]", "MASS = 9.3", *lines, lines[3]])
+    )
     assert read_tyre("vehicle.tyre.front_file", str(file)) == mf_numbers(ENTRIES)
     file.write_text("\n".join([*lines, "[LATERAL]", "PKY1 = 40"]))
     with pytest.raises(ParameterError, match=r"PKY1 is '\S+ and 40', expected one finite number"):
@@ -150,8 +176,14 @@ def test_a_coefficient_that_is_there_twice_is_refused(tmp_path):
 @pytest.mark.parametrize("pressure", [150e3, 250e3])
 def test_another_pressure_than_the_nominal_one_changes_stiffness_and_friction(pressure):
     """The factors are those of the formula with all its terms (eqs 4.E13 to 4.E25), to which rig data are fitted."""
-    by_pressure = dict(zip([f"PP{a}{n}" for a in "XY" for n in range(1, 5)], np.linspace(-0.3, 0.4, 8), strict=True))
-    entries = ENTRIES | {name: repr(float(v)) for name, v in by_pressure.items()} | {"NOMPRES": "200000"}
+    by_pressure = dict(
+        zip(
+            [f"PP{a}{n}" for a in "XY" for n in range(1, 5)], np.linspace(-0.3, 0.4, 8), strict=True
+        )
+    )
+    entries = (
+        ENTRIES | {name: repr(float(v)) for name, v in by_pressure.items()} | {"NOMPRES": "200000"}
+    )
     at_nominal = mf_numbers(entries | {"INFLPRES": "200000"})
     assert at_nominal == mf_numbers(entries) == mf_numbers(ENTRIES)
     coefficients = defaultdict(float, {name: float(value) for name, value in entries.items()})
@@ -170,7 +202,9 @@ def test_another_pressure_than_the_nominal_one_changes_stiffness_and_friction(pr
 def test_signs_of_all_axes_give_the_same_tyre():
     """ISO files have P_Dy1 and P_Ky1 below zero, those of Adams P_Ky1 alone."""
     flipped = ENTRIES | {"PDY1": "-0.99", "PDY2": "0.145", "PKY1": "-14.95"}
-    assert mf_numbers(flipped) == mf_numbers(ENTRIES | {"PDY1": "0.99", "PDY2": "-0.145", "PKY1": "14.95"})
+    assert mf_numbers(flipped) == mf_numbers(
+        ENTRIES | {"PDY1": "0.99", "PDY2": "-0.145", "PKY1": "14.95"}
+    )
 
 
 @pytest.mark.parametrize(
@@ -180,9 +214,15 @@ def test_signs_of_all_axes_give_the_same_tyre():
         ({"front_mf": NUMBERS[:-1]}, "needs front_file, or front_mf with"),
         ({"lateral_ratio": 2.0}, "lateral_ratio 1 and load_sensitivity 0"),
         ({"rear_mf": (0.0, *NUMBERS[1:])}, "FNOMIN of the rear tyres is 0, expected above 0"),
-        ({"front_mf": (4000.0, 3.5, *NUMBERS[2:])}, "PCX1 of the front tyres is 3.5, expected 0 to 3"),
+        (
+            {"front_mf": (4000.0, 3.5, *NUMBERS[2:])},
+            "PCX1 of the front tyres is 3.5, expected 0 to 3",
+        ),
     ],
 )
 def test_half_a_tyre_is_refused(changed, words):
     with pytest.raises(ParameterError, match=words):
-        Tyre(**{"curve": "mf_tyre", "combined": "weighted", "front_mf": NUMBERS, "rear_mf": NUMBERS} | changed)
+        Tyre(
+            **{"curve": "mf_tyre", "combined": "weighted", "front_mf": NUMBERS, "rear_mf": NUMBERS}
+            | changed
+        )

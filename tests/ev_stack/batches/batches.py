@@ -13,14 +13,21 @@ from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 DURATION = 3.0
 RUNS = 5
-SENSORS = {"imu_yaw_rate": "noise", "wheel_speed": "noise", "body_velocity": "dropout", "body_heading": "delay"}
+SENSORS = {
+    "imu_yaw_rate": "noise",
+    "wheel_speed": "noise",
+    "body_velocity": "dropout",
+    "body_heading": "delay",
+}
 
 
 @cache
 def lane_change() -> Mapping[str, Configuration]:
     """The planar car in a double lane change, some of its sensors far from ideal."""
     errors = {"noise": 0.05, "dropout": 0.3, "delay": 2}
-    values = [("plant", f"sensors.{name}.{error}", errors[error]) for name, error in SENSORS.items()]
+    values = [
+        ("plant", f"sensors.{name}.{error}", errors[error]) for name, error in SENSORS.items()
+    ]
     return load_scenario("double_lane_change", Overrides(values=values)).runs[0].configurations
 
 
@@ -32,7 +39,9 @@ def vary() -> dict[str, list[Any]]:
         "*.vehicle.mass": [1100.0 + 10.0 * run for run in range(RUNS)],
         "plant.sensors.wheel_speed.bias": [0.1 * run for run in range(RUNS)],
         "driver.speed_profile.speed": [[18.0 + run] for run in range(RUNS)],
-        "plant.faults": [["lost wheel_states 0.3", f"motor_share front_left 0 from {run}"] for run in range(RUNS)],
+        "plant.faults": [
+            ["lost wheel_states 0.3", f"motor_share front_left 0 from {run}"] for run in range(RUNS)
+        ],
         "steering_column.faults": [["delayed steering_column 0.03 from 2.5"]] * RUNS,
     }
 

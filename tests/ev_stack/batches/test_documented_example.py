@@ -16,5 +16,7 @@ def test_the_example_runs(capsys):
     found = names["found"]
     assert capsys.readouterr().out.endswith("(9, 81)\n{}\n")
     assert found.time[-1] == 8.0
-    assert (np.diff(found.metrics["end"]) > 0.9 * 8.0).all()  # each a metre per second faster than the one before
-    assert found.metrics["peak_lateral_acceleration"].argmax() == 8  # the fastest has to turn hardest
+    # each a metre per second faster than the one before
+    assert (np.diff(found.metrics["end"]) > 0.9 * 8.0).all()
+    # the fastest has to turn hardest
+    assert found.metrics["peak_lateral_acceleration"].argmax() == 8

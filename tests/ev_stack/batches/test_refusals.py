@@ -18,15 +18,33 @@ from ev_stack.batches.whole_runs import Ending
 @pytest.mark.parametrize(
     ("vary", "message"),
     [
-        ({"plant.initial_speed": [20.0, 300.0]}, "run 1: plant: parameter initial_speed: 300.0 is refused, expected"),
-        ({"plant.initial_sped": [20.0]}, "unknown parameter of plant 'initial_sped'; did you mean initial_speed"),
+        (
+            {"plant.initial_speed": [20.0, 300.0]},
+            "run 1: plant: parameter initial_speed: 300.0 is refused, expected",
+        ),
+        (
+            {"plant.initial_sped": [20.0]},
+            "unknown parameter of plant 'initial_sped'; did you mean initial_speed",
+        ),
         ({"plnt.initial_speed": [20.0]}, "unknown role 'plnt'; did you mean plant"),
         ({"*.initial_speed": [20.0]}, "unknown parameter of .* 'initial_speed'"),
         ({"plant.vehicle.mass": [1000.0]}, r"expected \*.vehicle.mass, one for all roles"),
-        ({"*.control_period": [0.01]}, r"\*.control_period is refused: all runs of a batch have the same"),
-        ({"plant.duration": [1.0]}, "plant.duration is refused: all runs of a batch have the same duration"),
-        ({"asr.method": ["off"]}, "asr.method is refused: all runs of a batch have the same method"),
-        ({"plant.pedals.drive_torque": [[1.0]]}, "unknown parameter of plant 'pedals.drive_torque'"),
+        (
+            {"*.control_period": [0.01]},
+            r"\*.control_period is refused: all runs of a batch have the same",
+        ),
+        (
+            {"plant.duration": [1.0]},
+            "plant.duration is refused: all runs of a batch have the same duration",
+        ),
+        (
+            {"asr.method": ["off"]},
+            "asr.method is refused: all runs of a batch have the same method",
+        ),
+        (
+            {"plant.pedals.drive_torque": [[1.0]]},
+            "unknown parameter of plant 'pedals.drive_torque'",
+        ),
         (
             {"*.seed": range(3), "plant.initial_speed": [20.0]},
             r"numbers of runs differ: \*.seed 3, plant.initial_speed 1",
@@ -44,12 +62,18 @@ def test_values_that_differ(vary, message):
     [
         ({"signals": ["imu.yaw_rat"]}, "unknown channel 'imu.yaw_rat'; did you mean imu.yaw_rate"),
         ({"metrics": {"m": mean("yaw_rate")}}, "unknown channel 'yaw_rate'; did you mean "),
-        ({"metrics": {"m": mean("imu.yaw_rate")}, "ending": Ending(lambda *_: True)}, "reductions are refused for"),
+        (
+            {"metrics": {"m": mean("imu.yaw_rate")}, "ending": Ending(lambda *_: True)},
+            "reductions are refused for",
+        ),
         ({"every": 0}, "every: 0 is refused, expected a whole number of periods, at least 1"),
         ({"threads": 0}, "threads: 0 is refused, expected is a whole number, at least 1"),
         ({"threads": -1}, "threads: -1 is refused, expected is a whole number, at least 1"),
         ({"threads": 2.5}, r"threads: 2\.5 is refused, expected is a whole number, at least 1"),
-        ({"initial_states": {"plant": np.zeros((2, 3))}}, "initial_states of plant have 3 numbers, expected "),
+        (
+            {"initial_states": {"plant": np.zeros((2, 3))}},
+            "initial_states of plant have 3 numbers, expected ",
+        ),
         ({"initial_states": {"plnt": np.zeros((2, 3))}}, "unknown role 'plnt'; did you mean plant"),
         (
             {"initial_states": {"plant": np.zeros((2, 3))}, "vary": {"*.seed": [1, 2, 3]}},
@@ -76,21 +100,30 @@ def test_states_that_are_not_finite():
 
 def test_a_method_that_only_python_runs():
     with pytest.raises(
-        ParameterError, match="method toy runs in plain Python, allowed in a batch are methods that run"
+        ParameterError,
+        match="method toy runs in plain Python, allowed in a batch are methods that run",
     ):
         batch(toy_graph(), 1.0)
 
 
 def test_values_that_do_not_fit_together():
     """Each is in its range, but the plant cannot step so stiff tyres; the error says in which run."""
-    vary = {"*.vehicle.tyre.longitudinal_stiffness": [3e5, 1e7], "*.vehicle.wheel_inertia": [1.0, 0.01]}
-    with pytest.raises(ParameterError, match=r"^run 1: plant: vehicle.tyre: stiffness and damping_time need steps of"):
+    vary = {
+        "*.vehicle.tyre.longitudinal_stiffness": [3e5, 1e7],
+        "*.vehicle.wheel_inertia": [1.0, 0.01],
+    }
+    with pytest.raises(
+        ParameterError,
+        match=r"^run 1: plant: vehicle.tyre: stiffness and damping_time need steps of",
+    ):
         batch(lane_change(), 1.0, vary)
 
 
 def test_a_fault_that_strikes_at_no_instant_of_another_period():
     """From 0.05 s until 0.06 s lie an instant of 10 ms and none of 40 ms; such a run would be that of a sound car."""
     graph = {**lane_change()}
-    graph["plant"] = graph["plant"].changed({"faults": ["constant imu.yaw_rate 0.5 from 0.05 until 0.06"]})
+    graph["plant"] = graph["plant"].changed(
+        {"faults": ["constant imu.yaw_rate 0.5 from 0.05 until 0.06"]}
+    )
     with pytest.raises(ParameterError, match=r"strikes at no instant, .* control_period, 0.04 s"):
         batch_by_period(graph, 0.1, {PERIOD: [0.01, 0.04]}, ())

@@ -30,8 +30,14 @@ def needed(name: str) -> set[str]:
         if each not in found:
             found.add(each)
             said = [text for text in distribution(each).requires or () if "extra ==" not in text]
-            said = [text for text in said if "sys_platform" not in text and "platform_system" not in text]
-            said = [text for text in said if not re.search(r"python_version\s*<\s*.3\.1[01]\b", text)]
+            said = [
+                text
+                for text in said
+                if "sys_platform" not in text and "platform_system" not in text
+            ]
+            said = [
+                text for text in said if not re.search(r"python_version\s*<\s*.3\.1[01]\b", text)
+            ]
             waiting += [re.match(r"[\w.-]+", text).group().lower() for text in said]
     return found
 
@@ -45,7 +51,9 @@ def tops(name: str) -> Iterator[Path]:
 
 def files_below(folder: Path, name: str) -> set[str]:
     """The files that belong to a wheel, under the name that the folder has there."""
-    paths = (path for path in folder.rglob("*") if path.is_file() and "__pycache__" not in path.parts)
+    paths = (
+        path for path in folder.rglob("*") if path.is_file() and "__pycache__" not in path.parts
+    )
     return {f"{name}/{path.relative_to(folder)}" for path in paths}
 
 
@@ -54,9 +62,13 @@ def files_below(folder: Path, name: str) -> set[str]:
 def test_wheels_and_the_notebook_need_nothing_else(tmp_path):
     wheels, bare = tmp_path / "wheels", tmp_path / "bare"
     subprocess.run([ROOT / "scripts" / "build_wheels.sh", wheels], check=True, capture_output=True)
-    held = {wheel.name.partition("-")[0]: {*zipfile.ZipFile(wheel).namelist()} for wheel in wheels.iterdir()}
+    held = {
+        wheel.name.partition("-")[0]: {*zipfile.ZipFile(wheel).namelist()}
+        for wheel in wheels.iterdir()
+    }
     assert {*held} == {*OURS}
-    for name, files in held.items():  # py.typed, published.csv, what pages are made of, and all configuration
+    # py.typed, published.csv, what pages are made of, and all configuration
+    for name, files in held.items():
         assert f"{name}/py.typed" in files
         assert files_below(ROOT / "src" / name / name, name) <= files
     assert files_below(ROOT / "config", "ev_sim/config") <= held["ev_sim"]
@@ -80,15 +92,26 @@ def test_wheels_and_the_notebook_need_nothing_else(tmp_path):
         "--no-compile",
     ]
     subprocess.run([*pip, *wheels.glob("*.whl")], check=True)
-    assert not {"plant", "driver", "asr", "inspect"} & {path.name for path in (bare / "bin").iterdir()}
+    assert not {"plant", "driver", "asr", "inspect"} & {
+        path.name for path in (bare / "bin").iterdir()
+    }
 
-    cells = [cell for cell in json.loads(NOTEBOOK.read_text())["cells"] if cell["cell_type"] == "code"]
+    cells = [
+        cell for cell in json.loads(NOTEBOOK.read_text())["cells"] if cell["cell_type"] == "code"
+    ]
     assert not any(cell["outputs"] for cell in cells)
-    text = 2 * ("\n".join("".join(cell["source"]) for cell in cells) + "\n")  # all cells, and all of them again
+    # all cells, and all of them again
+    text = 2 * ("\n".join("".join(cell["source"]) for cell in cells) + "\n")
     text += "\nprint(result.hash)\nassert len(result._repr_html_()) > 50_000\n"
     text += "import importlib.util\nassert importlib.util.find_spec('rclpy') is None\n"
-    clean = {"PATH": f"{bare}/bin:/usr/bin:/bin", "HOME": str(tmp_path), "EV_STACK_CACHE": str(cache_folder())}
-    shown = subprocess.run([python, "-c", text], capture_output=True, text=True, cwd=tmp_path, env=clean)
+    clean = {
+        "PATH": f"{bare}/bin:/usr/bin:/bin",
+        "HOME": str(tmp_path),
+        "EV_STACK_CACHE": str(cache_folder()),
+    }
+    shown = subprocess.run(
+        [python, "-c", text], capture_output=True, text=True, cwd=tmp_path, env=clean
+    )
     assert shown.returncode == 0, shown.stderr
     assert shown.stdout.split() == [ev_stack.run("shchur2019").hash]
     refused = subprocess.run(

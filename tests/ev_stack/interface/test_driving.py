@@ -31,16 +31,42 @@ def result():
 @pytest.mark.slow
 def test_a_run_is_that_of_the_command(result, tmp_path):
     """Which has the hash of all other ways to run (tests/ev_stack/running/test_hashes.py, test_machines.py)."""
-    words = ["--set", "electronic_differential.gamma=4.0", "--set", "*.control_period=0.02", "--seed", "3"]
-    main(["shchur2019", "--offline", "--no-record", "--duration", "1", *words, "--out", str(tmp_path / "command")])
+    words = [
+        "--set",
+        "electronic_differential.gamma=4.0",
+        "--set",
+        "*.control_period=0.02",
+        "--seed",
+        "3",
+    ]
+    main(
+        [
+            "shchur2019",
+            "--offline",
+            "--no-record",
+            "--duration",
+            "1",
+            *words,
+            "--out",
+            str(tmp_path / "command"),
+        ]
+    )
     result.save(tmp_path / "saved")
-    said, saved = (json.loads((tmp_path / name / "summary.json").read_text()) for name in ("command", "saved"))
+    said, saved = (
+        json.loads((tmp_path / name / "summary.json").read_text()) for name in ("command", "saved")
+    )
     assert said["signal_hash"] == saved["signal_hash"] == result.hash
     for of_run in ("wall_time", "real_time_factor", "command"):
         del said[of_run], saved[of_run]
     assert said == saved
-    assert signal_hash(load(tmp_path / "saved" / "signals.npz")) == saved["runs"]["shchur2019"]["signal_hash"]
-    names = [sorted(path.name for path in (tmp_path / name).glob("*.png")) for name in ("command", "saved")]
+    assert (
+        signal_hash(load(tmp_path / "saved" / "signals.npz"))
+        == saved["runs"]["shchur2019"]["signal_hash"]
+    )
+    names = [
+        sorted(path.name for path in (tmp_path / name).glob("*.png"))
+        for name in ("command", "saved")
+    ]
     assert names[0] == names[1] != []
 
 
@@ -54,8 +80,18 @@ def test_signals_are_arrays_over_time(result):
 def test_everything_that_a_program_calls_is_listed_before_it_is_imported():
     """In a Python of its own: here all of it is imported already."""
     code = "import sys, ev_stack; print(*dir(ev_stack)); assert 'ev_stack.interface' not in sys.modules"
-    shown = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout.split()
-    assert {"run", "batch", "Simulation", "Result", "BatchResult", "ParameterError", "SignalError"} <= {*shown}
+    shown = subprocess.run(
+        [sys.executable, "-c", code], check=True, capture_output=True, text=True
+    ).stdout.split()
+    assert {
+        "run",
+        "batch",
+        "Simulation",
+        "Result",
+        "BatchResult",
+        "ParameterError",
+        "SignalError",
+    } <= {*shown}
     assert all(hasattr(ev_stack, name) for name in shown)
     assert sorted(ev_stack.__all__) == [name for name in shown if not name.startswith("_")]
     with pytest.raises(AttributeError, match=r"^module 'ev_stack' has no attribute 'runs'$"):
@@ -72,18 +108,26 @@ def test_what_has_moved_from_ev_sim_is_there_with_one_line():
 def test_a_run_and_its_metrics_take_what_is_compiled_without_the_compiler():
     """Whose import takes longer than the run: one metric alone had it imported again."""
     lane_change = ev_stack.run("double_lane_change", duration=0.1)
-    assert lane_change.metrics["course_passed"].reason  # a Python of its own finds all of it compiled
-    code = (
-        "import sys, ev_stack; ev_stack.run('double_lane_change', duration=0.1).metrics; print('numba' in sys.modules)"
+    # a Python of its own finds all of it compiled
+    assert lane_change.metrics["course_passed"].reason
+    code = "import sys, ev_stack; ev_stack.run('double_lane_change', duration=0.1).metrics; print('numba' in sys.modules)"
+    assert (
+        subprocess.run(
+            [sys.executable, "-c", code], check=True, capture_output=True, text=True
+        ).stdout
+        == "False\n"
     )
-    assert subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout == "False\n"
 
 
 @pytest.mark.parametrize("call", [ev_stack.run, ev_stack.batch, ev_stack.Simulation, Environment])
 def test_what_may_be_changed_can_be_completed(call):
     """The same words in every call, all by name, each with its type."""
     found = inspect.signature(call).parameters
-    changed = {name: each.annotation for name, each in found.items() if each.kind is inspect.Parameter.KEYWORD_ONLY}
+    changed = {
+        name: each.annotation
+        for name, each in found.items()
+        if each.kind is inspect.Parameter.KEYWORD_ONLY
+    }
     overridden = inspect.signature(overrides).parameters
     assert changed == {name: each.annotation for name, each in overridden.items()}
     assert not {inspect.Parameter.VAR_KEYWORD} & {each.kind for each in found.values()}
@@ -101,7 +145,9 @@ def test_a_result_is_shown_in_a_few_lines(result):
 def test_a_data_frame_has_the_units_of_its_columns(result, monkeypatch):
     """With a stand-in for pandas, which the environment lacks: what is given to it, and where it keeps the units."""
     frame = SimpleNamespace(attrs={})
-    pandas = SimpleNamespace(DataFrame=lambda columns, index: vars(frame).update(columns=columns, index=index) or frame)
+    pandas = SimpleNamespace(
+        DataFrame=lambda columns, index: vars(frame).update(columns=columns, index=index) or frame
+    )
     pandas.Index = lambda values, name: (values, name)
     monkeypatch.setitem(sys.modules, "pandas", pandas)
     units = result.data_frame().attrs["units"]
@@ -120,7 +166,8 @@ def test_of_several_runs_one_is_named():
     both = ev_stack.run("shchur2019_steps", runs=("object", "hold_manual"), duration=0.02)
     assert list(both.runs) == ["object", "hold_manual"]
     with pytest.raises(
-        ParameterError, match=r"^shchur2019_steps has several runs: runs\[NAME\] of object, hold_manual$"
+        ParameterError,
+        match=r"^shchur2019_steps has several runs: runs\[NAME\] of object, hold_manual$",
     ):
         _ = both.signals
 
@@ -139,7 +186,9 @@ def test_a_scenario_of_ones_own_brings_its_metrics(tmp_path):
 def test_a_batch_is_the_runs_one_by_one():
     speeds = [2.0, 8.0]
     end = {"end": last("twist.longitudinal")}
-    found = ev_stack.batch("shchur2019", vary={"plant.initial_speed": speeds}, metrics=end, duration="200 ms")
+    found = ev_stack.batch(
+        "shchur2019", vary={"plant.initial_speed": speeds}, metrics=end, duration="200 ms"
+    )
     assert repr(found) == "BatchResult of end (2,); 0 failed"
     assert (
         repr(replace(found, metrics={}))
@@ -156,8 +205,14 @@ def test_a_batch_is_the_runs_one_by_one():
         ({"set": {"gamma": 1.0}}, "set: 'gamma' is refused, expected NODE.PARAMETER"),
         ({"method": {"asr": "on"}}, "asr: unknown asr method 'on'; known: "),
         ({"vehicle": "audi_a3"}, "unknown vehicle 'audi_a3'; did you mean audi_a2?"),
-        ({"duration": "5"}, "duration: '5' is refused, expected a number of seconds or such as '5 s'"),
-        ({"duration": [5.0]}, "duration: [5.0] is refused, expected a number of seconds or such as '5 s'"),
+        (
+            {"duration": "5"},
+            "duration: '5' is refused, expected a number of seconds or such as '5 s'",
+        ),
+        (
+            {"duration": [5.0]},
+            "duration: [5.0] is refused, expected a number of seconds or such as '5 s'",
+        ),
         ({"runs": ("first",)}, "unknown run of shchur2019 'first'; known: shchur2019"),
     ],
 )
@@ -172,9 +227,15 @@ def test_what_is_refused_is_one_line(changed, said):
     "call",
     [
         lambda: ev_stack.run("a\0.yaml"),
-        *(lambda name=name: ev_stack.run("shchur2019", **{name: "a\0.csv"}) for name in ("vehicle", "cycle")),
+        *(
+            lambda name=name: ev_stack.run("shchur2019", **{name: "a\0.csv"})
+            for name in ("vehicle", "cycle")
+        ),
         lambda: ev_stack.run("shchur2019", params=["a\0.yaml"]),
-        *(lambda end=end: ev_stack.run("shchur2019", method={"asr": f"a\0{end}"}) for end in (".py", ".so", ".npz")),
+        *(
+            lambda end=end: ev_stack.run("shchur2019", method={"asr": f"a\0{end}"})
+            for end in (".py", ".so", ".npz")
+        ),
         lambda: ev_stack.run("shchur2019", duration=0.05).save("/tmp/a\0b"),
     ],
 )

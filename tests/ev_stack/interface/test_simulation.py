@@ -22,15 +22,21 @@ STEPS = 60
 
 
 def simulation(**more) -> ev_stack.Simulation:
-    return ev_stack.Simulation("double_lane_change", set={**NOISE, "plant.initial_speed": 15.0}, **more)
+    return ev_stack.Simulation(
+        "double_lane_change", set={**NOISE, "plant.initial_speed": 15.0}, **more
+    )
 
 
 def equal_torques(frame) -> dict[str, float]:
     """What `equal_torque` writes for a car with two driven front wheels."""
     torques = {
-        f"torque_request.drive.front_{side}": frame["driver.command.drive_torque"] / 2 for side in ("left", "right")
+        f"torque_request.drive.front_{side}": frame["driver.command.drive_torque"] / 2
+        for side in ("left", "right")
     }
-    brakes = {f"torque_request.brake.{wheel}": frame["driver.command.brake_torque"] / 4 for wheel in WHEEL_NAMES}
+    brakes = {
+        f"torque_request.brake.{wheel}": frame["driver.command.brake_torque"] / 4
+        for wheel in WHEEL_NAMES
+    }
     return {**torques, **brakes}
 
 
@@ -38,7 +44,9 @@ def equal_torques(frame) -> dict[str, float]:
 def inside():
     changed = {**NOISE, "plant.initial_speed": 15.0}
     chosen = {"electronic_differential": "equal_torque"}
-    return ev_stack.run("double_lane_change", method=chosen, set=changed, duration=(STEPS - 1) * 0.01)
+    return ev_stack.run(
+        "double_lane_change", method=chosen, set=changed, duration=(STEPS - 1) * 0.01
+    )
 
 
 def test_ones_own_torque_split_gives_the_bits_of_the_built_in_one(inside):
@@ -52,7 +60,11 @@ def test_ones_own_torque_split_gives_the_bits_of_the_built_in_one(inside):
 
 def test_a_fault_of_the_plant_strikes_at_the_instants_of_a_run():
     """The plant writes the next instant, and so does the fault behind it: one period late is another signal."""
-    changed = {**NOISE, "plant.initial_speed": 15.0, "plant.faults": ["constant imu.yaw_rate 0.5 from 0.1 until 0.2"]}
+    changed = {
+        **NOISE,
+        "plant.initial_speed": 15.0,
+        "plant.faults": ["constant imu.yaw_rate 0.5 from 0.1 until 0.2"],
+    }
     car = ev_stack.Simulation("double_lane_change", set=changed)
     for _ in range(30):
         car.step()
@@ -63,7 +75,9 @@ def test_a_fault_of_the_plant_strikes_at_the_instants_of_a_run():
 def test_ones_own_driver_and_column_are_told_what_they_do(inside):
     """Also a role that integrates can be left out: what it writes at an instant is given at that instant."""
     signals = inside.signals
-    outside = simulation(without=("driver", "steering_column"), method={"electronic_differential": "equal_torque"})
+    outside = simulation(
+        without=("driver", "steering_column"), method={"electronic_differential": "equal_torque"}
+    )
     assert set(outside.inputs) <= set(signals)
     for n in range(STEPS):
         outside.step({name: float(signals[name][n]) for name in outside.inputs})
@@ -80,7 +94,9 @@ def test_ones_own_traction_control_sets_the_speeds_of_drives_in_speed_mode():
     )
     speeds = [name for name in outside.inputs if name.startswith("speed_command.")]
     assert len(speeds) == 4
-    told = dict.fromkeys(speeds, 5.0) | {f"torque_command.drive.front_{side}": 800.0 for side in ("left", "right")}
+    told = dict.fromkeys(speeds, 5.0) | {
+        f"torque_command.drive.front_{side}": 800.0 for side in ("left", "right")
+    }
     for _ in range(200):
         frame = outside.step(told)
     assert frame["wheel_states.velocity.front_left"] == pytest.approx(5.0, rel=0.2)
@@ -100,7 +116,12 @@ def test_a_state_that_was_kept_is_gone_on_from_with_the_same_bits():
     assert [first.step() for _ in range(20)] == expected
 
 
-PLANAR = {"double_lane_change": "", "step_steer": "left", "launch_split_mu": "steered", "coast_down": ""}
+PLANAR = {
+    "double_lane_change": "",
+    "step_steer": "left",
+    "launch_split_mu": "steered",
+    "coast_down": "",
+}
 OF_PLANT = (
     "lost wheel_states 0.4",
     "frozen imu.yaw_rate from 0.03",
@@ -112,7 +133,11 @@ OF_PLANT = (
     "inverter_delay front 0.03",
     "puncture rear_left 1 from 0.02",
 )
-OF_LAW = ("lost torque_request 0.4", "restarted torque_request from 0.04 until 0.12", "delayed torque_request 0.02")
+OF_LAW = (
+    "lost torque_request 0.4",
+    "restarted torque_request from 0.04 until 0.12",
+    "delayed torque_request 0.02",
+)
 
 
 @settings(max_examples=10)
@@ -138,7 +163,8 @@ def test_any_configuration_goes_on_from_any_instant_with_the_same_bits(
         "plant.sensors.wheel_speed.delay": delay,
     }
     first, second = (
-        ev_stack.Simulation(scenario, without, PLANAR.get(scenario, ""), record=False, set=changed) for _ in range(2)
+        ev_stack.Simulation(scenario, without, PLANAR.get(scenario, ""), record=False, set=changed)
+        for _ in range(2)
     )
     first.reset(seed)
     for _ in range(steps):
@@ -158,15 +184,27 @@ def test_any_configuration_goes_on_from_any_instant_with_the_same_bits(
             "state: electronic_differential.method was 'equal_torque', here it is 'power_steering'; expected the",
         ),
         ({"without": ("asr",)}, "state: roles was "),
-        ({"set": {**NOISE, "*.control_period": 0.02}}, "state: control period [ns] was 20000000, here it is 10000000"),
-        ({"set": {**NOISE, "plant.faults": ["lost imu 0.5"]}}, "state: plant.faults of signals was ['lost imu 0.5']"),
-        ({"set": {"plant.sensors.imu_yaw_rate.delay": 2}}, "state: delays of sensors of plant was {'imu_yaw_rate': 2}"),
+        (
+            {"set": {**NOISE, "*.control_period": 0.02}},
+            "state: control period [ns] was 20000000, here it is 10000000",
+        ),
+        (
+            {"set": {**NOISE, "plant.faults": ["lost imu 0.5"]}},
+            "state: plant.faults of signals was ['lost imu 0.5']",
+        ),
+        (
+            {"set": {"plant.sensors.imu_yaw_rate.delay": 2}},
+            "state: delays of sensors of plant was {'imu_yaw_rate': 2}",
+        ),
     ],
 )
 def test_a_state_that_does_not_fit_is_refused_and_nothing_changes(other, said):
     """It was taken without a word, or left half of it behind in a KeyError."""
     method = {"electronic_differential": "power_steering"}
-    car, same = (ev_stack.Simulation("double_lane_change", method=method, set=NOISE, record=False) for _ in range(2))
+    car, same = (
+        ev_stack.Simulation("double_lane_change", method=method, set=NOISE, record=False)
+        for _ in range(2)
+    )
     saved = ev_stack.Simulation(
         "double_lane_change", **{"method": method, "set": NOISE, "record": False, **other}
     ).state
@@ -179,8 +217,13 @@ def test_a_state_that_does_not_fit_is_refused_and_nothing_changes(other, said):
 def test_a_state_of_other_sizes_or_of_something_else_is_refused():
     car = simulation(record=False)
     saved = car.state
-    short = {**saved.parts, "asr": tuple(np.zeros(np.size(each) + 1) for each in saved.parts["asr"])}
-    with pytest.raises(ParameterError, match=r"^state: asr had \d+ numbers, here it has \d+; expected as many"):
+    short = {
+        **saved.parts,
+        "asr": tuple(np.zeros(np.size(each) + 1) for each in saved.parts["asr"]),
+    }
+    with pytest.raises(
+        ParameterError, match=r"^state: asr had \d+ numbers, here it has \d+; expected as many"
+    ):
         car.state = replace(saved, parts=short)
     older = {**saved.of, "numbers": 7}
     with pytest.raises(ParameterError, match="state: numbers was 7, here it is"):
@@ -189,7 +232,9 @@ def test_a_state_of_other_sizes_or_of_something_else_is_refused():
         car.state = {"instant": 3}
 
 
-@pytest.mark.parametrize("copied", [copy.deepcopy, lambda car: pickle.loads(pickle.dumps(car))], ids=["copy", "pickle"])
+@pytest.mark.parametrize(
+    "copied", [copy.deepcopy, lambda car: pickle.loads(pickle.dumps(car))], ids=["copy", "pickle"]
+)
 def test_a_copy_goes_on_with_the_same_bits_and_by_itself(copied):
     """Its noise and its recording as well; a part is compiled code, which no copy takes along."""
     car = simulation()
@@ -219,7 +264,10 @@ def test_reset_begins_anew():
             "unknown input 'torque_request.drive.left'; did you mean torque_request.drive.",
         ),
         ({"imu.yaw_rate": 1.0}, "unknown input 'imu.yaw_rate'; known: "),
-        ({"torque_request.drive.front_left": float("nan")}, "input torque_request.drive.front_left: nan is refused"),
+        (
+            {"torque_request.drive.front_left": float("nan")},
+            "input torque_request.drive.front_left: nan is refused",
+        ),
     ],
 )
 def test_other_inputs_are_refused_and_nothing_is_done(inputs, said):
@@ -236,7 +284,9 @@ def test_a_configured_run_is_driven_as_it_is(changed):
     """What differs has been said when it was configured; it was left out without a word."""
     run = only_run("shchur2019_steps", "object", overrides(duration=0.1))
     assert ev_stack.Simulation(run).duration == 0.1
-    with pytest.raises(ParameterError, match=r"^run object is configured already, expected a name or path with"):
+    with pytest.raises(
+        ParameterError, match=r"^run object is configured already, expected a name or path with"
+    ):
         ev_stack.Simulation(run, **changed)
 
 

@@ -54,10 +54,15 @@ def test_who_touches_a_cone_does_not_pass():
 
 
 @given(offset=st.floats(-0.5, 0.5), aside=st.floats(-1.0, 1.0), turned=st.floats(-0.5, 0.5))
-def test_the_body_lies_around_the_middle_of_the_car_not_around_its_centre_of_mass(offset, aside, turned):
+def test_the_body_lies_around_the_middle_of_the_car_not_around_its_centre_of_mass(
+    offset, aside, turned
+):
     """A car whose centre of mass is left of its middle has the body of one that drives as far right of it."""
     cosine, sine = np.cos(turned), np.sin(turned)
-    body, mass = driven((13.0, aside), (17.0, aside - 3.0)), driven((13.0, aside), (17.0, aside - 3.0))
+    body, mass = (
+        driven((13.0, aside), (17.0, aside - 3.0)),
+        driven((13.0, aside), (17.0, aside - 3.0)),
+    )
     for run in (body, mass):
         run.channels["pose.orientation_z"] += np.sin(turned / 2)
         run.channels["pose.orientation_w"] += np.cos(turned / 2) - 1.0
@@ -78,19 +83,31 @@ def test_who_has_left_the_road_has_not_passed_it_cleanly():
 
 def test_who_drives_beside_a_lane_has_not_passed_it():
     """3 m aside on the road, beside the second lane, which begins at 20 m, and its cones."""
-    assert judged(driven((13.0, 0.0), (17.0, 0.0))) == (0.0, None, "not measured: the car left its lane at 3.00 s")
+    assert judged(driven((13.0, 0.0), (17.0, 0.0))) == (
+        0.0,
+        None,
+        "not measured: the car left its lane at 3.00 s",
+    )
 
 
 def test_between_the_lanes_the_road_counts():
     """A way of 5 m aside on a road of 8 m between two lanes that the car passes: 4 m at 10 m."""
     course = Course("", (-5.0, 30.0), (0.0, 35.0), width_margin=(3.0, 3.0))
     astray = [(2.0, 0.0), (12.0, 5.0), (22.0, 5.0), (27.0, 0.0)]
-    assert judged(driven(*astray), course) == (0.0, None, "not measured: the car left the road at 2.01 s")
+    assert judged(driven(*astray), course) == (
+        0.0,
+        None,
+        "not measured: the car left the road at 2.01 s",
+    )
     assert judged(driven(*((x, 0.7 * y) for x, y in astray)), course)[0] == 1.0
 
 
 def test_a_run_that_ends_on_the_course_is_not_judged_but_one_that_has_failed_is():
-    assert judged(driven(*CLEAN, end=25.0)) == (None, None, "not measured: the end of the course never comes")
+    assert judged(driven(*CLEAN, end=25.0)) == (
+        None,
+        None,
+        "not measured: the end of the course never comes",
+    )
     assert judged(driven((0.0, 9.0), end=25.0))[0] == 0.0
 
 
@@ -103,7 +120,9 @@ def test_a_scenario_without_a_course_gets_no_foreign_cones(tmp_path):
         "    path: {x: [-50.0, 10.0, 30.0, 100.0], y: [0.0, 0.0, 3.0, 3.0]}\n"
     )
     result = ev_stack.run(tmp_path / "single_lane_change.yaml")
-    assert result.metrics["cones_hit"].verdict.startswith("not measured: the scenario has no course: ")
+    assert result.metrics["cones_hit"].verdict.startswith(
+        "not measured: the scenario has no course: "
+    )
     assert result.metrics["peak_yaw_rate"].value > 0.0
     (axes,) = result.figures()["course"].axes
     assert axes.get_title(loc="left").startswith("single lane change")
@@ -114,8 +133,14 @@ def test_a_scenario_without_a_course_gets_no_foreign_cones(tmp_path):
     ("lanes", "said"),
     [
         ({"begin": (0.0, 20.0), "end": (10.0,)}, "end has 1 values, expected 2 as begin has"),
-        ({"begin": (0.0,), "end": (10.0,), "gap": (0.0, 1.0)}, "gap has 2 values, expected 1 as begin has"),
-        ({"begin": (0.0, 5.0), "end": (10.0, 20.0), "width_margin": (1.0, 1.0)}, "begin and end do not rise, "),
+        (
+            {"begin": (0.0,), "end": (10.0,), "gap": (0.0, 1.0)},
+            "gap has 2 values, expected 1 as begin has",
+        ),
+        (
+            {"begin": (0.0, 5.0), "end": (10.0, 20.0), "width_margin": (1.0, 1.0)},
+            "begin and end do not rise, ",
+        ),
         ({"begin": (0.0,), "end": (0.0,), "width_margin": (1.0,)}, "begin and end do not rise, "),
         ({"begin": (0.0,), "end": (10.0,)}, "a lane has no width, expected "),
     ],
@@ -130,9 +155,21 @@ def test_who_is_over_before_the_end_has_not_passed_whatever_comes():
     random, judgements = np.random.default_rng(1), set()
     for _ in range(200):
         widths = tuple(random.uniform(2.0, 6.0, 2).tolist())
-        course = Course("", (0.0, 15.0), (10.0, 35.0), (0.0, random.uniform(-2.0, 2.0)), width_margin=widths, cones=2)
-        run = driven((10.0, 0.0), *zip((16.0, 20.0, 25.0), random.uniform(-2.0, 2.0, 3), strict=True))
-        parts = (Recording(run.time[:n], {of: values[:n] for of, values in run.channels.items()}) for n in LOOKS)
+        course = Course(
+            "",
+            (0.0, 15.0),
+            (10.0, 35.0),
+            (0.0, random.uniform(-2.0, 2.0)),
+            width_margin=widths,
+            cones=2,
+        )
+        run = driven(
+            (10.0, 0.0), *zip((16.0, 20.0, 25.0), random.uniform(-2.0, 2.0, 3), strict=True)
+        )
+        parts = (
+            Recording(run.time[:n], {of: values[:n] for of, values in run.channels.items()})
+            for n in LOOKS
+        )
         over = next((part for part in parts if is_over(part, 0, Vehicle(), None, course)), run)
         has_passed = passed(run, Vehicle(), None, course)
         assert passed(over, Vehicle(), None, course) == has_passed

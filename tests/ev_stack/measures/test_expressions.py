@@ -71,7 +71,9 @@ def measured(expression: str) -> Metric:
 )
 def test_an_expression_is_what_it_says(expression, value):
     if value is None:
-        with pytest.raises(ParameterError, match="it has a value at each sample, expected one number"):
+        with pytest.raises(
+            ParameterError, match="it has a value at each sample, expected one number"
+        ):
             measured(expression)
     else:
         assert measured(expression).value == pytest.approx(value, rel=1e-14)
@@ -98,7 +100,10 @@ def test_what_has_no_value_says_why(expression, why):
     ("text", "said"),
     [
         ("x [1] = maxi(imu.yaw_rate)", "unknown function 'maxi'; did you mean maximum?"),
-        ("x [1] = maximum(imu.yaw_rat)", "unknown channel 'imu.yaw_rat'; did you mean imu.yaw_rate, twist.yaw_rate?"),
+        (
+            "x [1] = maximum(imu.yaw_rat)",
+            "unknown channel 'imu.yaw_rat'; did you mean imu.yaw_rate, twist.yaw_rate?",
+        ),
         ("x [1] = slip_enrgy", "unknown name 'slip_enrgy'; did you mean slip_energy"),
         ("x [1] = __import__('os').system('touch /tmp/x')", "unknown function"),
         ("x [1] = imu.__class__", "unknown channel"),
@@ -147,7 +152,9 @@ def test_what_has_no_meaning_is_one_line(text, said):
 
 
 def test_a_name_of_no_metric_asks_for_the_similar_one():
-    with pytest.raises(ParameterError, match=r"^unknown metric 'yaw_rate_eror'; did you mean yaw_rate_error, p"):
+    with pytest.raises(
+        ParameterError, match=r"^unknown metric 'yaw_rate_eror'; did you mean yaw_rate_error, p"
+    ):
         named_metric("yaw_rate_eror")
     with pytest.raises(ParameterError, match=r"^metric 'mine' is there twice, expected once$"):
         named_metrics(["mine [1] = 1", "mine [1] = 2"])
@@ -170,7 +177,9 @@ def test_commas_within_parentheses_separate_no_metrics():
 
 
 def test_the_file_of_a_scenario_is_named_with_what_is_wrong_in_it(tmp_path):
-    (tmp_path / "own.yaml").write_text("/**/scenario:\n  ros__parameters: {metrics: ['yaw_rate_eror']}\n")
+    (tmp_path / "own.yaml").write_text(
+        "/**/scenario:\n  ros__parameters: {metrics: ['yaw_rate_eror']}\n"
+    )
     with pytest.raises(ParameterError) as error:
         load_scenario(str(tmp_path / "own.yaml"))
     assert (

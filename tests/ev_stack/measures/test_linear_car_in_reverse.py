@@ -27,7 +27,8 @@ from ev_stack.scenarios.about import vehicle_of
 CARS = ("ge_ni2005", "compact_ev")  # tyres alone, and with compliance steer of both axles
 SPEEDS = (10.0, -10.0, -5.0)
 SIDES = ("left", "right")
-# The plant has a lag, load transfer and drag beside the linear car: 0.4 % at 0.3 m/s^2, where K_us is worth 15 %.
+# The plant has a lag, load transfer and drag beside the linear car: 0.4 % at 0.3 m/s^2, where K_us
+# is worth 15 %.
 CLOSE = 0.005
 
 
@@ -40,12 +41,21 @@ def settled(car: str, speed: float, side: str) -> Recording:
         "driver.speed_profile.time": [0.0],
         "steering_column.scale": 0.2,
     }
-    return ev_stack.run("step_steer", runs=[side], vehicle=car, duration=12.0, set=values).runs[side].part(1000)
+    return (
+        ev_stack.run("step_steer", runs=[side], vehicle=car, duration=12.0, set=values)
+        .runs[side]
+        .part(1000)
+    )
 
 
 def motion(run: Recording) -> tuple[float, float, float, float]:
     """Road-wheel angle [rad], speed ahead and aside [m/s], and yaw rate [rad/s] in the end."""
-    names = ("steering_column.state.road_wheel_angle", "twist.longitudinal", "twist.lateral", "imu.yaw_rate")
+    names = (
+        "steering_column.state.road_wheel_angle",
+        "twist.longitudinal",
+        "twist.lateral",
+        "imu.yaw_rate",
+    )
     return tuple(float(run.channels[name][-1]) for name in names)
 
 
@@ -57,7 +67,9 @@ def test_the_reference_of_the_metric_is_what_the_plant_does(car, speed, side):
     run, vehicle = settled(car, speed, side), vehicle_of(car)
     angle, u, _, yaw_rate = motion(run)
     gradient = understeer_gradient(vehicle, ahead=np.copysign(1.0, speed))
-    assert yaw_rate == pytest.approx(u * angle / (vehicle.wheelbase + gradient * u * abs(u)), rel=CLOSE)
+    assert yaw_rate == pytest.approx(
+        u * angle / (vehicle.wheelbase + gradient * u * abs(u)), rel=CLOSE
+    )
     assert handling.yaw_rate_error(run, vehicle) < CLOSE * abs(yaw_rate)
 
 
@@ -67,7 +79,9 @@ def test_the_driver_who_looks_ahead_knows_the_steady_circle(car, speed):
     """Angle and sideslip that he learns are those beyond the linear car: here there is nothing to learn."""
     angle, u, aside, yaw_rate = motion(settled(car, speed, "left"))
     circle = steady_circle(vehicle_of(car), np.copysign(1.0, speed))
-    assert angle == pytest.approx((circle.length / u + circle.gradient * abs(u)) * yaw_rate, rel=CLOSE)
+    assert angle == pytest.approx(
+        (circle.length / u + circle.gradient * abs(u)) * yaw_rate, rel=CLOSE
+    )
     assert aside == pytest.approx((circle.arm - circle.lag * abs(u) * u) * yaw_rate, rel=2 * CLOSE)
 
 
@@ -77,10 +91,14 @@ def test_laws_want_of_a_steady_car_what_it_does(speed):
     car: Vehicle = vehicle_of("ge_ni2005")
     angle, u, _, yaw_rate = motion(settled(car.name, speed, "left"))
     gradient = understeer_gradient(car)
-    imu = InertialMeasurement(yaw_rate=yaw_rate, longitudinal_acceleration=0.0, lateral_acceleration=u * yaw_rate)
+    imu = InertialMeasurement(
+        yaw_rate=yaw_rate, longitudinal_acceleration=0.0, lateral_acceleration=u * yaw_rate
+    )
     blended = YawDifferenceParameters(understeer=gradient, deadband=0.0)
     assert abs(yaw_error(blended, car, u, angle, imu)) < CLOSE * abs(yaw_rate)
-    course = CourseStabilityParameters(understeer=gradient, wish=Wish.ANGLE, against=Against.BOTH, yaw_gain=1.0)
+    course = CourseStabilityParameters(
+        understeer=gradient, wish=Wish.ANGLE, against=Against.BOTH, yaw_gain=1.0
+    )
     column = SteeringColumnState(0.0, 0.0, 0.0, angle, 0.0)
     assert abs(yaw_moment(course, car, 1.0, column, u, yaw_rate)) < CLOSE * abs(yaw_rate)
 

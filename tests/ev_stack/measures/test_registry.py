@@ -44,8 +44,13 @@ def test_a_metric_needs_the_channels_that_it_names_and_no_others(name):
     """All but its optional ones: without friction the wanted yaw rate is not limited, which it is not here."""
     each, run = METRICS[name], driven()
     assert each.measured(run).value == result().metrics[name].value is not None
-    channels = {key: values for key, values in run.signals.channels.items() if key.startswith(each.needs)}
-    assert each.measured(run._replace(signals=Recording(run.signals.time, channels))).value == each.measured(run).value
+    channels = {
+        key: values for key, values in run.signals.channels.items() if key.startswith(each.needs)
+    }
+    assert (
+        each.measured(run._replace(signals=Recording(run.signals.time, channels))).value
+        == each.measured(run).value
+    )
     for need in each.needs:
         less = {key: values for key, values in channels.items() if not key.startswith(need)}
         assert each.lacking(less) == need
@@ -68,7 +73,9 @@ def test_the_understeer_gradient_of_a_slow_ramp_is_that_of_the_linear_car():
         }
         driven = driven_run(run_offline(run, 6.0), run)
         of_car = understeer_gradient(driven.vehicle)
-        assert METRICS["understeer_gradient"].measured(driven).value == pytest.approx(of_car, rel=0.05)
+        assert METRICS["understeer_gradient"].measured(driven).value == pytest.approx(
+            of_car, rel=0.05
+        )
 
 
 @pytest.mark.parametrize(
@@ -80,9 +87,15 @@ def test_the_understeer_gradient_of_a_slow_ramp_is_that_of_the_linear_car():
         ("shchur2019", "shchur2019"),
     ],
 )
-def test_the_understeer_gradient_is_not_measured_where_the_car_does_not_turn_steadily(scenario, run):
+def test_the_understeer_gradient_is_not_measured_where_the_car_does_not_turn_steadily(
+    scenario, run
+):
     """Of a car that neither under- nor oversteers the slopes are 0.0101, 0.0055, -0.0031, -0.0125 there."""
-    runs = ev_stack.run(scenario, runs=[run] if scenario == "sine_with_dwell" else [], metrics=["understeer_gradient"])
+    runs = ev_stack.run(
+        scenario,
+        runs=[run] if scenario == "sine_with_dwell" else [],
+        metrics=["understeer_gradient"],
+    )
     found = runs.metrics["understeer_gradient"]
     assert found.value is None
     assert found.reason.startswith("the car does not turn steadily: ")
@@ -92,7 +105,10 @@ def test_the_understeer_gradient_is_not_measured_where_the_car_does_not_turn_ste
 def test_the_ramp_of_the_standard_is_steady_enough(car):
     """FMVSS 126, S7.6, which the boards record the gradient on."""
     run = ev_stack.run(
-        "sine_with_dwell", runs=["slowly_increasing_steer"], vehicle=car, metrics=["understeer_gradient"]
+        "sine_with_dwell",
+        runs=["slowly_increasing_steer"],
+        vehicle=car,
+        metrics=["understeer_gradient"],
     )
     assert 0.0 < run.metrics["understeer_gradient"].value < 0.0015
 
@@ -105,20 +121,27 @@ def test_a_bus_has_its_metrics():
 def test_a_batch_has_the_metrics_of_its_runs_to_the_bit():
     """Also where sensors show another motion."""
     noise = {"plant.sensors.imu_yaw_rate.noise": 0.01}
-    found = ev_stack.batch("double_lane_change", {"*.seed": [0, 1]}, metrics=OF_A_CAR, duration=3.0, set=noise).metrics
+    found = ev_stack.batch(
+        "double_lane_change", {"*.seed": [0, 1]}, metrics=OF_A_CAR, duration=3.0, set=noise
+    ).metrics
     assert {name: values[1] for name, values in found.items()} == {
         name: result().metrics[name].value for name in OF_A_CAR
     }
 
 
 def test_a_batch_refuses_what_it_cannot_measure_before_it_drives():
-    for metric, said in (("peak_slip", "metric peak_slip needs tire_forces.slip_ratio, which "), ("peak", "unknown m")):
+    for metric, said in (
+        ("peak_slip", "metric peak_slip needs tire_forces.slip_ratio, which "),
+        ("peak", "unknown m"),
+    ):
         with pytest.raises(ParameterError, match=f"^{said}"):
             ev_stack.batch("shchur2019", metrics=[metric], duration=1e3)
 
 
 def test_a_batch_names_what_only_reports_measure():
-    with pytest.raises(ParameterError, match=r"^metric cones_hit is one of the report double_lane_change, expected"):
+    with pytest.raises(
+        ParameterError, match=r"^metric cones_hit is one of the report double_lane_change, expected"
+    ):
         ev_stack.batch("double_lane_change", metrics=["cones_hit"], duration=1e3)
 
 
@@ -129,11 +152,16 @@ def test_torque_activity_friction_use_and_battery_energy_are_what_they_say():
         f"{quantity}.{wheel}": np.zeros(3)
         for quantity in (
             "torque_command.drive",
-            *(f"tire_forces.{of}" for of in ("longitudinal_force", "lateral_force", "load", "friction_coefficient")),
+            *(
+                f"tire_forces.{of}"
+                for of in ("longitudinal_force", "lateral_force", "load", "friction_coefficient")
+            ),
         )
         for wheel in ("front_left", "front_right", "rear_left", "rear_right")
     }
-    channels["torque_command.drive.front_left"] = channels["torque_command.drive.rear_right"] = np.array([0.0, 10, 0])
+    channels["torque_command.drive.front_left"] = channels["torque_command.drive.rear_right"] = (
+        np.array([0.0, 10, 0])
+    )
     for of, value in (
         ("longitudinal_force", 300.0),
         ("lateral_force", 400.0),
@@ -143,7 +171,10 @@ def test_torque_activity_friction_use_and_battery_energy_are_what_they_say():
         channels[f"tire_forces.{of}.rear_left"] = np.full(3, value)
     channels |= {"battery.voltage": np.full(3, 5.0), "battery.current": np.full(3, -2.0)}
     run = driven()._replace(signals=Recording(time, channels))
-    found = {name: METRICS[name].measured(run).value for name in ("torque_activity", "friction_use", "battery_energy")}
+    found = {
+        name: METRICS[name].measured(run).value
+        for name in ("torque_activity", "friction_use", "battery_energy")
+    }
     assert found == {"torque_activity": 20.0, "friction_use": 1.0, "battery_energy": 20.0}
 
 

@@ -26,14 +26,16 @@ from ev_stack.scenarios.scenario import Overrides, load_scenario
 def test_wheels_point_where_their_side_force_bends_them(front, rear, side, direction):
     """On a steady circle the ground passes under each wheel at its slip angle, that of the plant.
 
-    To 0.02 deg: the car still loses speed. Without compliance the front wheels would be off by 2.5e-6 rad/N of
-    2 kN, 0.3 deg.
+    To 0.02 deg: the car still loses speed. Without compliance the front wheels would be off by
+    2.5e-6 rad/N of 2 kN, 0.3 deg.
     """
     values = [
         ("*", "vehicle.suspension.front_compliance_steer", front),
         ("*", "vehicle.suspension.rear_compliance_steer", rear),
     ]
-    scenario = load_scenario("steady_circle", Overrides(vehicle="compact_ev", values=values), ("linear",))
+    scenario = load_scenario(
+        "steady_circle", Overrides(vehicle="compact_ev", values=values), ("linear",)
+    )
     configurations = scenario.runs[0].configurations
     turned = configure("steering_column", {
         "method": "steering_robot", "profile.time": [0.2, 1.5], "profile.angle": [0.0, 0.9 * side]
@@ -47,15 +49,22 @@ def test_wheels_point_where_their_side_force_bends_them(front, rear, side, direc
         "steering_column": replace(turned, common=configurations["plant"].common),
     }
     signals, vehicle, *_ = driven_run(run_offline(run, 4.0), run)
-    along, across, turning = (signals.channels[f"twist.{name}"] for name in ("longitudinal", "lateral", "yaw_rate"))
-    held = sum(signals.channels[f"tire_forces.lateral_force.front_{side}"][-1] for side in ("left", "right"))
+    along, across, turning = (
+        signals.channels[f"twist.{name}"] for name in ("longitudinal", "lateral", "yaw_rate")
+    )
+    held = sum(
+        signals.channels[f"tire_forces.lateral_force.front_{side}"][-1]
+        for side in ("left", "right")
+    )
     assert abs(held) > 2000.0
     for wheel, x, y in zip(WHEEL_NAMES, *wheel_places(vehicle), strict=True):
         cosine, sine = wheel_directions(signals, vehicle)[wheel]
         ground_x, ground_y = along - y * turning, across + x * turning
         rolls, slides = ground_x * cosine + ground_y * sine, ground_y * cosine - ground_x * sine
         angle = np.arctan2(slides, np.abs(rolls))[-1]
-        assert angle == pytest.approx(signals.channels[f"tire_forces.slip_angle.{wheel}"][-1], abs=3.5e-4)
+        assert angle == pytest.approx(
+            signals.channels[f"tire_forces.slip_angle.{wheel}"][-1], abs=3.5e-4
+        )
         assert slip_powers(signals, vehicle, wheel)[1][-1] > 0.0  # a tyre takes work, it gives none
 
 

@@ -17,7 +17,9 @@ from ev_stack.scenarios.about import vehicle_of
 
 RATIOS = (1.0, 0.98, 1.02, 0.9)
 CAR = dataclasses.replace(vehicle_of("audi_a2"), wheel_radius_ratio=RATIOS)
-ROLLING = {name: 10.0 / (CAR.wheel_radius * ratio) for name, ratio in zip(WHEEL_NAMES, RATIOS, strict=True)}
+ROLLING = {
+    name: 10.0 / (CAR.wheel_radius * ratio) for name, ratio in zip(WHEEL_NAMES, RATIOS, strict=True)
+}
 SPEEDS = {f"wheel_states.velocity.{name}": np.full(3, turns) for name, turns in ROLLING.items()}
 RUN = Recording(np.arange(3) * 0.01, {**SPEEDS, "pose.x": np.zeros(3), "pose.y": np.zeros(3)})
 
@@ -36,5 +38,8 @@ def test_rim_speeds_are_drawn_with_the_radius_of_each_wheel():
 
 def test_a_smaller_wheel_that_turns_faster_adds_more_mass():
     """Kinetic energy of rotation J w^2/2 with w = V/r of each wheel."""
-    energy = sum(inertia * ROLLING[wheel] ** 2 for wheel, inertia in zip(WHEEL_NAMES, wheel_inertias(CAR), strict=True))
+    energy = sum(
+        inertia * ROLLING[wheel] ** 2
+        for wheel, inertia in zip(WHEEL_NAMES, wheel_inertias(CAR), strict=True)
+    )
     assert effective_mass(CAR) == pytest.approx(CAR.mass + energy / 100.0)

@@ -47,7 +47,9 @@ def write_counters(bag: DurableBag, topics: list[Connection], counters: range) -
 def read_counters(directory: Path) -> list[int]:
     """What a standard reader finds, having checked that metadata.yaml counts just that."""
     with AnyReader([directory]) as reader:
-        counters = [reader.deserialize(data, topic.msgtype).data for topic, _, data in reader.messages()]
+        counters = [
+            reader.deserialize(data, topic.msgtype).data for topic, _, data in reader.messages()
+        ]
         assert reader.message_count == len(counters)
         assert sum(topic.msgcount for topic in reader.connections) == len(counters)
     return counters
@@ -99,8 +101,14 @@ def test_messages_come_back_bit_for_bit(tmp_path: Path):
                 bag.checkpoint()
     with AnyReader([tmp_path / "bag"]) as reader:
         assert [(stamp, data) for _, stamp, data in reader.messages()] == messages
-        assert {topic.topic: topic.msgcount for topic in reader.connections} == {"/even": 1500, "/odd": 1500}
-    assert sorted(path.name for path in (tmp_path / "bag").iterdir()) == ["bag.mcap", "metadata.yaml"]
+        assert {topic.topic: topic.msgcount for topic in reader.connections} == {
+            "/even": 1500,
+            "/odd": 1500,
+        }
+    assert sorted(path.name for path in (tmp_path / "bag").iterdir()) == [
+        "bag.mcap",
+        "metadata.yaml",
+    ]
 
 
 def test_topic_added_late_is_recorded(tmp_path: Path):
@@ -118,7 +126,10 @@ def test_quality_of_service_is_that_of_the_publisher(tmp_path: Path):
         bag.add_topic("/command", INT64, depth=3)
     with Reader(tmp_path / "bag") as reader:
         offered = {topic.topic: topic.ext.offered_qos_profiles[0] for topic in reader.connections}
-    assert {name: (quality.depth, quality.reliability, quality.durability) for name, quality in offered.items()} == {
+    assert {
+        name: (quality.depth, quality.reliability, quality.durability)
+        for name, quality in offered.items()
+    } == {
         "/command": (3, QosReliability.RELIABLE, QosDurability.VOLATILE),
     }
     assert all(quality.history is QosHistory.KEEP_LAST for quality in offered.values())
@@ -202,7 +213,9 @@ def test_kill_loses_less_than_a_second(tmp_path: Path):
             time.sleep(0.0005)
 
     directories = [tmp_path / f"run{run}" for run in range(4)]
-    children = [in_child(lambda directory=directory: record(directory)) for directory in directories]
+    children = [
+        in_child(lambda directory=directory: record(directory)) for directory in directories
+    ]
     wait_until(lambda: all(on_disk(directory) for directory in directories))
     for directory, child, delay in zip(directories, children, (0.1, 0.2, 0.1, 0.2), strict=True):
         time.sleep(delay)
@@ -244,7 +257,9 @@ def test_kill_before_any_step_on_the_file_system(tmp_path: Path):
     while True:
         directory = tmp_path / f"step{steps}"
         saved = mmap.mmap(-1, 1)
-        child = in_child(lambda directory=directory, steps=steps, saved=saved: record(directory, steps, saved))
+        child = in_child(
+            lambda directory=directory, steps=steps, saved=saved: record(directory, steps, saved)
+        )
         ending = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
         counters = read_counters(directory)
         assert counters in (list(range(100 * saved[0])), list(range(100 * saved[0] + 100)))
@@ -327,7 +342,9 @@ def test_failed_exchange_of_metadata_is_made_good_later(tmp_path: Path):
     assert read_counters(tmp_path / "bag") == list(range(30))
 
 
-def test_a_bag_that_cannot_begin_leaves_nothing_that_is_written_later(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_bag_that_cannot_begin_leaves_nothing_that_is_written_later(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     """The library asks for its version when the file is open; without a descriptor the file outlived the error."""
 
     def no_descriptor(_name: str) -> str:

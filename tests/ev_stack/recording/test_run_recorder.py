@@ -33,7 +33,9 @@ def recorder_in(folder: Path, **changed) -> RunRecorder:
 
 
 def message(topic: Topic, step: int, value: float, run: int = 0) -> bytes:
-    return MessageTable(topic).serialize(np.array([step * PERIOD + run]), np.full((1, frame.SIZE), value))[0]
+    return MessageTable(topic).serialize(
+        np.array([step * PERIOD + run]), np.full((1, frame.SIZE), value)
+    )[0]
 
 
 def fail(error: MessageError) -> None:
@@ -74,14 +76,15 @@ class KeepsAll:
         for topic, kept in zip(USED, self.kept, strict=True):
             if kept:
                 held = (kept + [kept[-1]] * steps)[:steps]
-                numbers = np.array([format_of(topic.signal).read(each)[1] for each in held]).reshape(
-                    steps, len(topic.channels)
-                )
+                numbers = np.array(
+                    [format_of(topic.signal).read(each)[1] for each in held]
+                ).reshape(steps, len(topic.channels))
                 channels |= {name: numbers[:, i] for i, name in enumerate(topic.channels)}
         return Recording(np.arange(steps) * PERIOD / 1e9, channels)
 
 
-# Of which topic, so many steps behind or ahead of the next one (none: back to step zero), a value, and of which run.
+# Of which topic, so many steps behind or ahead of the next one (none: back to step zero), a value,
+# and of which run.
 heard = st.tuples(
     st.sampled_from(range(len(USED))),
     st.sampled_from((0, 0, 0, 0, 0, -1, 1, 2, 7, None)),
@@ -97,7 +100,9 @@ def test_what_is_held_is_what_has_come(
     """Repeated, missing and skipped steps, the end of the run, resets; blocks of four steps have many borders."""
     folder = tmp_path_factory.mktemp("recorder")
     with patch.object(spool, "BLOCK", 4):
-        recorder = recorder_in(folder, mode="realtime" if may_skip else "lockstep", duration=last * PERIOD / 1e9)
+        recorder = recorder_in(
+            folder, mode="realtime" if may_skip else "lockstep", duration=last * PERIOD / 1e9
+        )
         expected = KeepsAll(may_skip, last)
         for word in words:
             if word is None:
@@ -112,7 +117,9 @@ def test_what_is_held_is_what_has_come(
             assert recorder.held_stamp == recorder.held + expected.run
             assert recorder.held == (expected.steps() - 1) * PERIOD
             assert bool(recorder.loss) == expected.loss
-            assert recorder.silent == [name for name, kept in zip(NAMES, expected.kept, strict=True) if not kept]
+            assert recorder.silent == [
+                name for name, kept in zip(NAMES, expected.kept, strict=True) if not kept
+            ]
         recorder.close()
     assert [path.name for path in folder.iterdir()] == ["signals.npz"]
     save(expected.recording(), folder / "expected.npz")
@@ -120,7 +127,9 @@ def test_what_is_held_is_what_has_come(
 
 
 @pytest.mark.parametrize(("run", "held"), [(RUN, 0), (0, -PERIOD)])
-def test_answers_that_come_with_a_reset_are_kept_where_their_stamps_tell_them_from_older_ones(tmp_path, run, held):
+def test_answers_that_come_with_a_reset_are_kept_where_their_stamps_tell_them_from_older_ones(
+    tmp_path, run, held
+):
     """After a reset they do; another master counts from zero again, and repeats itself until the answers come."""
     recorder = recorder_in(tmp_path)
     recorder.add(0, [message(USED[0], 0, 1.0)], [0], fail)
@@ -140,7 +149,9 @@ def test_a_closed_recorder_keeps_nothing_more(tmp_path):
     recorder.close()
     kept = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
     recorder.add(1, [message(USED[1], 1, 1.0)], [2], fail)
-    assert recorder.add_beside("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", PERIOD, b"", 2)
+    assert recorder.add_beside(
+        "/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", PERIOD, b"", 2
+    )
     recorder.close()
     assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == kept
 
@@ -152,7 +163,9 @@ def test_memory_does_not_grow_with_the_steps(tmp_path: Path):
     tracemalloc.start()
     for begin in range(0, steps, 1000):
         stamps = np.arange(begin, begin + 1000) * PERIOD
-        several = [MessageTable(topic).serialize(stamps, np.ones((1000, frame.SIZE))) for topic in USED]
+        several = [
+            MessageTable(topic).serialize(stamps, np.ones((1000, frame.SIZE))) for topic in USED
+        ]
         for index, messages in enumerate(several):
             recorder.add(index, messages, [0] * len(messages), fail)
     recorder.close()

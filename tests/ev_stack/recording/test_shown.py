@@ -19,7 +19,10 @@ from ev_stack.recording.spool import MessageTable
 PERIOD = 10_000_000  # ns
 NAMES = ("imu", "driver/command")  # the first one is the master's
 USED = [topic for name in NAMES for topic in TOPICS.values() if topic.name == name]
-LASTS, MOVES = View("/lasts", "std_msgs/msg/Header", lasts=True), View("/moves", "std_msgs/msg/Header")
+LASTS, MOVES = (
+    View("/lasts", "std_msgs/msg/Header", lasts=True),
+    View("/moves", "std_msgs/msg/Header"),
+)
 YAW_RATE, DRIVE = "imu.yaw_rate", "driver.command.drive_torque"
 
 
@@ -31,7 +34,10 @@ class Numbers:
 
     def moving(self, stamps_ns: np.ndarray, run: Recording):
         rows = zip(stamps_ns, run.channels[YAW_RATE], run.channels[DRIVE], strict=True)
-        yield MOVES, [f"{stamp // 1_000_000},{yaw:g},{drive:g}".encode() for stamp, yaw, drive in rows]
+        yield (
+            MOVES,
+            [f"{stamp // 1_000_000},{yaw:g},{drive:g}".encode() for stamp, yaw, drive in rows],
+        )
 
 
 def recorder_in(folder: Path, mode: str) -> RunRecorder:
@@ -40,7 +46,9 @@ def recorder_in(folder: Path, mode: str) -> RunRecorder:
 
 
 def take(recorder: RunRecorder, index: int, step: int, value: float, run: int = 0) -> None:
-    said = MessageTable(USED[index]).serialize(np.array([step * PERIOD + run]), np.full((1, frame.SIZE), value))
+    said = MessageTable(USED[index]).serialize(
+        np.array([step * PERIOD + run]), np.full((1, frame.SIZE), value)
+    )
     recorder.add(index, said, [10**18 + step * PERIOD], lambda error: pytest.fail(str(error)))
 
 
@@ -59,7 +67,10 @@ def test_instants_are_shown_whole_and_every_other_one_of_10_ms(tmp_path):
             take(recorder, 1, step - 1, 2 * (step - 1))
         recorder.took_all()
     recorder.close()
-    expected = [(0, "once"), *((step * PERIOD, f"{step * 10},{step},{2 * step}") for step in range(0, 59, 2))]
+    expected = [
+        (0, "once"),
+        *((step * PERIOD, f"{step * 10},{step},{2 * step}") for step in range(0, 59, 2)),
+    ]
     assert sorted(shown_in(tmp_path / "bag")) == sorted(expected)
 
 

@@ -29,21 +29,27 @@ def cells(text: str) -> list[list[str]]:
 def test_numbers_have_the_digits_that_are_wanted_and_a_column_that_fits_them():
     """Four significant digits: 99999.96 is 100000; siunitx is told the most digits before and behind the point."""
     text = latex_table(COLUMNS, ROWS)
-    formats = (
-        "l S[table-format=-1.5] S[table-format=6.2] S[table-format=2.0] S[table-format=1.3e-2] S[table-format=1.3]"
-    )
+    formats = "l S[table-format=-1.5] S[table-format=6.2] S[table-format=2.0] S[table-format=1.3e-2] S[table-format=1.3]"
     assert rf"\begin{{tabular}}{{{formats}}}" in text
     assert [row[1] for row in cells(text)] == ["0.01235", "-1.500", "0.5000"]
     assert [row[2] for row in cells(text)] == ["123500", "12.30", "100000"]
-    assert [row[3] for row in cells(text)] == ["0", "12", "7"]  # whole numbers have no digits to choose
+    # whole numbers have no digits to choose
+    assert [row[3] for row in cells(text)] == ["0", "12", "7"]
     assert [row[4] for row in cells(text)] == ["1.200e-09", "3.400e-12", "5.600e-10"]
     assert [row[5] for row in cells(text)] == ["", "2.000", "0.000"]
-    assert [row[1] for row in cells(latex_table(COLUMNS, ROWS, digits=2))] == ["0.012", "-1.5", "0.50"]
+    assert [row[1] for row in cells(latex_table(COLUMNS, ROWS, digits=2))] == [
+        "0.012",
+        "-1.5",
+        "0.50",
+    ]
 
 
 def test_text_is_masked_and_heads_are_braced():
     text = latex_table(COLUMNS, ROWS)
-    assert r"{method} & {peak [rad]} & {energy [J]} & {seed} & {work\_50 \% \& more} & {gap} \\" in text
+    assert (
+        r"{method} & {peak [rad]} & {energy [J]} & {seed} & {work\_50 \% \& more} & {gap} \\"
+        in text
+    )
     assert cells(text)[2][0] == r"a\textasciicircum{}b\textasciitilde{}\{c\}\textbackslash{}"
 
 
@@ -63,7 +69,9 @@ def test_values_that_look_alike_are_all_bold():
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not shutil.which("pdflatex"), reason="pdflatex with booktabs and siunitx 3 is not installed")
+@pytest.mark.skipif(
+    not shutil.which("pdflatex"), reason="pdflatex with booktabs and siunitx 3 is not installed"
+)
 def test_latex_accepts_the_table(tmp_path: Path):
     table = latex_table(COLUMNS, ROWS, best={"peak [rad]": LOWER, COLUMNS[4]: LOWER})
     head = r"\documentclass{article}\usepackage{booktabs,siunitx}\begin{document}"

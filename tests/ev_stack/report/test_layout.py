@@ -40,15 +40,22 @@ def compared() -> dict[str, Sheet]:
         values = {name: np.sin(TIME + number // 2) for name in list(compare.CURVES)[2:]}
         return {"time": TIME, "x": 10.0 * TIME, "y": 0.1 * np.sin(TIME + number), **values}
 
-    return compare.figures(Namespace(scenario="double_lane_change"), results_of(methods_of(compare.ROLE), measured))
+    return compare.figures(
+        Namespace(scenario="double_lane_change"), results_of(methods_of(compare.ROLE), measured)
+    )
 
 
 def swept(varied: int) -> dict[str, Sheet]:
     """Five metrics over one or two parameters of long names, two seeds."""
-    words = ("electronic_differential.gamma=-0.001:0.0005:7", "plant.sensors.imu_acceleration.noise=1,2,5,10,100")
+    words = (
+        "electronic_differential.gamma=-0.001:0.0005:7",
+        "plant.sensors.imu_acceleration.noise=1,2,5,10,100",
+    )
     options = [word for each in words[:varied] for word in ("--vary", each)]
     given = arguments("sweep", ["double_lane_change", "--seeds", "2", *options])
-    units = {f"front_left_largest_slip_energy_of_run_{n}": ("rad", "J", "1")[n % 3] for n in range(5)}
+    units = {
+        f"front_left_largest_slip_energy_of_run_{n}": ("rad", "J", "1")[n % 3] for n in range(5)
+    }
 
     def measured(number: int) -> dict:
         values = {name: number * 10.0 ** (n % 9 - 4) for n, name in enumerate(units)}
@@ -68,12 +75,17 @@ def shootout() -> dict[str, Sheet]:
 def with_faults() -> dict[str, Sheet]:
     given = Namespace(laws=None, faults=None)
     measured = {"time": TIME, "deviation": np.sin(TIME), "yaw_rate": 100.0 * np.cos(TIME)}
-    return faults.figures(given, results_of([case.name for case in faults.cases(given)], lambda n: measured))
+    return faults.figures(
+        given, results_of([case.name for case in faults.cases(given)], lambda n: measured)
+    )
 
 
 def largest_sideslip() -> dict[str, Sheet]:
     names = [
-        grid.name_of(control, force, angle) for control in grid.SWEPT for force in grid.FORCES for angle in grid.ANGLES
+        grid.name_of(control, force, angle)
+        for control in grid.SWEPT
+        for force in grid.FORCES
+        for angle in grid.ANGLES
     ]
     (sheet,) = zhileykin2018_sweep.figures(
         Namespace(), results_of(names, lambda n: {"peak_sideslip": 0.01 * (n % 300)})
@@ -82,8 +94,13 @@ def largest_sideslip() -> dict[str, Sheet]:
 
 
 def efficiencies() -> dict[str, Sheet]:
-    titles = dict(enumerate(("by torque", "by power of the motor", "as printed", "free", "by speed"), 1))
-    points = {name: {n: [0.5 + 0.05 * n, 0.6] for n in titles} for name in ("pulse", "imposed_speed", "pid")}
+    titles = dict(
+        enumerate(("by torque", "by power of the motor", "as printed", "free", "by speed"), 1)
+    )
+    points = {
+        name: {n: [0.5 + 0.05 * n, 0.6] for n in titles}
+        for name in ("pulse", "imposed_speed", "pid")
+    }
     return {"wheel_efficiency": efficiency_figure(points, dict.fromkeys(titles, 0.8), titles)}
 
 
@@ -120,12 +137,15 @@ STUDIES = {
 
 
 @pytest.mark.parametrize(
-    ("study", "width"), [*((study, COLUMN) for study in STUDIES), ("sweep of two", WIDE), ("compare", WIDE)]
+    ("study", "width"),
+    [*((study, COLUMN) for study in STUDIES), ("sweep of two", WIDE), ("compare", WIDE)],
 )
 @pytest.mark.sampled
 def test_print_has_no_text_beyond_the_edge_or_over_another(study: str, width: float):
     """A sweep of two parameters was 3.5 x 33.9 in, with colour bars apart from their maps and titles cut."""
-    found = {name: flaws(figure, width) for name, figure in printed(STUDIES[study](), width).items()}
+    found = {
+        name: flaws(figure, width) for name, figure in printed(STUDIES[study](), width).items()
+    }
     assert found and {name: of for name, of in found.items() if of} == {}
 
 
@@ -136,7 +156,9 @@ def test_a_colour_bar_stands_beside_its_map():
     for axes in figure.axes:
         if bar := axes.collections and axes.collections[0].colorbar:
             of_map, of_bar = axes.get_position(), bar.ax.get_position()
-            assert of_map.y0 == pytest.approx(of_bar.y0, abs=0.01) and of_map.y1 == pytest.approx(of_bar.y1, abs=0.01)
+            assert of_map.y0 == pytest.approx(of_bar.y0, abs=0.01) and of_map.y1 == pytest.approx(
+                of_bar.y1, abs=0.01
+            )
             assert 0.0 < of_bar.x0 - of_map.x1 < 0.05
             assert bar.ax.get_ylabel().endswith("]")
 
@@ -144,10 +166,16 @@ def test_a_colour_bar_stands_beside_its_map():
 @pytest.mark.skipif(not shutil.which("pdftotext"), reason="pdftotext of poppler is not installed")
 def test_words_of_a_pdf_stand_on_its_page(tmp_path: Path):
     for path in save_figures(printed(compared(), COLUMN), tmp_path, ["pdf"]):
-        text = subprocess.run(["pdftotext", "-bbox", path, "-"], capture_output=True, text=True, check=True).stdout
-        wide, tall = map(float, re.search(r'<page width="([\d.]+)" height="([\d.]+)">', text).groups())
+        text = subprocess.run(
+            ["pdftotext", "-bbox", path, "-"], capture_output=True, text=True, check=True
+        ).stdout
+        wide, tall = map(
+            float, re.search(r'<page width="([\d.]+)" height="([\d.]+)">', text).groups()
+        )
         assert wide == pytest.approx(72 * COLUMN) and tall <= 72 * TALLEST
-        words = re.findall(r'<word xMin="([-\d.]+)" yMin="([-\d.]+)" xMax="([-\d.]+)" yMax="([-\d.]+)">', text)
+        words = re.findall(
+            r'<word xMin="([-\d.]+)" yMin="([-\d.]+)" xMax="([-\d.]+)" yMax="([-\d.]+)">', text
+        )
         assert len(words) > 20
         for left, top, right, bottom in (map(float, word) for word in words):
             assert left >= 0.0 and top >= 0.0 and right <= wide and bottom <= tall

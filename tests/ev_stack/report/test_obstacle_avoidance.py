@@ -41,7 +41,11 @@ def test_the_car_avoids_the_obstacle_with_its_drives_released():
 
 def test_who_drives_straight_on_takes_the_cones_of_the_second_lane():
     """Its body covers 0.66 to 2.34 m: the left rows of lanes 1 (1.04 m) and 3 (1.5 m), the right one of 2 (2.04 m)."""
-    straight = {"driver.path.x": [-50.0, 200.0], "driver.path.y": [1.5, 1.5], "plant.initial_y": 1.5}
+    straight = {
+        "driver.path.x": [-50.0, 200.0],
+        "driver.path.y": [1.5, 1.5],
+        "plant.initial_y": 1.5,
+    }
     driven = ev_stack.run("obstacle_avoidance", set=straight)
     assert driven.metrics["cones_hit"].value == 4 + 4 + 4
     assert driven.metrics["course_passed"].value == 0

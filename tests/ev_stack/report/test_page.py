@@ -63,7 +63,9 @@ def unpack(packed: Packed) -> np.ndarray:
     """The values (count,), NaN where there is a gap, as the page computes them."""
     raw = np.frombuffer(zlib.decompress(base64.b64decode(packed.text)), np.uint8)
     rows = raw.reshape(packed.planes, packed.count).astype(np.int64)
-    codes = np.cumsum(sum(row << 8 * plane for plane, row in enumerate(rows))) & (256**packed.planes - 1)
+    codes = np.cumsum(sum(row << 8 * plane for plane, row in enumerate(rows))) & (
+        256**packed.planes - 1
+    )
     return np.where(codes == 0, np.nan, packed.low + (codes - 1) * packed.step)
 
 
@@ -148,7 +150,9 @@ def test_signals_get_coarser_until_they_fit_and_the_page_says_so():
 def test_every_channel_is_plotted_once_also_one_of_no_topic():
     names = [*run_on_a_circle(5.0).channels, "stranger.voltage"]
     groups = groups_of(names)
-    plotted = [curve["channel"] for group in groups for plot in group["plots"] for curve in plot["curves"]]
+    plotted = [
+        curve["channel"] for group in groups for plot in group["plots"] for curve in plot["curves"]
+    ]
     assert sorted(plotted) == sorted(names)
     assert [group["title"] for group in groups][-1] == "stranger"
 
@@ -165,13 +169,21 @@ def test_what_the_page_holds_are_the_signals(text: str):
     run = two_runs()["fast_one"]
     for name, truth in run.channels.items():
         of = fast["channels"][name]
-        assert np.allclose(values(of), truth, rtol=1e-12, atol=0.5 * of["step"] + 1e-12, equal_nan=True)
+        assert np.allclose(
+            values(of), truth, rtol=1e-12, atol=0.5 * of["step"] + 1e-12, equal_nan=True
+        )
     assert np.isnan(values(fast["channels"]["imu.yaw_rate"])[slice(*GAP)]).all()
 
 
 def test_hash_command_differences_and_verdicts_stand_there(text: str):
     summary = summary_of(two_runs()).as_json()
-    for words in (summary["signal_hash"], "scripts/run.sh circles --offline", "averaged", "reproduced", "never driven"):
+    for words in (
+        summary["signal_hash"],
+        "scripts/run.sh circles --offline",
+        "averaged",
+        "reproduced",
+        "never driven",
+    ):
         assert words in text
 
 
@@ -202,7 +214,9 @@ def test_who_cannot_see_finds_his_way(outline: Outline):
 @pytest.mark.parametrize("samples", [0, 1, 2])
 def test_a_run_that_hardly_was_one_has_a_page_too(tmp_path: Path, samples: int):
     run = run_on_a_circle(5.0)
-    short = Recording(run.time[:samples], {name: values[:samples] for name, values in run.channels.items()})
+    short = Recording(
+        run.time[:samples], {name: values[:samples] for name, values in run.channels.items()}
+    )
     assert "</html>" in page_of(tmp_path, {"short": short}).read_text(encoding="utf-8")
 
 
@@ -214,7 +228,9 @@ def test_several_results_stand_on_one_page_side_by_side(tmp_path: Path):
         metrics = {"speed": Metric(speed, "m/s")}
         write_summary(
             tmp_path / name / "summary.json",
-            dataclasses.replace(summary_of({key: run}), metrics=metrics, command=f"run {name}").as_json(),
+            dataclasses.replace(
+                summary_of({key: run}), metrics=metrics, command=f"run {name}"
+            ).as_json(),
         )
     main(["report", str(tmp_path / "a"), str(tmp_path / "b"), "--out", str(tmp_path / "both.html")])
     text = (tmp_path / "both.html").read_text(encoding="utf-8")
@@ -225,7 +241,9 @@ def test_several_results_stand_on_one_page_side_by_side(tmp_path: Path):
     assert re.findall(r'class="value">(.*?)</td>', row) == ["5", "7.5", "2.5"]
 
 
-@pytest.mark.parametrize("content", [None, '{"study": "compare"}', '{"scenario": "a", "runs": {"../x": {}, "y": {}}}'])
+@pytest.mark.parametrize(
+    "content", [None, '{"study": "compare"}', '{"scenario": "a", "runs": {"../x": {}, "y": {}}}']
+)
 def test_a_folder_of_no_scenario_is_refused_in_one_line(tmp_path: Path, content: str | None):
     if content:
         (tmp_path / "summary.json").write_text(content)
@@ -252,18 +270,26 @@ def test_there_is_a_way_to_the_car_only_where_there_is_a_car(tmp_path: Path):
     time = np.arange(5.0)
     for car in (CAR, None):
         page = tmp_path / f"{car is not None}.html"
-        write_page(Page("a page", {}, (Signals("", {"a": Recording(time, {"pose.x": time})}, car),)), page)
+        write_page(
+            Page("a page", {}, (Signals("", {"a": Recording(time, {"pose.x": time})}, car),)), page
+        )
         assert ('<a href="#view">' in page.read_text()) == (car is not None)
 
 
 def test_every_parameter_of_a_node_stands_with_its_unit(text: str):
     cells = re.findall(
-        r'<th scope="row">(drive|sensors.wheel_speed.noise|step)</th><td>[^<]*</td><td>([^<]*)</td>', text
+        r'<th scope="row">(drive|sensors.wheel_speed.noise|step)</th><td>[^<]*</td><td>([^<]*)</td>',
+        text,
     )
     assert ("drive", "") in cells
-    assert [unit_of("plant", name) for name in ("step", "sensors.wheel_speed.noise", "nothing")] == ["s", "rad/s", ""]
+    assert [
+        unit_of("plant", name) for name in ("step", "sensors.wheel_speed.noise", "nothing")
+    ] == ["s", "rad/s", ""]
     assert [unit_of("a_node", "step"), unit_of("*", "vehicle.mass")] == ["", "kg"]
-    gains = {method: unit_of("electronic_differential", "gain", method) for method in ("steering_correction", "")}
+    gains = {
+        method: unit_of("electronic_differential", "gain", method)
+        for method in ("steering_correction", "")
+    }
     assert gains == {"steering_correction": "1/rad", "": ""}  # of another law it is in N m/rad
 
 
@@ -283,15 +309,23 @@ def test_differences_name_their_cause():
     values = (
         ("electronic_differential", "gamma", 6.0), ("*", "control_period", 0.005), ("*", "vehicle.mass", 1500.0)
     )  # fmt: skip
-    found = differences(load_scenario("shchur2019", Overrides(values=values)), load_scenario("shchur2019"))
-    ours = {(each.node, each.parameter): (each.value, each.instead_of) for each in found if each.by == "command line"}
+    found = differences(
+        load_scenario("shchur2019", Overrides(values=values)), load_scenario("shchur2019")
+    )
+    ours = {
+        (each.node, each.parameter): (each.value, each.instead_of)
+        for each in found
+        if each.by == "command line"
+    }
     assert ours == {
         ("electronic_differential", "gamma"): (6.0, 5.0),
         (EVERY_NODE, "control_period"): (0.005, 0.01),
         (EVERY_NODE, "vehicle.mass"): (1500.0, 1400.0),
     }
     theirs = {(each.node, each.parameter) for each in found if each.by == "scenario"}
-    assert ("electronic_differential", "method") in theirs and not any("vehicle" in name for _, name in theirs)
+    assert ("electronic_differential", "method") in theirs and not any(
+        "vehicle" in name for _, name in theirs
+    )
 
 
 def test_a_scenario_as_its_file_says_it_has_no_difference_of_the_command_line(tmp_path: Path):

@@ -40,7 +40,11 @@ WIDER_BY_LONG_NAMES = """(() => {
 })()"""
 CHANNELS = 20  # of the page that is printed: more than are in sight
 BLUE = rb"\b0 \.447\d* \.698\d* RG"  # the first stroke of plots.js, #0072B2, in a PDF
-TORQUE, YAW_RATE, WHEEL = "driver.command.drive_torque", "imu.yaw_rate", "wheel_states.velocity.front_left"
+TORQUE, YAW_RATE, WHEEL = (
+    "driver.command.drive_torque",
+    "imu.yaw_rate",
+    "wheel_states.velocity.front_left",
+)
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +65,9 @@ def look_at(browser: Browser, channel: str) -> None:
 
 
 def show(browser: Browser, first: int, second: int, how: str) -> None:
-    browser.run(f"bar.first.value = {first}; bar.second.value = {second}; bar.how.value = '{how}'; show()")
+    browser.run(
+        f"bar.first.value = {first}; bar.second.value = {second}; bar.how.value = '{how}'; show()"
+    )
 
 
 def strokes_on(browser: Browser, channel: str) -> list[list[str]]:
@@ -121,7 +127,9 @@ def test_dragging_zooms_all_plots_and_two_clicks_show_all(browser: Browser):
 def test_a_gap_is_a_gap(browser: Browser):
     show(browser, 1, -1, "beside")
     look_at(browser, YAW_RATE)
-    nulls = browser.run(f"shown('{YAW_RATE}').data[1].flatMap((value, n) => value === null ? [n] : [])")
+    nulls = browser.run(
+        f"shown('{YAW_RATE}').data[1].flatMap((value, n) => value === null ? [n] : [])"
+    )
     assert nulls == [*range(*GAP)]
     browser.run("clock.set(4.5)")
     assert browser.run(f"legendOf('{YAW_RATE}')[1]") == "–"
@@ -142,7 +150,11 @@ def test_over_each_other_both_runs_are_in_one_plot_each_in_its_colour(browser: B
     colours = [colour for colour, _ in of_runs]
     show(browser, 0, 1, "over")
     look_at(browser, TORQUE)
-    assert browser.run(f"shown('{TORQUE}').series.map((series) => series.label)") == ["time", "slow", "fast one"]
+    assert browser.run(f"shown('{TORQUE}').series.map((series) => series.label)") == [
+        "time",
+        "slow",
+        "fast one",
+    ]
     assert strokes_on(browser, TORQUE) == of_runs
     look_at(browser, WHEEL)
     over = strokes_on(browser, WHEEL)
@@ -163,7 +175,10 @@ def test_time_runs_and_the_car_moves(browser: Browser):
     assert browser.run("bar.play.textContent") == "Pause"
     browser.wait_for("clock.now > 0.2")
     browser.run("bar.play.click()")
-    assert browser.run("[bar.play.textContent, bar.play.getAttribute('aria-pressed')]") == ["Play", "false"]
+    assert browser.run("[bar.play.textContent, bar.play.getAttribute('aria-pressed')]") == [
+        "Play",
+        "false",
+    ]
     browser.wait_for("!waiting")
     assert browser.run("views[0].canvas.toDataURL()") != before
 
@@ -173,7 +188,9 @@ def test_front_wheels_turn_and_forces_have_arrows(browser: Browser):
     show(browser, 0, -1, "beside")
     browser.run("document.getElementById('view').scrollIntoView(); clock.set(1.5)")
     browser.wait_for("!waiting")
-    inner, outer = browser.run("views[0].cells.slice(0, 2).map((row) => Number(row[0].textContent))")
+    inner, outer = browser.run(
+        "views[0].cells.slice(0, 2).map((row) => Number(row[0].textContent))"
+    )
     assert inner > np.degrees(0.1 * np.sin(1.5)) > outer > 0.0  # Ackermann, to the left
     reds = browser.run(
         "(() => { const c = views[0].canvas, d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;"
@@ -200,7 +217,9 @@ def test_what_the_script_adds_can_be_read_and_named(browser: Browser):
     look_at(browser, TORQUE)
     assert browser.run(f"({TEXT_OF_POOR_CONTRAST})()") == []
     assert browser.run(f"({CONTROLS_WITHOUT_NAME})()") == []
-    levels = browser.run("[...document.querySelectorAll('h1,h2,h3,h4')].map((each) => Number(each.tagName[1]))")
+    levels = browser.run(
+        "[...document.querySelectorAll('h1,h2,h3,h4')].map((each) => Number(each.tagName[1]))"
+    )
     assert all(after <= before + 1 for before, after in pairwise(levels))
 
 
@@ -218,14 +237,23 @@ def test_a_run_that_has_spun_does_not_set_the_limits(browser: Browser):
     assert labels == ["time", "slow", "fast one (spun)"]
 
 
-def test_every_quantity_and_the_time_have_a_unit_and_every_link_leads_to_what_is_seen(browser: Browser):
+def test_every_quantity_and_the_time_have_a_unit_and_every_link_leads_to_what_is_seen(
+    browser: Browser,
+):
     show(browser, 0, -1, "beside")
     look_at(browser, TORQUE)
-    headings = browser.run("[...document.querySelectorAll('.quantity h4')].map((each) => each.firstChild.textContent)")
+    headings = browser.run(
+        "[...document.querySelectorAll('.quantity h4')].map((each) => each.firstChild.textContent)"
+    )
     assert len(headings) > 20 and [each for each in headings if "[" not in each] == []
     assert browser.run(f"shown('{TORQUE}').axes[0].label") == "time [s]"
     links = "[...document.querySelectorAll('a[href]')].filter((each) => each.checkVisibility())"
-    assert browser.run(f"{links}.filter((each) => !document.querySelector(each.hash)?.checkVisibility()).length") == 0
+    assert (
+        browser.run(
+            f"{links}.filter((each) => !document.querySelector(each.hash)?.checkVisibility()).length"
+        )
+        == 0
+    )
     browser.run("INDEX.runs[0].cars = INDEX.runs[0].car; INDEX.runs[0].car = null; show()")
     browser.wait_for("document.getElementById('view').hidden")
     assert browser.run(f"{links}.some((each) => each.hash === '#view')") is False
@@ -256,15 +284,27 @@ def test_what_was_never_in_sight_is_printed(tmp_path: Path):
     time = np.linspace(0.0, 1.0, 11)
     run = Recording(time, {f"measured.channel_{n}": n * time for n in range(1, CHANNELS + 1)})
     write_page(Page("printed", {}, (Signals("", {"run": run}, None),)), tmp_path / "page.html")
-    words = ["--headless=new", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path}/profile"]
+    words = [
+        "--headless=new",
+        "--no-sandbox",
+        "--disable-gpu",
+        f"--user-data-dir={tmp_path}/profile",
+    ]
     printed, page = tmp_path / "page.pdf", (tmp_path / "page.html").as_uri()
-    subprocess.run([FOUND, *words, f"--print-to-pdf={printed}", page], check=True, capture_output=True)
-    streams = re.findall(rb"/FlateDecode.*?stream\n(.*?)\nendstream", printed.read_bytes(), re.DOTALL)
+    subprocess.run(
+        [FOUND, *words, f"--print-to-pdf={printed}", page], check=True, capture_output=True
+    )
+    streams = re.findall(
+        rb"/FlateDecode.*?stream\n(.*?)\nendstream", printed.read_bytes(), re.DOTALL
+    )
     drawn = b"\n".join(zlib.decompressobj().decompress(stream) for stream in streams)
-    # The frame in its legend, and the curve of each plot; those that were on the screen may have become images.
+    # The frame in its legend, and the curve of each plot; those that were on the screen may have
+    # become images.
     assert len(re.findall(BLUE, drawn)) > 1.5 * CHANNELS
 
 
 def test_nothing_was_complained_of_and_nothing_fetched(browser: Browser):
     assert browser.complaints == []
-    assert [url for url in browser.requests if not url.startswith(("file:", "data:", "blob:"))] == []
+    assert [
+        url for url in browser.requests if not url.startswith(("file:", "data:", "blob:"))
+    ] == []

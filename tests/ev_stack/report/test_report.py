@@ -40,7 +40,9 @@ def second_order(system: paper.SecondOrder, time: np.ndarray) -> np.ndarray:
     return np.array([1 + system.deviation(t) if t > 0 else 0.0 for t in time])
 
 
-def step_run(system: paper.SecondOrder, hand_torque: float, gain: float, step_time: float = 0.5) -> Recording:
+def step_run(
+    system: paper.SecondOrder, hand_torque: float, gain: float, step_time: float = 0.5
+) -> Recording:
     """The column after a step by hand at `step_time`, with the differential torque of eq. 4 from the step on."""
     time = instants(10.0)
     hand = np.where(time >= step_time - 1e-9, hand_torque, 0.0)
@@ -91,7 +93,9 @@ def cycle_run(end: float = 50.0, angle_error: float = 0.0) -> dict[str, Recordin
     for turning in np.flatnonzero(angle):
         difference[turning] = paper.speed_difference(speed[turning], angle[turning])
     hand = paper.hand_torque_assisted(1.0) * angle
-    differential = np.array([paper.differential_torque(h, a) for h, a in zip(hand, angle, strict=True)])
+    differential = np.array(
+        [paper.differential_torque(h, a) for h, a in zip(hand, angle, strict=True)]
+    )
     sideslip = 0.3 * angle
     channels = {
         "twist.longitudinal": speed * np.cos(sideslip),
@@ -103,7 +107,9 @@ def cycle_run(end: float = 50.0, angle_error: float = 0.0) -> dict[str, Recordin
     for wheel in WHEEL_NAMES:
         side = 1.0 if wheel.endswith("right") else -1.0
         front = 1.0 if wheel.startswith("front") else 0.0
-        channels[f"wheel_states.velocity.{wheel}"] = (speed + front * side * difference / 2) / paper.R_K
+        channels[f"wheel_states.velocity.{wheel}"] = (
+            speed + front * side * difference / 2
+        ) / paper.R_K
         for quantity in ("torque_request.drive", "torque_command.drive", "wheel_states.effort"):
             channels[f"{quantity}.{wheel}"] = front * (30.0 + side * differential / 2)
     return {"shchur2019": Recording(time, channels)}
@@ -114,7 +120,9 @@ def cycle_run(end: float = 50.0, angle_error: float = 0.0) -> dict[str, Recordin
 
 def small_recording() -> Recording:
     time = instants(1.0)
-    return Recording(time, {"twist.longitudinal": np.sin(time), "imu.yaw_rate": -0.0 * time, "pose.x": time / 3})
+    return Recording(
+        time, {"twist.longitudinal": np.sin(time), "imu.yaw_rate": -0.0 * time, "pose.x": time / 3}
+    )
 
 
 def test_hash_changes_with_one_bit_of_one_sample():
@@ -125,7 +133,9 @@ def test_hash_changes_with_one_bit_of_one_sample():
         for bit in (0, 63):
             values = recording.channels[name].copy()
             values.view(np.uint64)[50] ^= np.uint64(1) << np.uint64(bit)
-            flipped.add(signal_hash(Recording(recording.time, {**recording.channels, name: values})))
+            flipped.add(
+                signal_hash(Recording(recording.time, {**recording.channels, name: values}))
+            )
     assert len(flipped) == 5
 
 
@@ -140,7 +150,9 @@ def test_hash_does_not_depend_on_the_order_of_channels_nor_on_memory_layout():
 def test_hash_changes_with_names_time_and_exchanged_channels():
     recording = small_recording()
     channels = dict(recording.channels)
-    renamed = {("pose.y" if name == "pose.x" else name): values for name, values in channels.items()}
+    renamed = {
+        ("pose.y" if name == "pose.x" else name): values for name, values in channels.items()
+    }
     exchanged = {**channels, "pose.x": channels["imu.yaw_rate"], "imu.yaw_rate": channels["pose.x"]}
     others = (
         Recording(recording.time, renamed),
@@ -167,7 +179,9 @@ def test_signals_npz_is_bit_exact(tmp_path):
     """Negative zero, the smallest subnormal and a NaN with a payload come back as they were."""
     odd = np.array([-0.0, 5e-324, -np.inf, 0.1])
     payload = np.array([0x7FF8000000000123] * 4, dtype=np.uint64).view(np.float64)
-    recording = Recording(np.arange(4) * PERIOD, {"imu.yaw_rate": odd, "wheel_states.effort.front_left": payload})
+    recording = Recording(
+        np.arange(4) * PERIOD, {"imu.yaw_rate": odd, "wheel_states.effort.front_left": payload}
+    )
     recordings.save(recording, tmp_path / "signals.npz")
     with np.load(tmp_path / "signals.npz") as arrays:
         assert set(arrays.files) == {"time", *recording.channels}
@@ -205,12 +219,22 @@ def test_recording_refuses_what_it_could_not_save_exactly():
 )
 def test_verdict(value, assumption, verdict):
     """Both ends of the band belong to it."""
-    assert metric(lambda: value, "m", reference=Reference(2.0, (1.0, 3.0), "a source", assumption)).verdict == verdict
+    assert (
+        metric(
+            lambda: value, "m", reference=Reference(2.0, (1.0, 3.0), "a source", assumption)
+        ).verdict
+        == verdict
+    )
 
 
 def test_metric_without_published_value_is_measured():
     entry = metric(lambda: 2.0, "m").as_json()
-    assert (entry["value"], entry["reference"], entry["band"], entry["verdict"]) == (2.0, None, None, "measured")
+    assert (entry["value"], entry["reference"], entry["band"], entry["verdict"]) == (
+        2.0,
+        None,
+        None,
+        "measured",
+    )
 
 
 def test_band_of_a_negative_value_runs_upwards():
@@ -221,7 +245,9 @@ def test_band_of_a_negative_value_runs_upwards():
 # Step responses
 
 
-@pytest.mark.parametrize("system", [paper.OBJECT, paper.CLOSED_LOOP, paper.SecondOrder(1.0, 0.6, 4.0)])
+@pytest.mark.parametrize(
+    "system", [paper.OBJECT, paper.CLOSED_LOOP, paper.SecondOrder(1.0, 0.6, 4.0)]
+)
 @pytest.mark.parametrize("size", [1.23, -0.4])
 def test_step_response_of_second_order(system, size):
     """Against the closed form; the tolerances are those of sampling every 10 ms without interpolating the peak."""
@@ -229,7 +255,9 @@ def test_step_response_of_second_order(system, size):
     found = step_response(time, size * second_order(system, time - 2.0), 2.0)
     assert found.steady_value == pytest.approx(size, rel=1e-3)
     assert found.overshoot == pytest.approx(closed_form.overshoot(system), abs=0.15)
-    assert found.settling_time == pytest.approx(closed_form.settling_time(system, 0.05), abs=PERIOD / 2)
+    assert found.settling_time == pytest.approx(
+        closed_form.settling_time(system, 0.05), abs=PERIOD / 2
+    )
 
 
 def test_step_response_of_first_order():
@@ -243,7 +271,9 @@ def test_step_response_of_first_order():
 def test_settling_time_interpolates_the_crossing():
     """0.9 at 1 s and 1.0 at 2 s: 0.95 is crossed at 1.5 s."""
     time = np.arange(8.0)
-    assert step_response(time, np.array([0, 0.9, 1, 1, 1, 1, 1, 1.0]), 0.0).settling_time == pytest.approx(1.5)
+    assert step_response(
+        time, np.array([0, 0.9, 1, 1, 1, 1, 1, 1.0]), 0.0
+    ).settling_time == pytest.approx(1.5)
 
 
 @pytest.mark.parametrize(
@@ -279,7 +309,9 @@ def test_values_that_follow_from_the_equations():
     assert closed_form.settling_time(paper.CLOSED_LOOP, 0.05) == pytest.approx(0.63, abs=0.005)
     assert printed.hand_torque_manual(angle) == pytest.approx(2.127, abs=5e-4)
     assert paper.hand_torque_assisted(angle) == pytest.approx(0.426, abs=5e-4)
-    assert paper.differential_torque(paper.hand_torque_assisted(angle), angle) == pytest.approx(10.95, abs=5e-3)
+    assert paper.differential_torque(paper.hand_torque_assisted(angle), angle) == pytest.approx(
+        10.95, abs=5e-3
+    )
     assert paper.speed_difference(15 / 3.6, angle) == pytest.approx(1.222, abs=5e-4)
     assert paper.speed_difference(30 / 3.6, -angle) == pytest.approx(-2.444, abs=5e-4)
 
@@ -297,7 +329,9 @@ def test_steady_differential_torque_balances_the_steering_system():
     """Eq. 3 at rest: k_p delta = d/(2 r_k) dM + i M_b."""
     angle = paper.CLOSED_LOOP.steady_angle(96.0)
     difference = paper.differential_torque(1.0, angle)
-    assert paper.K_P * angle == pytest.approx(paper.TRACK / (2 * paper.R_K) * difference + paper.I_RATIO)
+    assert paper.K_P * angle == pytest.approx(
+        paper.TRACK / (2 * paper.R_K) * difference + paper.I_RATIO
+    )
 
 
 # The reports
@@ -305,8 +339,12 @@ def test_steady_differential_torque_balances_the_steering_system():
 
 def test_steps_report_reproduces_the_closed_form():
     metrics = report_for("shchur2019_steps").metrics(steps_runs(), VEHICLE, IDEAL)
-    assert {name: entry.judgement for name, entry in metrics.items()} == dict.fromkeys(metrics, "reproduced")
-    assert metrics["shchur.hold30.assisted"].verdict.startswith("reproduced with assumption gamma = 5")
+    assert {name: entry.judgement for name, entry in metrics.items()} == dict.fromkeys(
+        metrics, "reproduced"
+    )
+    assert metrics["shchur.hold30.assisted"].verdict.startswith(
+        "reproduced with assumption gamma = 5"
+    )
     assert metrics["shchur.hold30.manual"].verdict == "reproduced"
 
 
@@ -321,7 +359,10 @@ def test_steps_report_without_a_run_says_so():
 def test_torque_at_another_angle_is_not_the_torque_at_30_deg():
     runs = {**steps_runs(), "hold_manual": hold_run(2.127, 0.0, angle=math.radians(28.0))}
     metrics = report_for("shchur2019_steps").metrics(runs, VEHICLE, IDEAL)
-    assert metrics["shchur.hold30.manual"].verdict == "not measured: 28.00 deg are held instead of 30 deg"
+    assert (
+        metrics["shchur.hold30.manual"].verdict
+        == "not measured: 28.00 deg are held instead of 30 deg"
+    )
 
 
 def test_cycle_report_reproduces_the_steady_turns():
@@ -333,7 +374,11 @@ def test_cycle_report_reproduces_the_steady_turns():
     assert metrics["shchur.fig4.delta.left"].judgement == "follows from the inputs"
     assert metrics["shchur.fig4.delta.left"].unit == "rad"
     assert metrics["shchur.fig4.delta.left"].reference.source.startswith("printed")
-    assert metrics["shchur.fig4.dM.left"].judgement == metrics["shchur.fig4.dM.right"].judgement == "reproduced"
+    assert (
+        metrics["shchur.fig4.dM.left"].judgement
+        == metrics["shchur.fig4.dM.right"].judgement
+        == "reproduced"
+    )
     assert metrics["shchur.fig4.dM.left"].reference.source.startswith("follows")
 
 
@@ -342,22 +387,32 @@ def test_angle_is_held_within_half_a_degree_with_any_drives(parameters):
     """An angle of 30.4 deg counts, one of 30.6 deg does not; wheel speeds that follow from 33 deg do not either."""
 
     def judgements(error: float) -> dict[str, str]:
-        metrics = report_for("shchur2019").metrics(cycle_run(angle_error=math.radians(error)), VEHICLE, parameters)
+        metrics = report_for("shchur2019").metrics(
+            cycle_run(angle_error=math.radians(error)), VEHICLE, parameters
+        )
         return {name: each.judgement for name, each in metrics.items()}
 
     for side in ("left", "right"):
         assert judgements(0.4)[f"shchur.fig4.delta.{side}"] == "follows from the inputs"
         assert judgements(0.6)[f"shchur.fig4.delta.{side}"] == "not reproduced"
     assert judgements(3.0)["shchur.fig4.dV.left"] == "not reproduced"
-    assert judgements(3.0)["shchur.fig4.dM.left"] == "not measured"  # a torque at another angle than the named one
+    # a torque at another angle than the named one
+    assert judgements(3.0)["shchur.fig4.dM.left"] == "not measured"
 
 
 def test_torque_that_holds_has_a_wider_band_with_switched_drives():
     """0.8 % of hand torque too much: within the 1 % for ripple, beyond the half of it without."""
-    runs = {**steps_runs(), "hold_manual": hold_run(1.008 * printed.hand_torque_manual(paper.TURN_ANGLE), 0.0)}
+    runs = {
+        **steps_runs(),
+        "hold_manual": hold_run(1.008 * printed.hand_torque_manual(paper.TURN_ANGLE), 0.0),
+    }
 
     def verdict(parameters) -> str:
-        return report_for("shchur2019_steps").metrics(runs, VEHICLE, parameters)["shchur.hold30.manual"].verdict
+        return (
+            report_for("shchur2019_steps")
+            .metrics(runs, VEHICLE, parameters)["shchur.hold30.manual"]
+            .verdict
+        )
 
     assert verdict(IDEAL) == "not reproduced"
     assert verdict(SWITCHED) == "reproduced"
@@ -375,9 +430,16 @@ def test_missing_or_broken_channel_is_named():
     channels = dict(run.channels)
     del channels[HAND_TORQUE]
     channels[ANGLE] = np.where(run.time < 3.0, channels[ANGLE], np.nan)
-    metrics = report_for("shchur2019").metrics({"shchur2019": Recording(run.time, channels)}, VEHICLE, IDEAL)
-    assert metrics["shchur.fig4.references.difference"].verdict == f"not measured: {HAND_TORQUE} was not recorded"
-    assert metrics["shchur.fig4.delta.left"].verdict == f"not measured: {ANGLE} is not finite at 3 s"
+    metrics = report_for("shchur2019").metrics(
+        {"shchur2019": Recording(run.time, channels)}, VEHICLE, IDEAL
+    )
+    assert (
+        metrics["shchur.fig4.references.difference"].verdict
+        == f"not measured: {HAND_TORQUE} was not recorded"
+    )
+    assert (
+        metrics["shchur.fig4.delta.left"].verdict == f"not measured: {ANGLE} is not finite at 3 s"
+    )
 
 
 def test_window_leaves_out_its_end():
@@ -393,7 +455,9 @@ def test_generic_report_measures_every_run():
     metrics = report_for("of_no_report").metrics(runs, VEHICLE, IDEAL)
     assert metrics["final_speed"].value == pytest.approx(30 / 3.6)
     assert metrics["maximum_total_drive_torque"].value == pytest.approx(60.0)
-    both = report_for("of_no_report").metrics({"a": runs["shchur2019"], "b": small_recording()}, VEHICLE, IDEAL)
+    both = report_for("of_no_report").metrics(
+        {"a": runs["shchur2019"], "b": small_recording()}, VEHICLE, IDEAL
+    )
     assert both["a_final_speed"].verdict == "measured"
     assert both["b_maximum_road_wheel_angle"].verdict == f"not measured: {ANGLE} was not recorded"
 
@@ -403,7 +467,10 @@ def test_speed_is_that_along_the_path():
     run = cycle_run()["shchur2019"]
     left_turn = (run.time >= 10) & (run.time <= 18)
     assert motion.path_speed(run)[left_turn] == pytest.approx(15 / 3.6)
-    backwards = {"twist.longitudinal": np.array([-3.0, -0.0]), "twist.lateral": np.array([4.0, 0.0])}
+    backwards = {
+        "twist.longitudinal": np.array([-3.0, -0.0]),
+        "twist.lateral": np.array([4.0, 0.0]),
+    }
     assert motion.path_speed(Recording(np.array([0.0, 1.0]), backwards)).tolist() == [-5.0, 0.0]
 
 
@@ -478,7 +545,9 @@ def test_summary_json(tmp_path):
     assert entry["value"] == summary().metrics["shchur.fig4.dV.left"].value
     assert written["simulated_time"] == 50.0
     assert written["real_time_factor"] == 20.0
-    assert written["signal_hash"] == combined_hash({name: signal_hash(run) for name, run in cycle_run().items()})
+    assert written["signal_hash"] == combined_hash(
+        {name: signal_hash(run) for name, run in cycle_run().items()}
+    )
     assert written["reproducible"] is True
     assert written["versions"]["numpy"] == np.__version__
     assert [path.name for path in tmp_path.iterdir()] == ["summary.json"]
@@ -486,7 +555,8 @@ def test_summary_json(tmp_path):
 
 def test_summary_says_why_a_run_is_not_reproducible(tmp_path):
     write_summary(
-        tmp_path / "summary.json", summary(not_reproducible=("asr was restarted at 3 s",), wall_time=0.0).as_json()
+        tmp_path / "summary.json",
+        summary(not_reproducible=("asr was restarted at 3 s",), wall_time=0.0).as_json(),
     )
     written = json.loads((tmp_path / "summary.json").read_text())
     assert written["reproducible"] is False
@@ -510,14 +580,20 @@ def test_failed_summary_leaves_the_old_one(tmp_path):
     path = tmp_path / "summary.json"
     path.write_text("old")
     with pytest.raises(ValueError, match="JSON"):
-        write_summary(path, summary(wall_time=math.inf, parameters={"plant": {"drive": math.nan}}).as_json())
+        write_summary(
+            path, summary(wall_time=math.inf, parameters={"plant": {"drive": math.nan}}).as_json()
+        )
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]
 
 
 METRICS = {
-    "steering_angle_right_turn": Metric(-0.52, "rad", Reference(-0.5236, within(-0.5236, relative=0.01), "printed")),
-    "differential_torque_30deg": Metric(10.95, "N m", Reference(10.948, (10.9, 11.0), "eq. 4", "an assumption")),
+    "steering_angle_right_turn": Metric(
+        -0.52, "rad", Reference(-0.5236, within(-0.5236, relative=0.01), "printed")
+    ),
+    "differential_torque_30deg": Metric(
+        10.95, "N m", Reference(10.948, (10.9, 11.0), "eq. 4", "an assumption")
+    ),
     "final_speed": Metric(8.3333333, "m/s"),
     "object_overshoot": Metric(None, "%", None, "there is no run object"),
 }
@@ -563,4 +639,11 @@ def test_a_wide_table_is_several_that_fit_into_the_terminal(monkeypatch):
 
 
 def test_table_of_nothing():
-    assert metric_table({}).splitlines()[0].split() == ["metric", "value", "unit", "reference", "band", "verdict"]
+    assert metric_table({}).splitlines()[0].split() == [
+        "metric",
+        "value",
+        "unit",
+        "reference",
+        "band",
+        "verdict",
+    ]

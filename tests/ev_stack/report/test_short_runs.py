@@ -29,10 +29,16 @@ def test_a_report_bears_any_run(name, duration, values):
     runs = {run.name: run_offline(run.configurations, run.duration) for run in scenario.runs}
     first = scenario.runs[0].configurations
     parameters = {role: configuration.values() for role, configuration in first.items()}
-    report, vehicle, course = report_for(name), first["plant"].common.vehicle, scenario.parameters.course
+    report, vehicle, course = (
+        report_for(name),
+        first["plant"].common.vehicle,
+        scenario.parameters.course,
+    )
     metrics = report.metrics(runs, vehicle, parameters, course)
     assert metrics
     pages = printed(report.figures(runs, vehicle, parameters, course), COLUMN)
     assert {key: found for key, page in pages.items() if (found := flaws(page, COLUMN))} == {}
     if name == "steady_circle":
-        assert all(metric.value is None for key, metric in metrics.items() if key.endswith("_gradient"))
+        assert all(
+            metric.value is None for key, metric in metrics.items() if key.endswith("_gradient")
+        )

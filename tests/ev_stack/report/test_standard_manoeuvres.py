@@ -32,7 +32,11 @@ def values(result: Result) -> dict[str, float | None]:
 
 @pytest.mark.parametrize(
     ("name", "run", "within"),
-    [("sine_with_dwell", "times_5_0", 1e-3), ("step_steer", "left", 0.02), ("steady_circle", "friction", 0.01)],
+    [
+        ("sine_with_dwell", "times_5_0", 1e-3),
+        ("step_steer", "left", 0.02),
+        ("steady_circle", "friction", 0.01),
+    ],
 )
 def test_the_angles_of_the_files_are_what_the_slow_ramp_finds(name, run, within):
     """FMVSS 126 rounds A to 0.1 deg, 0.6 %; on the slow ramp to 4 m/s^2 the Audi lags by 0.3 s, 1 % of the angle.
@@ -59,7 +63,9 @@ def test_a_sine_with_dwell_has_the_multiples_of_its_name_with_another_car():
     found = values(ev_stack.run("sine_with_dwell", vehicle=OTHER))
     for multiple in (1.5, 2.5, 3.5, 5.0):
         name = f"times_{multiple:.1f}".replace(".", "_")
-        assert found[f"{name}_amplitude_over_a"] == pytest.approx(multiple, rel=sine_with_dwell.ROUNDING)
+        assert found[f"{name}_amplitude_over_a"] == pytest.approx(
+            multiple, rel=sine_with_dwell.ROUNDING
+        )
 
 
 def test_a_car_with_slower_steering_has_its_own_angle_and_a_given_one_stays():
@@ -91,21 +97,31 @@ def test_where_the_ramp_finds_nothing_the_note_says_so():
 )
 def test_a_car_too_slow_for_the_ramp_is_said_to_be_that(speed, said):
     """It was "profile.angle: 1612.0 is refused", which nobody had set. 616 are 16 (4 m/s^2 2.405 m/(0.5 m/s)^2)."""
-    scenario = load_scenario("step_steer", Overrides(values=[("plant", "initial_speed", speed)]), only=["left"])
+    scenario = load_scenario(
+        "step_steer", Overrides(values=[("plant", "initial_speed", speed)]), only=["left"]
+    )
     assert f"a slow ramp gives none: {said}" in scenario.notes[0]
 
 
 def test_another_cycle_is_no_other_car():
     """It draws random roads for as long as it takes, where there are some: the step was 1.8 % larger for it."""
-    scenario = load_scenario("step_steer", Overrides(prepared=cycle_values("nedc")[0]), only=["left"])
+    scenario = load_scenario(
+        "step_steer", Overrides(prepared=cycle_values("nedc")[0]), only=["left"]
+    )
     assert scenario.runs[0].configurations["steering_column"].parameters.scale == 1.0
 
 
 def test_a_standing_car_has_no_response():
     """Overshoot of 3e13 % and a TB factor of 26 deg s were measured of a car that had come to rest."""
-    at_rest = {"driver.speed_profile.speed": [0.0], "driver.speed_profile.time": [0.0], "plant.initial_speed": 0.5}
+    at_rest = {
+        "driver.speed_profile.speed": [0.0],
+        "driver.speed_profile.time": [0.0],
+        "plant.initial_speed": 0.5,
+    }
     found = ev_stack.run("step_steer", runs=["right"], set=at_rest).metrics
-    assert {name for name, each in found.items() if each.value is not None} == {"steering_wheel_angle"}
+    assert {name for name, each in found.items() if each.value is not None} == {
+        "steering_wheel_angle"
+    }
     assert found["tb_factor"].reason == "the car stands in the end"
 
 
@@ -120,10 +136,20 @@ def test_a_run_that_tells_nothing_is_configured_once(monkeypatch):
 
 def test_linear_and_real_tyres_are_two_runs_with_another_car():
     """They were one to the last digit: what a run changes about its car is what the run is about."""
-    linear, friction = load_scenario("steady_circle", Overrides(vehicle=OTHER), only=["linear", "friction"]).runs
+    linear, friction = load_scenario(
+        "steady_circle", Overrides(vehicle=OTHER), only=["linear", "friction"]
+    ).runs
     car, real = (run.configurations["plant"].common.vehicle for run in (linear, friction))
-    assert (car.tyre.curve, car.tyre.lateral_curve, car.load_transfer) == ("linear", "linear", "none")
-    assert (real.tyre.curve, real.tyre.lateral_curve, real.load_transfer) == ("mf_tyre", "same", "both")
+    assert (car.tyre.curve, car.tyre.lateral_curve, car.load_transfer) == (
+        "linear",
+        "linear",
+        "none",
+    )
+    assert (real.tyre.curve, real.tyre.lateral_curve, real.load_transfer) == (
+        "mf_tyre",
+        "same",
+        "both",
+    )
     assert car.mass == real.mass == 1600.0
 
 
@@ -141,7 +167,8 @@ def test_displacement_counts_from_5_degrees_and_both_readings_stand_there():
         runs=["slowly_increasing_steer", "times_5_0"],
         set={"steering_column.sine_with_dwell.amplitude": -1.545},
     )
-    assert values(right) == pytest.approx(found, rel=1e-9)  # the regulation asks for both directions
+    # the regulation asks for both directions
+    assert values(right) == pytest.approx(found, rel=1e-9)
 
 
 def test_a_run_is_not_passed_as_what_it_was_not(tmp_path):
@@ -210,7 +237,11 @@ def test_the_circle_to_the_right_is_measured():
     """0.0 was the largest lateral acceleration; all of the left circle comes back."""
     left = values(ev_stack.run("steady_circle", runs=["friction"]))
     right = values(
-        ev_stack.run("steady_circle", runs=["friction"], set={"steering_column.profile.angle": [0.0, -0.7696]})
+        ev_stack.run(
+            "steady_circle",
+            runs=["friction"],
+            set={"steering_column.profile.angle": [0.0, -0.7696]},
+        )
     )
     assert right == pytest.approx(left, rel=1e-9)
 
@@ -218,16 +249,22 @@ def test_the_circle_to_the_right_is_measured():
 def test_a_coast_down_from_below_100_km_h_has_no_time_from_there():
     """9.49 s were "measured"; the road load holds, but is not judged: speed and duration are not the scenario's."""
     slow = ev_stack.run("coast_down", set={"plant.initial_speed": 90 / 3.6}, duration=30.0)
-    assert slow.metrics["time_from_100_to_80_km_h"].verdict == "not measured: 100 km/h was passed before 0 s"
+    assert (
+        slow.metrics["time_from_100_to_80_km_h"].verdict
+        == "not measured: 100 km/h was passed before 0 s"
+    )
     for name in ("drag_area", "rolling_resistance"):
         found = slow.metrics[name]
         assert found.judgement == "not judged"
-        assert found.reference.band[0] < found.value < found.reference.band[1]  # 1 %, as from 120 km/h
+        # 1 %, as from 120 km/h
+        assert found.reference.band[0] < found.value < found.reference.band[1]
 
 
 def test_a_coast_down_in_reverse_gives_the_same_road_load():
     forwards = values(ev_stack.run("coast_down", duration=40.0))
-    backwards = values(ev_stack.run("coast_down", set={"plant.initial_speed": -120 / 3.6}, duration=40.0))
+    backwards = values(
+        ev_stack.run("coast_down", set={"plant.initial_speed": -120 / 3.6}, duration=40.0)
+    )
     assert backwards == pytest.approx(forwards, rel=1e-6)
 
 
@@ -238,7 +275,9 @@ def test_a_car_that_is_driven_does_not_coast():
     )
 
 
-@pytest.mark.parametrize("slope", [{"plant.road.grade": [0.02]}, {"plant.road.side_slope": [-0.02]}])
+@pytest.mark.parametrize(
+    "slope", [{"plant.road.grade": [0.02]}, {"plant.road.side_slope": [-0.02]}]
+)
 def test_a_slope_is_no_road_load(slope):
     """Up 2 % the rolling resistance was "measured" as 0.035 instead of 0.015."""
     found = values(ev_stack.run("coast_down", set=slope, duration=15.0))
@@ -294,11 +333,14 @@ HALVED = {  # scenario -> runs; who spins or touches a cone by a hair is another
 def test_half_the_control_period_gives_the_same_metrics(name):
     """Within 2 %, times within a period of 10 ms, ratios of yaw rates within a percent of the peak.
 
-    Commands hold for a period, so pedals, robot and driver act half a period later in the mean: 5 ms, by which at
-    80 km/h the car is 0.1 m further, and a yaw rate of 0.4 rad/s has changed by less than 2 %.
+    Commands hold for a period, so pedals, robot and driver act half a period later in the mean: 5
+    ms, by which at 80 km/h the car is 0.1 m further, and a yaw rate of 0.4 rad/s has changed by
+    less than 2 %.
     """
     runs = HALVED[name] if load_scenario(name).parameters.runs else []
-    whole, half = (ev_stack.run(name, runs=runs, set={"*.control_period": period}) for period in (0.01, 0.005))
+    whole, half = (
+        ev_stack.run(name, runs=runs, set={"*.control_period": period}) for period in (0.01, 0.005)
+    )
     for key, metric in whole.metrics.items():
         other = half.metrics[key]
         if metric.value is None:

@@ -48,7 +48,9 @@ def as_shipped(name: str) -> tuple[Scenario, dict[str, Recording]]:
     return scenario, driven(scenario)
 
 
-def metrics_of(scenario: Scenario, runs: dict[str, Recording], side: float = 1.0) -> dict[str, float | str]:
+def metrics_of(
+    scenario: Scenario, runs: dict[str, Recording], side: float = 1.0
+) -> dict[str, float | str]:
     """By name the value, or why there is none; with a side of -1 the path of the driver is mirrored as well."""
     first = scenario.runs[0].configurations
     parameters = {role: configuration.values() for role, configuration in first.items()}
@@ -57,10 +59,14 @@ def metrics_of(scenario: Scenario, runs: dict[str, Recording], side: float = 1.0
     found = report_for(scenario.parameters.report or scenario.name).metrics(
         runs, first["plant"].common.vehicle, parameters, scenario.parameters.course
     )
-    return {name: each.verdict if each.value is None else each.value for name, each in found.items()}
+    return {
+        name: each.verdict if each.value is None else each.value for name, each in found.items()
+    }
 
 
-def all_metrics_of(scenario: Scenario, runs: dict[str, Recording], side: float = 1.0) -> dict[str, float | str]:
+def all_metrics_of(
+    scenario: Scenario, runs: dict[str, Recording], side: float = 1.0
+) -> dict[str, float | str]:
     """Those of the report, and what is measured of any manoeuvre."""
     of_runs = (handling_of(scenario, run).items() for run in runs.values())
     return metrics_of(scenario, runs, side) | {
@@ -71,7 +77,9 @@ def all_metrics_of(scenario: Scenario, runs: dict[str, Recording], side: float =
 def handling_of(scenario: Scenario, run: Recording) -> dict[str, float | str]:
     driven = driven_run(run, scenario.runs[0].configurations)
     found = {name: each.measured(driven) for name, each in METRICS.items()}
-    return {name: each.verdict if each.value is None else each.value for name, each in found.items()}
+    return {
+        name: each.verdict if each.value is None else each.value for name, each in found.items()
+    }
 
 
 # Sensors
@@ -98,14 +106,30 @@ FAULTS = (
 
 @settings(max_examples=6)
 @given(
-    st.dictionaries(st.sampled_from(["imu_yaw_rate", "imu_acceleration", "body_velocity", "wheel_speed"]), errors),
+    st.dictionaries(
+        st.sampled_from(["imu_yaw_rate", "imu_acceleration", "body_velocity", "wheel_speed"]),
+        errors,
+    ),
     st.lists(st.sampled_from(FAULTS), max_size=2, unique=True),
-    st.sampled_from(["", "offset steering_column/state.road_wheel_angle 0.01", "noisy steering_column/state 0.01"]),
+    st.sampled_from(
+        [
+            "",
+            "offset steering_column/state.road_wheel_angle 0.01",
+            "noisy steering_column/state 0.01",
+        ]
+    ),
 )
 def test_sensors_and_faults_make_of_the_truth_what_was_recorded(sensors, faults, of_column):
     """Rows of sensors and faults behind the found truth show the recorded numbers to the bit, whatever read them."""
-    values = [("plant", f"sensors.{name}.{of}", value) for name, said in sensors.items() for of, value in said.items()]
-    values += [("plant", "faults", faults), ("steering_column", "faults", [of_column] * bool(of_column))]
+    values = [
+        ("plant", f"sensors.{name}.{of}", value)
+        for name, said in sensors.items()
+        for of, value in said.items()
+    ]
+    values += [
+        ("plant", "faults", faults),
+        ("steering_column", "faults", [of_column] * bool(of_column)),
+    ]
     scenario = loaded("double_lane_change", *values, duration=3.0)
     (run,), (recording,) = scenario.runs, driven(scenario).values()
     truth = true_motion(recording, run.configurations)
@@ -117,7 +141,11 @@ def test_sensors_and_faults_make_of_the_truth_what_was_recorded(sensors, faults,
             frames[:, place] = truth.channels[name]
     from ev_core.compiling.machine_code import call
 
-    parts = [part for role in ("plant", "steering_column") for part in row_parts(run.configurations[role])]
+    parts = [
+        part
+        for role in ("plant", "steering_column")
+        for part in row_parts(run.configurations[role])
+    ]
     for row in frames:
         for part in parts:
             function, state, constants = part.addresses()
@@ -132,8 +160,16 @@ def test_metrics_are_those_of_the_motion_whatever_its_sensors_show(name):
     """Nobody in the loop reads these sensors (the driver reads `twist`), so the motion is the same to the bit."""
     scenario, runs = as_shipped(name)
     unread = ("imu_yaw_rate", "imu_acceleration", "wheel_speed", "tire_slip_ratio", "body_heading")
-    values = [("plant", f"sensors.{sensor}.{of}", value) for sensor in unread for of, value in BAD.items()]
-    values.append(("plant", "faults", ["constant imu.yaw_rate 0", "scaled tire_forces 1.1", "frozen pose from 0.5"]))
+    values = [
+        ("plant", f"sensors.{sensor}.{of}", value) for sensor in unread for of, value in BAD.items()
+    ]
+    values.append(
+        (
+            "plant",
+            "faults",
+            ["constant imu.yaw_rate 0", "scaled tire_forces 1.1", "frozen pose from 0.5"],
+        )
+    )
     shown = driven(loaded(name, *values))
     assert all_metrics_of(scenario, shown) != all_metrics_of(scenario, runs)
     known = {run.name: run.configurations for run in loaded(name, *values).runs}
@@ -151,7 +187,9 @@ def test_what_the_commands_said_of_a_broken_yaw_rate_sensor():
     assert sound > 0.16  # rad/s, what the line itself asks for: it bends by 1/134 m, at 22.2 m/s
     assert broken.metrics["peak_yaw_rate"].value == sound
     assert not broken.signals["imu.yaw_rate"].any()
-    turning = ev_stack.run("dead_motor", set={"plant.faults": ["constant imu.yaw_rate 0"]}, duration=3.0)
+    turning = ev_stack.run(
+        "dead_motor", set={"plant.faults": ["constant imu.yaw_rate 0"]}, duration=3.0
+    )
     assert turning.metrics["fastest_yaw"].value > 0.0
 
 
@@ -172,7 +210,12 @@ def test_what_was_not_driven_by_these_parts_is_not_known():
 # Sides
 
 # What has a side changes its sign; the rest is the same, with the wheels of the other side.
-ODD = ("steering_wheel_angle", "lateral_acceleration", "yaw_rate_after_1_s", "yaw_deviation_after_1_s")
+ODD = (
+    "steering_wheel_angle",
+    "lateral_acceleration",
+    "yaw_rate_after_1_s",
+    "yaw_deviation_after_1_s",
+)
 
 
 def image(run: Recording) -> Recording:
@@ -183,11 +226,20 @@ def image(run: Recording) -> Recording:
     for name, place in places.items():
         frames[:, place] = run.channels[name]
     seen = mirrored(frames)
-    return Recording(run.time, {name: np.ascontiguousarray(seen[:, place]) for name, place in places.items()})
+    return Recording(
+        run.time, {name: np.ascontiguousarray(seen[:, place]) for name, place in places.items()}
+    )
 
 
 def in_the_mirror(name: str, value: float | str, runs: list[str]) -> tuple[str, float | str]:
-    run = next((each for each in sorted(runs, key=len, reverse=True) if len(runs) > 1 and name.startswith(each)), "")
+    run = next(
+        (
+            each
+            for each in sorted(runs, key=len, reverse=True)
+            if len(runs) > 1 and name.startswith(each)
+        ),
+        "",
+    )
     rest = name[len(run) :].replace("left", "*").replace("right", "left").replace("*", "right")
     odd = rest.strip("_") in ODD and not isinstance(value, str)
     return run + rest, -value if odd else value
@@ -196,7 +248,9 @@ def in_the_mirror(name: str, value: float | str, runs: list[str]) -> tuple[str, 
 def assert_same(found: dict, wanted: dict, relative: float = 1e-9) -> None:
     assert found.keys() == wanted.keys()
     for name, value in wanted.items():
-        assert found[name] == (value if isinstance(value, str) else pytest.approx(value, rel=relative, abs=1e-9)), name
+        assert found[name] == (
+            value if isinstance(value, str) else pytest.approx(value, rel=relative, abs=1e-9)
+        ), name
 
 
 @pytest.mark.parametrize("name", DRIVEN)
@@ -207,13 +261,21 @@ def test_metrics_of_the_mirror_image_are_mirrored(name):
 
 
 def assert_mirrored(scenario: Scenario, runs: dict[str, Recording]) -> None:
-    wanted = dict(in_the_mirror(key, value, list(runs)) for key, value in all_metrics_of(scenario, runs).items())
-    assert_same(all_metrics_of(scenario, {each: image(run) for each, run in runs.items()}, side=-1.0), wanted)
+    wanted = dict(
+        in_the_mirror(key, value, list(runs))
+        for key, value in all_metrics_of(scenario, runs).items()
+    )
+    assert_same(
+        all_metrics_of(scenario, {each: image(run) for each, run in runs.items()}, side=-1.0),
+        wanted,
+    )
 
 
 @settings(max_examples=6)
 @given(
-    st.sampled_from(["step_steer", "double_lane_change", "launch_split_mu", "straight_brake_split_mu"]),
+    st.sampled_from(
+        ["step_steer", "double_lane_change", "launch_split_mu", "straight_brake_split_mu"]
+    ),
     st.floats(-25.0, 25.0),
     st.sampled_from(["ice", "packed_snow_1", "wet_asphalt_1", "dry_asphalt"]),
     st.sampled_from(["audi_a2", "dissertation_class_b", "layout_1_8_c"]),
@@ -223,5 +285,7 @@ def test_metrics_of_any_mirror_image_are_mirrored(name, speed, left, vehicle):
     values = [("plant", "initial_speed", speed), ("plant", "road.left", [left])]
     values += [("steering_column", "scale", 1.0)] * (name == "step_steer")  # no slow ramp
     run = load_scenario(name).runs[0].name
-    scenario = load_scenario(name, Overrides(values=values, duration=2.5, vehicle=vehicle), only=[run])
+    scenario = load_scenario(
+        name, Overrides(values=values, duration=2.5, vehicle=vehicle), only=[run]
+    )
     assert_mirrored(scenario, driven(scenario))

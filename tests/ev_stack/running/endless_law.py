@@ -1,7 +1,8 @@
 """A law that never ends, compiled, and that asks for the end of the run once it is seen to stand there.
 
-As a module it drives a run in one of the ways in which laws are driven: `python endless_law.py WAY FOLDER`. The signal
-goes to the process that began the run, as from a service manager; its workers are forked off, nodes are programs.
+As a module it drives a run in one of the ways in which laws are driven: `python endless_law.py WAY
+FOLDER`. The signal goes to the process that began the run, as from a service manager; its workers
+are forked off, nodes are programs.
 """
 
 from __future__ import annotations
@@ -15,10 +16,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 
-from ev_core.law import Wheels, WheelTorqueCommand, WheelTorqueRequest, compilable, entry, method, parameter
+from ev_core.law import (
+    Wheels,
+    WheelTorqueCommand,
+    WheelTorqueRequest,
+    compilable,
+    entry,
+    method,
+    parameter,
+)
 
 TO_STOP = "TEST_PROCESS_TO_STOP"
-# Functions that wait for compiled code, that make a whole run of a batch by it, and the law itself in plain Python.
+# Functions that wait for compiled code, that make a whole run of a batch by it, and the law itself
+# in plain Python.
 _WAITING = ("interruptible.py: _wait", "batch.py: _drive", "endless_law.py: passed_on")
 # One call of them lasts for a second: without the law's loop it takes milliseconds.
 _LOOKS, _PAUSE = 20, 0.05
@@ -41,7 +51,9 @@ def passed_on(request: WheelTorqueRequest, x: float) -> WheelTorqueCommand:
         x = x + 1.0 if x < 1e6 else 2.0
     drive = request.drive
     left = drive.front_left + x
-    return WheelTorqueCommand(Wheels(left, drive.front_right, drive.rear_left, drive.rear_right), request.brake)
+    return WheelTorqueCommand(
+        Wheels(left, drive.front_right, drive.rear_left, drive.rear_right), request.brake
+    )
 
 
 @method("asr", "forever")
@@ -121,8 +133,25 @@ if __name__ == "__main__":
     first, second, out = f"{__file__}:forever", f"{__file__}:late", ("--out", str(folder / "out"))
     options = ("shchur2019", "--method", f"asr={first}", "--duration", "1", *out)
     # The time of a study is estimated by the first second of its first run.
-    sweep = ("sweep", "shchur2019", "--workers", "2", "--vary", "asr.n=3,4", "--duration", "4", *out)
-    compare = ("compare", "--scenario", "shchur2019", "--methods", "power_steering,steer_by_wire", *out)
+    sweep = (
+        "sweep",
+        "shchur2019",
+        "--workers",
+        "2",
+        "--vary",
+        "asr.n=3,4",
+        "--duration",
+        "4",
+        *out,
+    )
+    compare = (
+        "compare",
+        "--scenario",
+        "shchur2019",
+        "--methods",
+        "power_steering,steer_by_wire",
+        *out,
+    )
     board = ("--cells", "*launch:*", "--draws", "2", *out)
     benchmark = ("benchmark", "small", "--laws", "equal_torque", *board)
     ways = {

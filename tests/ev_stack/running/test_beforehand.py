@@ -49,7 +49,10 @@ def test_a_run_compiles_what_it_needs_and_nothing_else(in_nodes, others, needed,
 def test_without_ros_nothing_is_compiled_for_nodes(monkeypatch):
     monkeypatch.setattr(beforehand, "find_spec", lambda _: None)
     assert beforehand.stepping(in_nodes=True) == []
-    assert [unit.name for unit in beforehand.stepping(in_nodes=False)] == ["run_instants", "run_through"]
+    assert [unit.name for unit in beforehand.stepping(in_nodes=False)] == [
+        "run_instants",
+        "run_through",
+    ]
 
 
 def _unit(folder: Path, name: str, make=None) -> Unit:
@@ -116,7 +119,11 @@ code.address()
 def started(text: str, cache: Path) -> subprocess.Popen:
     environment = {**os.environ, user_cache.VARIABLE: str(cache)}
     return subprocess.Popen(
-        [sys.executable, "-c", STEP + text], env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+        [sys.executable, "-c", STEP + text],
+        env=environment,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
     )
 
 
@@ -127,7 +134,9 @@ print(machine_code.compiled_function("seven", text, {})())
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("text", "kind"), [(ADDRESS, ".code"), (FUNCTION, ".numba")], ids=["C", "Python"])
+@pytest.mark.parametrize(
+    ("text", "kind"), [(ADDRESS, ".code"), (FUNCTION, ".numba")], ids=["C", "Python"]
+)
 def test_processes_that_need_the_same_code_at_once_compile_it_once(text, kind, tmp_path):
     """Whether C calls it or Python."""
     cache = tmp_path / "cache"
@@ -156,7 +165,15 @@ def test_who_is_killed_while_it_compiles_keeps_nobody_from_it(tmp_path):
 @pytest.mark.weekly
 def test_a_run_that_is_stopped_while_it_compiles_ends_at_once_and_the_next_one_goes_on(tmp_path):
     """Ctrl-C reaches all processes, SIGTERM the command alone; nothing is left but what is compiled already."""
-    words = [RUN, "shchur2019", "--offline", "--no-record", "--no-report", "--out", tmp_path / "out"]
+    words = [
+        RUN,
+        "shchur2019",
+        "--offline",
+        "--no-record",
+        "--no-report",
+        "--out",
+        tmp_path / "out",
+    ]
     for kind in (signal.SIGINT, signal.SIGTERM):
         cache = tmp_path / kind.name
         environment = {**ENVIRONMENT, user_cache.VARIABLE: str(cache)}
@@ -166,7 +183,8 @@ def test_a_run_that_is_stopped_while_it_compiles_ends_at_once_and_the_next_one_g
             text=True,
             stderr=subprocess.PIPE,
             start_new_session=True,
-            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),  # in the background, too
+            # in the background, too
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
         )
         while not cache.exists() or not [*cache.glob(".*.lock")]:
             assert run.poll() is None

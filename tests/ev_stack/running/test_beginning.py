@@ -28,7 +28,9 @@ def clocks(monkeypatch):
     return now
 
 
-def waited(begins: Beginning, run: SimpleNamespace, clocks: SimpleNamespace, most: float = 60.0) -> float:
+def waited(
+    begins: Beginning, run: SimpleNamespace, clocks: SimpleNamespace, most: float = 60.0
+) -> float:
     """Seconds until it is told that the run has not begun, infinite if it is not for so long."""
     start = clocks.seconds
     while clocks.seconds < start + most:
@@ -49,7 +51,9 @@ def test_a_run_that_takes_no_step_behind_a_set_back_has_not_begun(clocks):
     assert waited(begins, standing(), clocks) == pytest.approx(PATIENCE, abs=0.1)
 
 
-@pytest.mark.parametrize("jump", [0, HOUR, -500_000], ids=["none", "ahead", "by half a millisecond"])
+@pytest.mark.parametrize(
+    "jump", [0, HOUR, -500_000], ids=["none", "ahead", "by half a millisecond"]
+)
 def test_without_a_set_back_a_run_may_take_its_time(jump, clocks):
     """A node of a user's own may load for a minute, or stand at a breakpoint; clocks are slewed all the time."""
     begins = Beginning(patient=True)
@@ -60,7 +64,9 @@ def test_without_a_set_back_a_run_may_take_its_time(jump, clocks):
 def test_a_run_of_our_own_nodes_that_takes_no_step_at_all_ends_in_one_line(clocks):
     """As where the middleware lets no node find another one; a run that a service has stopped may stand for ever."""
     begins, run = Beginning(), standing()
-    with pytest.raises(RunFailed, match=r"^no step was taken within 300 s: the nodes do not find or answer each"):
+    with pytest.raises(
+        RunFailed, match=r"^no step was taken within 300 s: the nodes do not find or answer each"
+    ):
         waited(begins, run, clocks, 301.0)
     begins, run.rests = Beginning(), True
     assert waited(begins, run, clocks, 301.0) == math.inf
@@ -111,4 +117,7 @@ def test_the_nodes_of_a_run_that_has_not_begun_are_started_anew(tmp_path, monkey
     assert recorded_hash(tmp_path) == offline_hash(run)
     assert outcome.recording.time[-1] == pytest.approx(0.1)
     assert [*(tmp_path / "bag").glob("*.mcap")]
-    assert capsys.readouterr().err.count("the run has not begun since: its nodes are started anew") == 1
+    assert (
+        capsys.readouterr().err.count("the run has not begun since: its nodes are started anew")
+        == 1
+    )

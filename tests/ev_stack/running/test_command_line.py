@@ -34,14 +34,30 @@ def refused(*words: str) -> str:
 
 def test_a_name_alone_runs_the_scenario_as_its_files_say():
     given = arguments(["shchur2019"])
-    assert (given.scenario, given.offline, given.in_process, given.no_record) == ("shchur2019", False, False, False)
+    assert (given.scenario, given.offline, given.in_process, given.no_record) == (
+        "shchur2019",
+        False,
+        False,
+        False,
+    )
     plain = overrides(given)
     assert (list(plain.files), list(plain.values), plain.duration) == ([], [], None)
     assert own_nodes(given) == {}
 
 
 def test_what_the_options_mean():
-    words = ["shchur2019", "--offline", "--params", "a.yaml", "--params", "b.yaml", "--duration", "2.5 s", "--out", "x"]
+    words = [
+        "shchur2019",
+        "--offline",
+        "--params",
+        "a.yaml",
+        "--params",
+        "b.yaml",
+        "--duration",
+        "2.5 s",
+        "--out",
+        "x",
+    ]
     given = arguments([*words, "--no-record", "--seed", "7"])
     assert (given.offline, given.no_record, given.out) == (True, True, Path("x"))
     said = overrides(given)
@@ -52,7 +68,10 @@ def test_what_the_options_mean():
 
 def test_methods_and_parameters_go_to_their_node_in_order():
     """The first dot ends the node, the first = ends the parameter."""
-    assert values("--method", "asr=off", "--method", "asr=x") == [("asr", "method", "off"), ("asr", "method", "x")]
+    assert values("--method", "asr=off", "--method", "asr=x") == [
+        ("asr", "method", "off"),
+        ("asr", "method", "x"),
+    ]
     assert values("--set", "driver.steering.mode=angle") == [("driver", "steering.mode", "angle")]
     assert values("--set", "plant.name=a=b.c") == [("plant", "name", "a=b.c")]
 
@@ -93,8 +112,14 @@ def test_a_value_is_read_as_a_parameter_file_would_read_it(text, value):
         (["--set", "plant.x=[1, 2"], "--set: '[1, 2' is no YAML value"),
         (["--set", "plant.x=2026-99-99"], "--set: '2026-99-99' is no YAML value"),
         (["--node", "driver"], "--node 'driver' is refused, expected NODE=COMMAND"),
-        (["--node", "drivr=./mine"], "unknown node 'drivr'; did you mean driver? known: asr, driver, "),
-        (["--node", "driver=./mine 'x"], '--node "driver=./mine \'x" is refused: No closing quotation'),
+        (
+            ["--node", "drivr=./mine"],
+            "unknown node 'drivr'; did you mean driver? known: asr, driver, ",
+        ),
+        (
+            ["--node", "driver=./mine 'x"],
+            '--node "driver=./mine \'x" is refused: No closing quotation',
+        ),
     ],
 )
 def test_words_without_sense_are_one_line(words, said):
@@ -102,7 +127,9 @@ def test_words_without_sense_are_one_line(words, said):
 
 
 def test_a_node_of_ones_own_is_a_command_with_its_arguments():
-    given = arguments(["shchur2019", "--node", "asr=python3 'my asr.py' --fast", "--node", "driver=./d"])
+    given = arguments(
+        ["shchur2019", "--node", "asr=python3 'my asr.py' --fast", "--node", "driver=./d"]
+    )
     assert own_nodes(given) == {"asr": ["python3", "my asr.py", "--fast"], "driver": ["./d"]}
 
 
@@ -117,7 +144,10 @@ def test_a_node_of_ones_own_is_a_command_with_its_arguments():
         (["a", "--offline", "--node", "asr=x"], "--node starts a process"),
         (["a", "--in-process", "--node", "asr=x"], "--node starts a process"),
         (["a", "--seed", "1.5"], "invalid int value: '1.5'"),
-        (["a", "--duration", "long"], "argument --duration: 'long' is refused, expected a number of seconds"),
+        (
+            ["a", "--duration", "long"],
+            "argument --duration: 'long' is refused, expected a number of seconds",
+        ),
         (["a", "--set"], "expected one argument"),
     ],
 )
@@ -138,7 +168,10 @@ _NO_SNOW = "plant: road.left: unknown surface 'snow'; did you mean packed_snow_1
         (["nowhere"], "unknown scenario, study or review 'nowhere'; known: "),
         (["sweeep", "x"], "unknown scenario, study or review 'sweeep'; did you mean sweep?"),
         (["straight_brake_split_mu", "--set", "plant.road.left=[snow]"], _NO_SNOW),
-        (["shchur2019", "--set", "plant.drive=magic"], "plant: parameter drive: 'magic' is refused, "),
+        (
+            ["shchur2019", "--set", "plant.drive=magic"],
+            "plant: parameter drive: 'magic' is refused, ",
+        ),
         (["shchur2019", "--method", "asr=on"], "asr: unknown asr method 'on'; known: "),
         (["shchur2019", "--duration", "-1"], "duration: -1.0 is refused"),
         (["shchur2019", "--params", "nowhere.yaml"], "nowhere.yaml: No such file or directory"),
@@ -161,17 +194,31 @@ def test_what_is_refused_ends_the_command_with_one_line_and_leaves_nothing(words
             "*.control_period=0.0133",
             "note: shchur2019 ends at 0.9975 s: 1 s is no multiple of control_period, 0.0133 s",
         ),
-        ("plant.initial_speed=80", "note: plant.initial_speed = 80 m/s is 288 km/h; km/h are written '80 km/h'"),
+        (
+            "plant.initial_speed=80",
+            "note: plant.initial_speed = 80 m/s is 288 km/h; km/h are written '80 km/h'",
+        ),
     ],
 )
 def test_what_may_not_be_meant_is_one_note(set_, said, tmp_path, capsys):
     """The first ended early without a word, the second drove at 288 km/h."""
-    words = ["shchur2019", "--offline", "--no-record", "--no-report", "--duration", "1", "--out", str(tmp_path / "out")]
+    words = [
+        "shchur2019",
+        "--offline",
+        "--no-record",
+        "--no-report",
+        "--duration",
+        "1",
+        "--out",
+        str(tmp_path / "out"),
+    ]
     main([*words, "--set", set_])
     assert said in capsys.readouterr().out.splitlines()
     main(words)
     found = [line for line in capsys.readouterr().out.splitlines() if line.startswith("note: ")]
-    assert len(found) == 1 and found[0].startswith("note: replaced the results of scripts/run.sh shchur2019 ")
+    assert len(found) == 1 and found[0].startswith(
+        "note: replaced the results of scripts/run.sh shchur2019 "
+    )
 
 
 @pytest.mark.parametrize(
@@ -203,9 +250,11 @@ def test_list_shows_every_scenario_and_method_in_a_line(capsys):
 def command(monkeypatch):
     """`ev-stack run shchur2019` in this process, which is as it was afterwards."""
     before = {kind: signal.getsignal(kind) for kind in (signal.SIGINT, signal.SIGTERM)}
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where tests run in the background
+    # ignored where tests run in the background
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     monkeypatch.setattr(sys, "argv", ["ev-stack", "run", "shchur2019"])
-    offered_commands.offered_commands()  # its tables are imported here, before a test replaces `import_module`
+    # its tables are imported here, before a test replaces `import_module`
+    offered_commands.offered_commands()
     monkeypatch.setattr(stop_request, "_INTERRUPTS", [])
     monkeypatch.setattr(program, "turn_deaf", lambda: None)
     monkeypatch.setattr(stop_request, "turn_deaf", lambda: None)
@@ -224,21 +273,26 @@ def test_ctrl_c_is_one_line_from_the_first_moment(when, command, monkeypatch, ca
         raise KeyboardInterrupt
 
     module = SimpleNamespace(main=interrupted)
-    monkeypatch.setattr(offered_commands, "import_module", interrupted if when == "loading" else lambda name: module)
+    monkeypatch.setattr(
+        offered_commands, "import_module", interrupted if when == "loading" else lambda name: module
+    )
     with pytest.raises(SystemExit) as ended:
         command()
     assert ended.value.code == 130
     assert capsys.readouterr() == ("", "stopped\n")
 
 
-@pytest.mark.parametrize("error", [RuntimeError("no compiled object yet"), SystemExit("error: no method is loaded")])
+@pytest.mark.parametrize(
+    "error", [RuntimeError("no compiled object yet"), SystemExit("error: no method is loaded")]
+)
 @pytest.mark.parametrize("interrupted", [True, False])
 def test_an_error_that_ctrl_c_has_made_is_one_line_and_any_other_is_told(
     interrupted, error, command, monkeypatch, capsys
 ):
     """The compiler hears of no Ctrl-C in a callback, and goes on without what that should have brought.
 
-    Python itself makes another error of it where a class is being made: no method of that module is known then.
+    Python itself makes another error of it where a class is being made: no method of that module is
+    known then.
     """
 
     def compile_it(*_: object) -> None:
@@ -247,7 +301,9 @@ def test_an_error_that_ctrl_c_has_made_is_one_line_and_any_other_is_told(
                 signal.raise_signal(signal.SIGINT)
         raise error
 
-    monkeypatch.setattr(offered_commands, "import_module", lambda name: SimpleNamespace(main=compile_it))
+    monkeypatch.setattr(
+        offered_commands, "import_module", lambda name: SimpleNamespace(main=compile_it)
+    )
     with pytest.raises(SystemExit if interrupted else type(error)) as ended:
         command()
     assert ended.value is error or ended.value.code == 130
@@ -255,9 +311,12 @@ def test_an_error_that_ctrl_c_has_made_is_one_line_and_any_other_is_told(
 
 
 @pytest.mark.parametrize(
-    ("error", "status", "said"), [(None, 0, ""), ("error: no nodes", 1, "error: no nodes\n"), (2, 2, "")]
+    ("error", "status", "said"),
+    [(None, 0, ""), ("error: no nodes", 1, "error: no nodes\n"), (2, 2, "")],
 )
-def test_a_command_with_a_participant_ends_without_deleting_it(error, status, said, command, monkeypatch, capsys):
+def test_a_command_with_a_participant_ends_without_deleting_it(
+    error, status, said, command, monkeypatch, capsys
+):
     """Deleting one may wait for ever; status and line are as Python's own end gives them."""
     monkeypatch.setattr(stop_request, "KEPT", kept := ["a participant"])
     monkeypatch.setattr(program, "KEPT", kept)
@@ -266,7 +325,9 @@ def test_a_command_with_a_participant_ends_without_deleting_it(error, status, sa
         if error is not None:
             raise SystemExit(error)
 
-    monkeypatch.setattr(offered_commands, "import_module", lambda name: SimpleNamespace(main=perform))
+    monkeypatch.setattr(
+        offered_commands, "import_module", lambda name: SimpleNamespace(main=perform)
+    )
     with pytest.raises(SystemExit) as ended:
         command()
     assert ended.value.code == status

@@ -36,13 +36,17 @@ def test_kinds_of_faults_take_turns_and_change_what_they_strike(kind):
     """A trial says which, and draws the same again; the hash beside it is that of the run with them."""
     trial = 2 * list(KINDS).index(kind)
     changes, expected = drawn_changes(*STEP, trial, 1)
-    assert kind in {text.split()[0] for _, name, texts in changes if name == "faults" for text in texts}
+    assert kind in {
+        text.split()[0] for _, name, texts in changes if name == "faults" for text in texts
+    }
     run = run_with(*STEP, changes)
     assert expected == signal_hash(run_offline(run.configurations, run.duration))
 
 
 def test_a_trial_with_another_hash_is_counted_as_one():
-    found = [Found("step_steer", 2, Counter({WAYS[0]: 1}), ["step_steer left, trial 1: 00, not 01"])]
+    found = [
+        Found("step_steer", 2, Counter({WAYS[0]: 1}), ["step_steer left, trial 1: 00, not 01"])
+    ]
     text = result_table(found, 2, 3.0, 1)
     assert text.startswith("1 of 2 trials equal")
     assert "| `step_steer` | 2 | 1 | 0 | 0 | 1 |" in text

@@ -40,7 +40,11 @@ def test_in_a_domain_of_the_users_a_second_run_needs_another_namespace(monkeypat
         with free_domain() as again, own_namespace(again, "/ev/all_equal"):
             assert again == given == 2
         refused = "^ROS domain 2 has a run in the namespace /ev already"
-        with free_domain() as again, pytest.raises(RunFailed, match=refused), own_namespace(again, "/ev"):
+        with (
+            free_domain() as again,
+            pytest.raises(RunFailed, match=refused),
+            own_namespace(again, "/ev"),
+        ):
             pass
     with own_namespace(2, "/ev"):
         assert reserved_domains() == []
@@ -48,7 +52,10 @@ def test_in_a_domain_of_the_users_a_second_run_needs_another_namespace(monkeypat
 
 def test_no_run_begins_where_no_node_finds_another(monkeypatch):
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF")
-    with pytest.raises(RunFailed, match=r"^ROS_AUTOMATIC_DISCOVERY_RANGE=OFF is refused: "), free_domain():
+    with (
+        pytest.raises(RunFailed, match=r"^ROS_AUTOMATIC_DISCOVERY_RANGE=OFF is refused: "),
+        free_domain(),
+    ):
         pass
 
 
@@ -59,7 +66,13 @@ def test_a_domain_is_free_again_after_the_run():
 
 
 def test_when_all_are_taken_the_run_does_not_begin():
-    with free_domain(), free_domain(), free_domain(), pytest.raises(NoFreeDomain, match="1 to 3"), free_domain():
+    with (
+        free_domain(),
+        free_domain(),
+        free_domain(),
+        pytest.raises(NoFreeDomain, match="1 to 3"),
+        free_domain(),
+    ):
         pass
 
 
@@ -84,7 +97,9 @@ def test_when_locks_of_others_block_all_domains_one_is_named(tmp_path):
     for taken in range(1, 4):
         (tmp_path / f"ev_stack_domain_{taken}.lock").mkdir()
     with (
-        pytest.raises(NoFreeDomain, match=rf"{tmp_path}/ev_stack_domain_1.lock belongs to user \d+ \(.+\)$"),
+        pytest.raises(
+            NoFreeDomain, match=rf"{tmp_path}/ev_stack_domain_1.lock belongs to user \d+ \(.+\)$"
+        ),
         free_domain(),
     ):
         pass
@@ -116,7 +131,9 @@ def test_a_link_in_the_place_of_a_lock_is_not_followed(tmp_path):
 def test_what_is_no_domain_is_refused(given, monkeypatch):
     monkeypatch.setenv("ROS_DOMAIN_ID", given)
     with (
-        pytest.raises(RunFailed, match=f"^ROS_DOMAIN_ID={given} is refused, expected a whole number from 0"),
+        pytest.raises(
+            RunFailed, match=f"^ROS_DOMAIN_ID={given} is refused, expected a whole number from 0"
+        ),
         free_domain(),
     ):
         pass

@@ -28,7 +28,8 @@ CALLS = ("run", "simulation", "batch")
 def ended(way: str, folder: Path, kind: signal.Signals) -> subprocess.CompletedProcess[str]:
     """What comes of a run that is asked to stop once its law stands in its loop.
 
-    The law has no end, so nothing but the signal can end the run: how long that takes is no part of the test.
+    The law has no end, so nothing but the signal can end the run: how long that takes is no part of
+    the test.
     """
     words = [sys.executable, endless_law.__file__, way, str(folder)]
     environment = {**os.environ, "TEST_SIGNAL": str(int(kind))}
@@ -101,7 +102,8 @@ def test_the_memory_of_a_call_that_is_given_up_lasts_as_long_as_the_call():
     kept = weakref.ref(memory)
     REQUESTS.append(lambda: True)
     try:
-        with suppress(KeyboardInterrupt):  # which pytest would keep, with all that stands in its frames
+        # which pytest would keep, with all that stands in its frames
+        with suppress(KeyboardInterrupt):
             guarded([memory], ends.wait)
         del memory
         gc.collect()

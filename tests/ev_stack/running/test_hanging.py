@@ -40,7 +40,10 @@ def named(
         ("electronic_differential", {"plant": ("asr",), "asr": ("electronic_differential",)}),
         ("asr", {"plant": ("asr",), "asr": ("plant",)}),  # it lives, and nobody hears it
         ("recorder", {"plant": ("recorder",), "recorder": ("plant",)}),
-        ("plant", {"driver": ("plant",), "asr": ("electronic_differential",), "recorder": ("plant",)}),
+        (
+            "plant",
+            {"driver": ("plant",), "asr": ("electronic_differential",), "recorder": ("plant",)},
+        ),
     ],
 )
 def test_the_end_of_the_chain_is_named(who, waits):
@@ -50,10 +53,14 @@ def test_the_end_of_the_chain_is_named(who, waits):
 def test_what_the_nodes_that_wait_know_of_the_reason_is_said():
     """The master looks into the graph, and each node knows which of its messages it has ignored."""
     waits = {"plant": ("asr",), "asr": ("electronic_differential",)}
-    late = "torque_request at 1790000000.1 s ignored (reported once): 0.0 s is due, in steps of 0.01 s"
+    late = (
+        "torque_request at 1790000000.1 s ignored (reported once): 0.0 s is due, in steps of 0.01 s"
+    )
     line = "node electronic_differential does not answer, at 1 s of simulated time"
     assert named(waits, why={"asr": [late]}) == f"{line}: {late}"
-    unfit = "/ev/electronic_differential publishes /ev/torque_request as best effort, expected reliable"
+    unfit = (
+        "/ev/electronic_differential publishes /ev/torque_request as best effort, expected reliable"
+    )
     assert named(waits, why={"plant": [unfit], "asr": [late, unfit]}) == f"{line}: {unfit}; {late}"
     assert named(waits, why={"driver": [unfit]}) == line  # which is not waited for
 
@@ -71,7 +78,9 @@ def test_behind_the_end_of_the_plant_only_the_recorder_is_left():
     assert "node recorder does" in named({"recorder": ("plant",)}, pids={"recorder": 1})
 
 
-def test_a_run_that_goes_on_or_rests_is_not_named_and_what_was_said_long_ago_does_not_count(monkeypatch):
+def test_a_run_that_goes_on_or_rests_is_not_named_and_what_was_said_long_ago_does_not_count(
+    monkeypatch,
+):
     told = Told("/ev")
     hanging = Hanging(told, PIDS, 0.0, realtime=False)
     told.rests, hanging._since = True, time.monotonic() - 100.0
@@ -105,7 +114,9 @@ def test_a_plant_that_waits_for_nothing_but_its_pace_does_not_hang(monkeypatch):
     plant.done, plant._go_on, plant._retry_period = False, lambda: None, 0.05
     plant.configuration = SimpleNamespace(common=SimpleNamespace(mode="lockstep"))
     plant.stepper = SimpleNamespace(inbox=SimpleNamespace(last=10**7, missing=lambda: ()))
-    plant.__dict__["schedule"] = SimpleNamespace(all_are_here=True, recorder_keeps_up=True, rests=False)
+    plant.__dict__["schedule"] = SimpleNamespace(
+        all_are_here=True, recorder_keeps_up=True, rests=False
+    )
     plant._waiting = Waiting(SimpleNamespace(tell=lambda word: told._take("plant", word)))
     hanging = Hanging(told, PIDS, 2.0, realtime=False)
     told.time = 0.01
@@ -124,9 +135,12 @@ def test_a_plant_that_waits_for_nothing_but_its_pace_does_not_hang(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("stopped", "line"), [(True, "stopped by a signal: asr, at 0 s of simulated time"), (False, None)]
+    ("stopped", "line"),
+    [(True, "stopped by a signal: asr, at 0 s of simulated time"), (False, None)],
 )
-def test_a_node_that_is_stopped_while_nodes_start_is_named_at_once(stopped: bool, line: str | None, monkeypatch):
+def test_a_node_that_is_stopped_while_nodes_start_is_named_at_once(
+    stopped: bool, line: str | None, monkeypatch
+):
     """Nodes may take 10 s to start; one that the kernel has stopped does not start."""
     now = [0.0]
     monkeypatch.setattr(time, "monotonic", lambda: now[0])

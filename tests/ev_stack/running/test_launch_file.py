@@ -52,7 +52,9 @@ def launch_file(monkeypatch):
     return module
 
 
-def test_launch_starts_every_node_with_the_parameters_of_the_runner(launch_file, monkeypatch, capsys, tmp_path):
+def test_launch_starts_every_node_with_the_parameters_of_the_runner(
+    launch_file, monkeypatch, capsys, tmp_path
+):
     def check_output(words, text):
         assert words[0].endswith("lib/ev_stack/ev-stack") and words[1] == "parameters"
         write_parameters(words[2:])

@@ -16,15 +16,20 @@ from ev_stack.recording.recording import signal_hash
 from ev_stack.scenarios.scenario import load_scenario
 
 MACHINES = {"a C library without FMA and AVX2": C_LIBRARIES["without FMA and AVX2"]}
-SCENARIOS = ("double_lane_change", "shchur2019", "urban_mixed")  # between them tyres, drives, columns, drivers and laws
-# Compiling the planar plant anew takes half a minute: scripts/determinism.sh does it, and for all scenarios.
+# between them tyres, drives, columns, drivers and laws
+SCENARIOS = ("double_lane_change", "shchur2019", "urban_mixed")
+# Compiling the planar plant anew takes half a minute: scripts/determinism.sh does it, and for all
+# scenarios.
 QUICKLY_COMPILED = ("shchur2019",)
 COMPILERS = ("any x86-64 processor", "without optimisation")
 
 
 def hashes(*scenarios: str) -> list[str]:
     """Those of the first seconds of scenarios."""
-    return [signal_hash(run_offline(load_scenario(name).runs[0].configurations, 6.0)) for name in scenarios]
+    return [
+        signal_hash(run_offline(load_scenario(name).runs[0].configurations, 6.0))
+        for name in scenarios
+    ]
 
 
 def hashes_on(machine: dict[str, str], scenarios: tuple[str, ...]) -> list[str]:
@@ -36,7 +41,9 @@ def hashes_on(machine: dict[str, str], scenarios: tuple[str, ...]) -> list[str]:
     )
     text = "\n".join((*imports, inspect.getsource(hashes), f"print(*hashes{scenarios})"))
     environment = {**os.environ, **machine}
-    done = subprocess.run([sys.executable, "-c", text], env=environment, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", text], env=environment, capture_output=True, text=True, check=True
+    )
     return done.stdout.split()
 
 

@@ -24,8 +24,8 @@ pytestmark = pytest.mark.slow
 
 PERIOD = 0.01
 CASES = [(scenario, run.name) for scenario in MANOEUVRES for run in load_scenario(scenario).runs]
-# The adaptive solver begins anew with every command: on lines, which have no limit to come to, less than all will do,
-# and one of the circles goes beyond its limit.
+# The adaptive solver begins anew with every command: on lines, which have no limit to come to, less
+# than all will do, and one of the circles goes beyond its limit.
 CUT = {
     ("steady_circle", "linear"): 15.0,
     ("steady_circle", "friction"): 15.0,
@@ -36,7 +36,9 @@ CUT = {
 
 
 @cache
-def driven(scenario: str, name: str, halved: bool = False, cut: float | None = None) -> tuple[Recording, DrivenPlant]:
+def driven(
+    scenario: str, name: str, halved: bool = False, cut: float | None = None
+) -> tuple[Recording, DrivenPlant]:
     """The signals of a run and its plant at the end."""
     step = [("plant", "step", 0.5e-3)] if halved else []
     run = next(r for r in load_scenario(scenario, Overrides((), step, cut)).runs if r.name == name)
@@ -73,7 +75,10 @@ def deviations(recording: Recording, state: np.ndarray, reference: np.ndarray) -
         "y": length,
         "battery_work": max(abs(reference[index("battery_work")]), 1.0),
     }
-    return {entry: abs(state[index(entry)] - reference[index(entry)]) / scale for entry, scale in scales.items()}
+    return {
+        entry: abs(state[index(entry)] - reference[index(entry)]) / scale
+        for entry, scale in scales.items()
+    }
 
 
 @pytest.mark.parametrize(("scenario", "name"), CASES)
@@ -82,7 +87,9 @@ def test_halving_the_step_keeps_the_end_of_the_run(scenario, name):
     """Less than 0.1 % of the way and of the largest speeds at its end; measured is 8e-6 at most, in a spin."""
     recording, coarse = driven(scenario, name)
     _, fine = driven(scenario, name, halved=True)
-    steps_of = [number_of_steps(plant.parameters, plant.vehicle, plant.period) for plant in (coarse, fine)]
+    steps_of = [
+        number_of_steps(plant.parameters, plant.vehicle, plant.period) for plant in (coarse, fine)
+    ]
     assert steps_of[1] == 2 * steps_of[0]
     found = deviations(recording, coarse.state, fine.state)
     assert max(found.values()) < 1e-3, found
@@ -93,9 +100,9 @@ def test_halving_the_step_keeps_the_end_of_the_run(scenario, name):
 def test_an_adaptive_solver_ends_the_run_alike(scenario, name):
     """DOP853 at a relative tolerance of 1e-9 under the same commands: promised are 0.1 %, a tenth is asked here.
 
-    Measured are 2e-5 in the spin of `times_5_0` and beyond the limit of the circle, 2e-6 where a wheel spins on ice,
-    below 1e-6 else: no run is chaotic. Torques taken at the beginning of a step instead of their mean over it would
-    show, as 1.4e-4 in a launch.
+    Measured are 2e-5 in the spin of `times_5_0` and beyond the limit of the circle, 2e-6 where a
+    wheel spins on ice, below 1e-6 else: no run is chaotic. Torques taken at the beginning of a step
+    instead of their mean over it would show, as 1.4e-4 in a launch.
     """
     recording, plant = driven(scenario, name, cut=CUT.get((scenario, name)))
     found = deviations(recording, plant.state, end_of_run(plant))
@@ -110,7 +117,9 @@ def test_power_balance_closes(scenario, name):
     def work(entry: str) -> float:
         return float(end.state[index(entry)])
 
-    battery = work("motor_loss") + work("driveline_loss") + work("auxiliary_work") + work("drive_work")
+    battery = (
+        work("motor_loss") + work("driveline_loss") + work("auxiliary_work") + work("drive_work")
+    )
     sinks = [work(f"{kind}_work") for kind in ("tyre", "friction", "drag", "gravity")]
     gain = kinetic_energy(end.state, end.vehicle) - kinetic_energy(end.start, end.vehicle)
     flow = max(abs(gain), abs(work("drive_work")), *map(abs, sinks))
@@ -157,20 +166,32 @@ def test_coast_down_gives_the_road_load_back():
     """Slip of free-rolling wheels and the central differences of a second leave less than 0.1 %."""
     metrics, vehicle = metrics_of("coast_down"), Vehicle()
     assert metrics["rolling_resistance"] == pytest.approx(vehicle.rolling_resistance, rel=1e-3)
-    assert metrics["drag_area"] == pytest.approx(vehicle.drag_coefficient * vehicle.frontal_area, rel=1e-3)
+    assert metrics["drag_area"] == pytest.approx(
+        vehicle.drag_coefficient * vehicle.frontal_area, rel=1e-3
+    )
 
 
 def test_step_steer_is_the_same_to_the_left_and_to_the_right():
     metrics = metrics_of("step_steer")
-    for name in ("yaw_rate_response_time", "yaw_rate_overshoot", "yaw_rate_gain", "sideslip_angle_gain"):
+    for name in (
+        "yaw_rate_response_time",
+        "yaw_rate_overshoot",
+        "yaw_rate_gain",
+        "sideslip_angle_gain",
+    ):
         assert metrics[f"left_{name}"] == metrics[f"right_{name}"]
-    assert metrics["left_lateral_acceleration"] == pytest.approx(4.0, rel=0.05)  # what ISO 7401 prefers
+    # what ISO 7401 prefers
+    assert metrics["left_lateral_acceleration"] == pytest.approx(4.0, rel=0.05)
 
 
 def test_steady_circle_agrees_with_the_closed_form():
     """K = m (b/C_f - a/C_r)/L within 5 %: the drive forces of the front wheels pull the car inwards, 1 % of 2500 N."""
     metrics = metrics_of("steady_circle")
-    mass, length, rear_arm = Vehicle().mass, Vehicle().wheelbase, Vehicle().centre_of_mass_to_rear_axle
+    mass, length, rear_arm = (
+        Vehicle().mass,
+        Vehicle().wheelbase,
+        Vehicle().centre_of_mass_to_rear_axle,
+    )
     gradient = mass / length * (rear_arm / 90e3 - (length - rear_arm) / 130e3)
     assert metrics["linear_understeer_gradient"] == pytest.approx(gradient, rel=0.05)
     sideslip = -mass * (length - rear_arm) / (130e3 * length)
@@ -181,12 +202,15 @@ def test_steady_circle_agrees_with_the_closed_form():
 def test_both_methods_for_the_steady_circle_agree(tyres, band):
     """The understeer gradient is one of the car: measured are 0.2 % with linear tyres and 2 % with real ones.
 
-    Real tyres give no straight line over the acceleration, and both the samples along it and the drive forces differ
-    between the circle of 40 m and that of 50 m, which widens to 53 m.
+    Real tyres give no straight line over the acceleration, and both the samples along it and the
+    drive forces differ between the circle of 40 m and that of 50 m, which widens to 53 m.
     """
     metrics = metrics_of("steady_circle")
     for name in ("understeer_gradient", "sideslip_gradient"):
-        fixed, constant_radius = metrics[f"{tyres}_{name}"], metrics[f"constant_radius_{tyres}_{name}"]
+        fixed, constant_radius = (
+            metrics[f"{tyres}_{name}"],
+            metrics[f"constant_radius_{tyres}_{name}"],
+        )
         assert constant_radius == pytest.approx(fixed, rel=band), name
 
 
@@ -218,7 +242,11 @@ def test_lane_change_leaves_all_cones_standing():
 
 def test_a_car_beside_its_lane_hits_the_cones_of_one_row():
     """Straight on at y = 2 m its body covers 1.16 to 2.84 m: the right row of lane 2 (2.37 m), the left one of 3."""
-    values = [("plant", "initial_y", 2.0), ("driver", "path.x", [-50.0, 200.0]), ("driver", "path.y", [2.0, 2.0])]
+    values = [
+        ("plant", "initial_y", 2.0),
+        ("driver", "path.x", [-50.0, 200.0]),
+        ("driver", "path.y", [2.0, 2.0]),
+    ]
     recording, _ = drive(load_scenario("double_lane_change", Overrides((), values)).runs[0])
     course = load_scenario("double_lane_change").parameters.course
     found = report_for("double_lane_change").metrics({"run": recording}, Vehicle(), {}, course)
@@ -228,7 +256,12 @@ def test_a_car_beside_its_lane_hits_the_cones_of_one_row():
 def test_sine_with_dwell_multiples_of_a():
     """The amplitudes in the scenario are the multiples that their names say of the A that its first run gives."""
     metrics = metrics_of("sine_with_dwell")
-    for name, multiple in (("times_1_5", 1.5), ("times_2_5", 2.5), ("times_3_5", 3.5), ("times_5_0", 5.0)):
+    for name, multiple in (
+        ("times_1_5", 1.5),
+        ("times_2_5", 2.5),
+        ("times_3_5", 3.5),
+        ("times_5_0", 5.0),
+    ):
         assert metrics[f"{name}_amplitude_over_a"] == pytest.approx(multiple, rel=0.01)
     assert metrics["times_1_5_passed"] == 1
     assert metrics["times_5_0_passed"] == 0  # without stability control
@@ -237,7 +270,9 @@ def test_sine_with_dwell_multiples_of_a():
 def test_split_friction():
     """Steering holds the car that spins with a fixed steering wheel; wheels on snow lock, on asphalt they do not."""
     metrics = metrics_of("straight_brake_split_mu")
-    assert metrics["steered_peak_yaw_deviation"] < 0.2 < metrics["fixed_steering_peak_yaw_deviation"]
+    assert (
+        metrics["steered_peak_yaw_deviation"] < 0.2 < metrics["fixed_steering_peak_yaw_deviation"]
+    )
     assert metrics["steered_front_left_locked"] > 50.0
     assert metrics["steered_front_right_locked"] == 0.0
     launch = metrics_of("launch_split_mu")
@@ -251,9 +286,13 @@ def test_plant_notes_refused_commands_and_lifted_wheels():
     too_much = [("driver", "pedals.drive_torque", [0.0, 0.0, 7500.0])]
     run = load_scenario("launch_split_mu", Overrides((), too_much, 2.0)).runs[0]
     notes = []
-    run_offline(run.configurations, run.duration, note=lambda role, text: notes.append((role, text)))
+    run_offline(
+        run.configurations, run.duration, note=lambda role, text: notes.append((role, text))
+    )
     assert notes == [("plant", "100 or more values of commands were out of range")]
     high = [("*", "vehicle.centre_of_mass_height", 2.0)]
     run = load_scenario("double_lane_change", Overrides((), high, 4.0)).runs[0]
-    run_offline(run.configurations, run.duration, note=lambda role, text: notes.append((role, text)))
+    run_offline(
+        run.configurations, run.duration, note=lambda role, text: notes.append((role, text))
+    )
     assert any("left the ground" in text for _, text in notes)

@@ -12,8 +12,12 @@ from helpers.run_script import ENVIRONMENT, RUN
 from ev_stack.commands import run_scenario
 from ev_stack.commands.run_scenario import main
 
-# What a lack of memory looks like: llvmlite raises an OSError that speaks of permissions, ROS an ImportError.
-OF_LIBRARIES = [OSError("Could not find/load shared object file"), ImportError("libfastdds.so: failed to map segment")]
+# What a lack of memory looks like: llvmlite raises an OSError that speaks of permissions, ROS an
+# ImportError.
+OF_LIBRARIES = [
+    OSError("Could not find/load shared object file"),
+    ImportError("libfastdds.so: failed to map segment"),
+]
 
 
 def ended_by(error: BaseException, free: float, monkeypatch: pytest.MonkeyPatch) -> str:
@@ -57,6 +61,8 @@ def test_a_run_within_a_small_limit_of_memory_ends_in_one_line(megabytes: int, t
     """It neither speaks of a broken installation nor crashes when Python ends."""
     words = [RUN, "shchur2019", "--in-process", "--duration", "0.1", "--out", tmp_path]
     limit = f'ulimit -v {megabytes * 1024}; exec "$@"'
-    done = subprocess.run(["bash", "-c", limit, "limited", *words], env=ENVIRONMENT, capture_output=True, text=True)
+    done = subprocess.run(
+        ["bash", "-c", limit, "limited", *words], env=ENVIRONMENT, capture_output=True, text=True
+    )
     assert done.returncode == 1
     assert re.fullmatch(r"error: out of memory(: .*)?\n", done.stderr), done.stderr

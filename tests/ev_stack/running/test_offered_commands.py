@@ -23,7 +23,11 @@ def package(monkeypatch: pytest.MonkeyPatch) -> Iterator[ModuleType]:
     module, real = ModuleType("own_commands"), offered_commands.offered
 
     def offered(group: str) -> Mapping[str, str]:
-        return {"aaa_own": "own_commands", **real(group)} if group == offered_commands.GROUP else real(group)
+        return (
+            {"aaa_own": "own_commands", **real(group)}
+            if group == offered_commands.GROUP
+            else real(group)
+        )
 
     monkeypatch.setitem(sys.modules, "own_commands", module)
     monkeypatch.setattr(offered_commands, "offered", offered)
@@ -49,11 +53,16 @@ def test_a_command_of_another_package_is_performed_and_listed(package: ModuleTyp
         ({"greet": ("own:greet",)}, "TypeError: "),
     ],
 )
-def test_a_table_that_cannot_be_taken_is_named_and_ours_go_on(package: ModuleType, capsys, commands, line):
+def test_a_table_that_cannot_be_taken_is_named_and_ours_go_on(
+    package: ModuleType, capsys, commands, line
+):
     if commands is not None:
         package.COMMANDS = commands
     perform(["--help"])
     *_, last = capsys.readouterr().out.splitlines()
     assert last.startswith(f"not loaded: commands of aaa_own: {line}")
-    assert offered_commands.offered_commands().commands["run"].place == "ev_stack.commands.run_scenario:main"
+    assert (
+        offered_commands.offered_commands().commands["run"].place
+        == "ev_stack.commands.run_scenario:main"
+    )
     assert "greet" not in offered_commands.offered_commands().commands

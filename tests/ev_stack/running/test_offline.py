@@ -30,7 +30,9 @@ from ev_stack.scenarios.scenario import load_scenario
 
 
 def played_by(role: str, factory: type, reads: tuple[type, ...]) -> Configuration:
-    return dataclasses.replace(toy(role), method=Method(role, "test", factory, reads, ToyParameters))
+    return dataclasses.replace(
+        toy(role), method=Method(role, "test", factory, reads, ToyParameters)
+    )
 
 
 class ClockDriver:
@@ -86,7 +88,9 @@ def test_who_answers_is_heard_at_once_and_who_integrates_one_step_later():
     assert channels["steering_column.state.rate"].tolist() == [-1.0, 0.0, 0.01, 0.02]
 
 
-@pytest.mark.parametrize(("duration", "steps"), [(0.03, 3), (0.039, 3), (0.0299999999999, 3), (0.01, 1), (0.0, 0)])
+@pytest.mark.parametrize(
+    ("duration", "steps"), [(0.03, 3), (0.039, 3), (0.0299999999999, 3), (0.01, 1), (0.0, 0)]
+)
 def test_both_ends_are_recorded(duration, steps):
     """A duration between two steps ends with the step before; one that misses a step by rounding has it."""
     recording = run_offline(clockwork(), duration)
@@ -121,7 +125,8 @@ def test_signals_are_recorded_as_they_are_carried():
     law = played_by("electronic_differential", Watcher, (BatteryCondition,))
     channels = run_offline({**toy_graph(), "electronic_differential": law}, 0.05).channels
     assert channels["battery.voltage"].tolist() == seen
-    assert all(math.ldexp(math.frexp(value)[0], 24).is_integer() for value in seen)  # 24 bits of mantissa
+    # 24 bits of mantissa
+    assert all(math.ldexp(math.frexp(value)[0], 24).is_integer() for value in seen)
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf])

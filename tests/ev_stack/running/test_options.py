@@ -15,8 +15,14 @@ from ev_stack.command_line.paths import output_folder
 from ev_stack.commands import run_scenario
 
 
-@given(low=st.integers(-5, 5), width=st.integers(0, 10), text=st.one_of(st.integers(-20, 20).map(str), st.text()))
-def test_a_whole_number_is_taken_within_its_bounds_and_refused_elsewhere(low: int, width: int, text: str):
+@given(
+    low=st.integers(-5, 5),
+    width=st.integers(0, 10),
+    text=st.one_of(st.integers(-20, 20).map(str), st.text()),
+)
+def test_a_whole_number_is_taken_within_its_bounds_and_refused_elsewhere(
+    low: int, width: int, text: str
+):
     try:
         expected = int(text)
     except ValueError:
@@ -24,7 +30,10 @@ def test_a_whole_number_is_taken_within_its_bounds_and_refused_elsewhere(low: in
     if expected is not None and low <= expected <= low + width:
         assert whole(low, low + width)(text) == expected
     else:
-        with pytest.raises(argparse.ArgumentTypeError, match=f"expected a whole number from {low} to {low + width}$"):
+        with pytest.raises(
+            argparse.ArgumentTypeError,
+            match=f"expected a whole number from {low} to {low + width}$",
+        ):
             whole(low, low + width)(text)
 
 
@@ -49,7 +58,8 @@ def test_an_output_folder_may_be_there_or_not(tmp_path: Path):
 
 
 @pytest.mark.parametrize(
-    "words", [["sweep", "--seeds", "0"], ["benchmark", "--draws", "0"], ["tune", "off", "--draws", "0"]]
+    "words",
+    [["sweep", "--seeds", "0"], ["benchmark", "--draws", "0"], ["tune", "off", "--draws", "0"]],
 )
 def test_commands_of_many_runs_show_how_python_came_to_an_error(words, capsys):
     """As runs of a scenario do."""

@@ -26,15 +26,47 @@ FOLDERS = ("bag", "log", "earlier_1", "run [0]", "signals")
 FIGURES = ("slip.png", "timing.png")
 NAMES = st.sampled_from(
     (
-        *(*OF_ALL_RUNS, *FIGURES, MANIFEST, "thesis.pdf", "signals.npz", "parameters.yaml", "bag", "bag/metadata.yaml"),
-        *("bag/bag.mcap", "bag/notes.txt", "bag_before_reset_1/bag.mcap", "log", "log/recorder.log", "log/diary.txt"),
-        *("earlier_1", "earlier_1/signals.npz", "run [0]", "run [0]/signals.npz", "run [1]/bag/notes.txt", "car.fmu"),
+        *(
+            *OF_ALL_RUNS,
+            *FIGURES,
+            MANIFEST,
+            "thesis.pdf",
+            "signals.npz",
+            "parameters.yaml",
+            "bag",
+            "bag/metadata.yaml",
+        ),
+        *(
+            "bag/bag.mcap",
+            "bag/notes.txt",
+            "bag_before_reset_1/bag.mcap",
+            "log",
+            "log/recorder.log",
+            "log/diary.txt",
+        ),
+        *(
+            "earlier_1",
+            "earlier_1/signals.npz",
+            "run [0]",
+            "run [0]/signals.npz",
+            "run [1]/bag/notes.txt",
+            "car.fmu",
+        ),
         *("bag/mine", "log/mine/empty", "run [0]/mine", "signals/mine"),
-        *("driven.jsonl", "signals/a.npz", "table.csv", "page.html", "speed.png", "recorded/signals.npz"),
+        *(
+            "driven.jsonl",
+            "signals/a.npz",
+            "table.csv",
+            "page.html",
+            "speed.png",
+            "recorded/signals.npz",
+        ),
         ".signals.npz.0123abcd",
     )
 )
-THINGS = st.sampled_from(["file", "file", "link to file", "link to folder", "dangling link", "folder"])
+THINGS = st.sampled_from(
+    ["file", "file", "link to file", "link to folder", "dangling link", "folder"]
+)
 PUTS = st.tuples(NAMES, THINGS)
 SEEDS = st.integers(0, 2**32)
 EDITS = st.tuples(st.sampled_from(["edit", "delete"]), SEEDS)
@@ -47,7 +79,11 @@ class Watched:
         self.out, outside = top / "out", top / "outside"
         self.out.mkdir()
         (outside / "bag").mkdir(parents=True)
-        self._places = {"link to file": outside / "data", "link to folder": outside, "dangling link": outside / "none"}
+        self._places = {
+            "link to file": outside / "data",
+            "link to folder": outside,
+            "dangling link": outside / "none",
+        }
         for name in ("data", "bag/metadata.yaml", "signals.npz"):
             (outside / name).write_text(f"outside {name}")
         self._his = {path: _held(path) for path in outside.rglob("*") if path.is_file()}
@@ -57,7 +93,9 @@ class Watched:
     def put(self, name: str, thing: str) -> None:
         """Put something of the user's in a place, if it is free."""
         path = self.out / name
-        if os.path.lexists(path) or any(parent.is_symlink() or parent.is_file() for parent in path.parents):
+        if os.path.lexists(path) or any(
+            parent.is_symlink() or parent.is_file() for parent in path.parents
+        ):
             return
         path.parent.mkdir(parents=True, exist_ok=True)
         self._count += 1
@@ -72,7 +110,9 @@ class Watched:
 
     def change(self, act: str, seed: int) -> None:
         """Let the user edit a file, which is his from then on, or remove one."""
-        files = sorted(path for path in self.out.rglob("*") if path.is_file() and not path.is_symlink())
+        files = sorted(
+            path for path in self.out.rglob("*") if path.is_file() and not path.is_symlink()
+        )
         if not files:
             return
         path = random.Random(seed).choice(files)
@@ -95,7 +135,9 @@ class Watched:
 
     def check(self) -> None:
         """Everything is there; what a killed command may have written may be in another folder."""
-        earlier = [path for path in self.out.glob("earlier_*/**/*") if self.was_killed and path.is_file()]
+        earlier = [
+            path for path in self.out.glob("earlier_*/**/*") if self.was_killed and path.is_file()
+        ]
         moved = {_held(path): path for path in earlier}
         for path, held in list(self._his.items()):
             if not os.path.lexists(path) or _held(path) != held:
@@ -116,9 +158,16 @@ def _write(watched: Watched, seed: int) -> None:
     runs = [Run(f"run [{n}]", "", {}, 0.1) for n in range(count)]
     files = [*OF_ALL_RUNS, *(["driven.jsonl", "signals/a.npz"] if not runs else [])]
     keeps = chance.sample(["driven.jsonl", "signals/a.npz"], chance.randint(0, 2))
-    with suppress(ParameterError, FileExistsError), OutputFolder(watched.out, writer, files, runs, keeps) as folder:
+    with (
+        suppress(ParameterError, FileExistsError),
+        OutputFolder(watched.out, writer, files, runs, keeps) as folder,
+    ):
         folders = [folder.of(run).relative_to(folder.directory) for run in runs]
-        files += [str(each / name) for each in folders for name in ("signals.npz", "bag/bag.mcap", "log/recorder.log")]
+        files += [
+            str(each / name)
+            for each in folders
+            for name in ("signals.npz", "bag/bag.mcap", "log/recorder.log")
+        ]
         folder.claim(FIGURES[:1])
         for name in chance.sample([*files, *FIGURES[:1]], chance.randint(0, len(files))):
             if not (name in keeps and (watched.out / name).exists()):
@@ -130,7 +179,10 @@ def _write(watched: Watched, seed: int) -> None:
 
 
 @settings(max_examples=100, deadline=None)
-@given(st.lists(PUTS, max_size=3), st.lists(st.one_of(SEEDS, SEEDS, PUTS, EDITS), min_size=1, max_size=8))
+@given(
+    st.lists(PUTS, max_size=3),
+    st.lists(st.one_of(SEEDS, SEEDS, PUTS, EDITS), min_size=1, max_size=8),
+)
 def test_a_folder_keeps_everything_that_no_command_has_written(had: list, acts: list):
     with TemporaryDirectory() as top:
         watched = Watched(Path(top))
@@ -148,7 +200,19 @@ SHORT = ("--duration", "0.02", "--no-report")
 COMMANDS = (
     ("run", "coast_down", "--offline", "--duration", "0.02", "--out", "{out}"),
     ("run", "coast_down", "--offline", "--no-record", *SHORT, "--out", "{out}"),
-    ("run", "sweep", "coast_down", "--seeds", "1", "--workers", "1", "--signals", *SHORT, "--out", "{out}"),
+    (
+        "run",
+        "sweep",
+        "coast_down",
+        "--seeds",
+        "1",
+        "--workers",
+        "1",
+        "--signals",
+        *SHORT,
+        "--out",
+        "{out}",
+    ),
     ("run", "report", "{driven}", "--out", "{out}/page.html"),
     ("run", "replay", "{driven}", "--node", "asr=off", *SHORT, "--out", "{out}"),
     ("parameters", "coast_down", "--out", "{out}"),
@@ -168,10 +232,14 @@ def saved(driven, tmp_path_factory) -> Path:
     return folder
 
 
-@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 @given(
     st.lists(PUTS, max_size=2),
-    st.lists(st.one_of(st.sampled_from([*COMMANDS, "save", "kill"]), EDITS, PUTS), min_size=3, max_size=8),
+    st.lists(
+        st.one_of(st.sampled_from([*COMMANDS, "save", "kill"]), EDITS, PUTS), min_size=3, max_size=8
+    ),
 )
 def test_no_command_deletes_or_replaces_what_is_not_its_own(driven, saved, had: list, acts: list):
     with TemporaryDirectory() as top:
@@ -226,7 +294,9 @@ def test_what_is_in_the_way_is_one_line_before_anything_is_touched(tmp_path: Pat
 def test_a_figure_of_the_users_is_not_replaced(tmp_path: Path):
     """What a figure is called is known when it is drawn; what was driven is there then, and can be replaced."""
     (tmp_path / "speed.png").write_text("mine")
-    with pytest.raises(SystemExit, match=r"speed\.png there is not of an earlier run, expected another folder$"):
+    with pytest.raises(
+        SystemExit, match=r"speed\.png there is not of an earlier run, expected another folder$"
+    ):
         program.perform((*COMMANDS[0][:-1], str(tmp_path)))
     assert (tmp_path / "speed.png").read_text() == "mine"
     (tmp_path / "speed.png").rename(tmp_path / "mine.png")
@@ -258,16 +328,24 @@ def test_what_a_killed_run_was_writing_is_moved(tmp_path: Path, capsys: pytest.C
     write_manifest(tmp_path, begun)
     (tmp_path / ".notes.txt.0123abcd").touch()  # called as what is written, but not by us
     with OutputFolder(tmp_path, "scenario a", OF_ALL_RUNS, [run]):
-        assert sorted(path.name for path in tmp_path.iterdir()) == [".notes.txt.0123abcd", "earlier_1", MANIFEST]
+        assert sorted(path.name for path in tmp_path.iterdir()) == [
+            ".notes.txt.0123abcd",
+            "earlier_1",
+            MANIFEST,
+        ]
     assert sorted(path.name for path in (tmp_path / "earlier_1").rglob("*") if path.is_file()) == [
         ".signals.npz.0123abcd",
         "metadata.yaml",
         "signals.npz",
     ]
-    assert capsys.readouterr().err.endswith(f"what an earlier run had not finished is in {tmp_path}/earlier_1 now\n")
+    assert capsys.readouterr().err.endswith(
+        f"what an earlier run had not finished is in {tmp_path}/earlier_1 now\n"
+    )
 
 
-def test_a_recording_that_is_played_back_is_not_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_recording_that_is_played_back_is_not_replaced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     """A run deleted what it was asked to play back, and a replay what it was asked to replay, by another spelling."""
     monkeypatch.chdir(tmp_path)
     run = ("run", "shchur2019", "--offline", "--no-record", *SHORT, "--out")
@@ -278,17 +356,30 @@ def test_a_recording_that_is_played_back_is_not_replaced(tmp_path: Path, monkeyp
     (tmp_path / "link").symlink_to("ours")
     before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
     for command, said in (
-        ((*run, "ours", "--method", "driver=ours/signals.npz"), r"ours: signals\.npz there is what is played back"),
-        ((*run, "link", "--method", "driver=other/../ours/signals.npz"), r"link: signals\.npz there is what is played"),
-        ((*replay[:2], "again/recorded", *replay[3:], "other/../again"), "the run that is replayed is there"),
+        (
+            (*run, "ours", "--method", "driver=ours/signals.npz"),
+            r"ours: signals\.npz there is what is played back",
+        ),
+        (
+            (*run, "link", "--method", "driver=other/../ours/signals.npz"),
+            r"link: signals\.npz there is what is played",
+        ),
+        (
+            (*replay[:2], "again/recorded", *replay[3:], "other/../again"),
+            "the run that is replayed is there",
+        ),
     ):
         with pytest.raises(SystemExit, match=said):
             program.perform(command)
         assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
 
 
-@pytest.mark.parametrize("spelling", ["out/car.yaml", "link/car.yaml", "other/../out/car.yaml", "out"])
-def test_what_a_command_reads_is_not_removed_at_its_beginning(tmp_path: Path, monkeypatch, spelling: str):
+@pytest.mark.parametrize(
+    "spelling", ["out/car.yaml", "link/car.yaml", "other/../out/car.yaml", "out"]
+)
+def test_what_a_command_reads_is_not_removed_at_its_beginning(
+    tmp_path: Path, monkeypatch, spelling: str
+):
     """Its own output of before, by whatever path, or the folder with it: stopped, it could not be started again."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "other").mkdir()
@@ -297,32 +388,53 @@ def test_what_a_command_reads_is_not_removed_at_its_beginning(tmp_path: Path, mo
         for name in ("car.yaml", "kept"):
             (folder.directory / name).write_text("mass: 1500.0")
     with pytest.raises(
-        ParameterError, match=r"out: car\.yaml there is what this command reads, expected another folder"
+        ParameterError,
+        match=r"out: car\.yaml there is what this command reads, expected another folder",
     ):
-        OutputFolder(Path("out"), "identify", ["car.yaml", "kept"], keeps=["kept"], reads=[None, spelling])
+        OutputFolder(
+            Path("out"), "identify", ["car.yaml", "kept"], keeps=["kept"], reads=[None, spelling]
+        )
     assert (tmp_path / "out" / "car.yaml").read_text() == "mass: 1500.0"
-    with OutputFolder(Path("out"), "identify", ["car.yaml", "kept"], keeps=["kept"], reads=["out/kept", "other"]):
+    with OutputFolder(
+        Path("out"), "identify", ["car.yaml", "kept"], keeps=["kept"], reads=["out/kept", "other"]
+    ):
         assert sorted(path.name for path in Path("out").iterdir()) == [MANIFEST, "kept"]
 
 
 @pytest.mark.parametrize(("command", "option"), [("shchur2019", "--params"), ("sweep", "--params")])
-def test_a_run_and_a_study_read_no_file_that_they_remove(tmp_path: Path, monkeypatch, command: str, option: str):
+def test_a_run_and_a_study_read_no_file_that_they_remove(
+    tmp_path: Path, monkeypatch, command: str, option: str
+):
     """Parameters of an earlier run stand where the next one writes its own."""
     monkeypatch.chdir(tmp_path)
-    with OutputFolder(Path("out"), f"{'study' if command == 'sweep' else 'scenario'} {command}", ["mine.yaml"]):
+    with OutputFolder(
+        Path("out"), f"{'study' if command == 'sweep' else 'scenario'} {command}", ["mine.yaml"]
+    ):
         Path("out/mine.yaml").write_text("/**/plant:\n  ros__parameters:\n    seed: 1\n")
-    more = (*SHORT, "--offline") if command == "shchur2019" else ("shchur2019", "--seeds", "2", *SHORT)
+    more = (
+        (*SHORT, "--offline") if command == "shchur2019" else ("shchur2019", "--seeds", "2", *SHORT)
+    )
     with pytest.raises(SystemExit, match=r"mine\.yaml there is what this command reads"):
         program.perform(("run", command, *more, option, "out/mine.yaml", "--out", "out"))
     assert Path("out/mine.yaml").exists()
 
 
 @pytest.mark.parametrize("option", [None, "--vehicle"], ids=["scenario", "car"])
-def test_a_folder_may_have_the_name_of_the_scenario_or_car_that_is_driven(tmp_path: Path, monkeypatch, option):
+def test_a_folder_may_have_the_name_of_the_scenario_or_car_that_is_driven(
+    tmp_path: Path, monkeypatch, option
+):
     """These stand in a config folder: the second run replaces the first one."""
     monkeypatch.chdir(tmp_path)
     name = "compact_ev" if option else "shchur2019"
-    words = ("run", "shchur2019", *SHORT, "--offline", *([option, name] if option else []), "--out", name)
+    words = (
+        "run",
+        "shchur2019",
+        *SHORT,
+        "--offline",
+        *([option, name] if option else []),
+        "--out",
+        name,
+    )
     for _ in range(2):
         program.perform(words)
     assert Path(name, "summary.json").exists()
@@ -331,13 +443,17 @@ def test_a_folder_may_have_the_name_of_the_scenario_or_car_that_is_driven(tmp_pa
 def test_a_folder_below_one_that_is_read_is_none_that_is_read(tmp_path: Path):
     """A run is validated into a folder of its own, once more as well."""
     for _ in range(2):
-        with OutputFolder(tmp_path / "run" / "validate", "validate", ["summary.json"], reads=[tmp_path / "run"]) as to:
+        with OutputFolder(
+            tmp_path / "run" / "validate", "validate", ["summary.json"], reads=[tmp_path / "run"]
+        ) as to:
             (to.directory / "summary.json").write_text("{}")
 
 
 def test_names_and_manifests_that_nobody_can_read_are_refused(tmp_path: Path):
     """A folder whose name is no text was driven for and then refused; a manifest of any size was read."""
-    with pytest.raises(ParameterError, match=r"is refused, expected the name of a folder in UTF-8$"):
+    with pytest.raises(
+        ParameterError, match=r"is refused, expected the name of a folder in UTF-8$"
+    ):
         OutputFolder(tmp_path / os.fsdecode(b"\xff"), "scenario a")
     with (tmp_path / MANIFEST).open("wb") as file:
         file.truncate(2**30)
@@ -350,7 +466,8 @@ def test_names_and_manifests_that_nobody_can_read_are_refused(tmp_path: Path):
 def test_a_file_that_is_killed_before_it_has_its_name_leaves_no_name(tmp_path, monkeypatch, links):
     """SIGKILL between taking the name and moving the file left an empty signals.npz, seed 786 of the campaign.
 
-    Where the file system has no links the name is taken first; nothing else can keep two writers apart there.
+    Where the file system has no links the name is taken first; nothing else can keep two writers
+    apart there.
     """
 
     def killed(*names, **more):
@@ -379,6 +496,8 @@ def test_a_folder_in_the_place_of_a_file_is_refused_and_nothing_is_left_beside_i
     (tmp_path / "car.fmu").mkdir()
     for name in holds:
         (tmp_path / "car.fmu" / name).touch()
-    with pytest.raises(ParameterError, match=r"car\.fmu there is a folder, expected another folder"):
+    with pytest.raises(
+        ParameterError, match=r"car\.fmu there is a folder, expected another folder"
+    ):
         OutputFolder(tmp_path, "fmu car.fmu", ["car.fmu"])
     assert [path.name for path in tmp_path.iterdir()] == ["car.fmu"]

@@ -16,7 +16,9 @@ class Graph:
 
     def __init__(self, appear: Mapping[str, float], monkeypatch: pytest.MonkeyPatch) -> None:
         self.now, self._appear = 0.0, appear
-        monkeypatch.setattr(present_graph, "time", SimpleNamespace(monotonic=lambda: self.now, sleep=self.sleep))
+        monkeypatch.setattr(
+            present_graph, "time", SimpleNamespace(monotonic=lambda: self.now, sleep=self.sleep)
+        )
 
     def sleep(self, seconds: float) -> None:
         self.now += seconds

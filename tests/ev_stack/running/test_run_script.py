@@ -46,7 +46,12 @@ def messages_in(bag: Path) -> dict[str, int]:
 
 def shown_in(bag: Path) -> dict[str, list[bytes]]:
     """What viewers are shown, to the last bit."""
-    found: dict[str, list[bytes]] = {"/tf": [], "/tf_static": [], "/ev/odometry": [], "/ev/robot_description": []}
+    found: dict[str, list[bytes]] = {
+        "/tf": [],
+        "/tf_static": [],
+        "/ev/odometry": [],
+        "/ev/robot_description": [],
+    }
     with AnyReader([bag]) as reader:
         for connection, _, data in reader.messages():
             if connection.topic in found:
@@ -56,7 +61,10 @@ def shown_in(bag: Path) -> dict[str, list[bytes]]:
 
 @contextmanager
 def both_cores_busy() -> Iterator[None]:
-    hogs = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(os.cpu_count() or 2)]
+    hogs = [
+        subprocess.Popen([sys.executable, "-c", "while True: pass"])
+        for _ in range(os.cpu_count() or 2)
+    ]
     try:
         yield
     finally:
@@ -104,7 +112,9 @@ def test_what_a_run_leaves_behind(offline: Path):
     assert content["methods"]["electronic_differential"] == "power_steering"
     assert content["reproducible"] is True
     assert content["simulated_time"] == 3.0
-    assert {"value", "unit", "reference", "band", "verdict"} <= content["metrics"]["shchur.fig4.dV.left"].keys()
+    assert {"value", "unit", "reference", "band", "verdict"} <= content["metrics"][
+        "shchur.fig4.dV.left"
+    ].keys()
     recording = load(offline / "signals.npz")
     assert len(recording.time) == 301
     assert messages_in(offline / "bag")["/ev/wheel_states"] == 301
@@ -113,9 +123,18 @@ def test_what_a_run_leaves_behind(offline: Path):
 
 def test_options_reach_the_nodes(tmp_path: Path):
     more = tmp_path / "more.yaml"
-    more.write_text("/**/driver:\n  ros__parameters:\n    speed_control: {proportional_gain: 1500.0}\n")
+    more.write_text(
+        "/**/driver:\n  ros__parameters:\n    speed_control: {proportional_gain: 1500.0}\n"
+    )
     out = tmp_path / "out"
-    words = ("--method", "electronic_differential=equal_torque", "--set", "plant.drive=averaged", "--seed", "7")
+    words = (
+        "--method",
+        "electronic_differential=equal_torque",
+        "--set",
+        "plant.drive=averaged",
+        "--seed",
+        "7",
+    )
     short = ("--offline", "--duration", 1, "--no-record", "--no-report")
     run("shchur2019", *short, "--params", more, *words, "--out", out)
     content = summary(out)
@@ -130,28 +149,58 @@ def test_what_nobody_reads_is_no_error():
     """As in `scripts/run.sh --list | head`: the reader is gone before the first word."""
     read, write = os.pipe()
     os.close(read)
-    ended = subprocess.run([RUN, "--list"], stdout=write, stderr=subprocess.PIPE, text=True, check=False)
+    ended = subprocess.run(
+        [RUN, "--list"], stdout=write, stderr=subprocess.PIPE, text=True, check=False
+    )
     os.close(write)
     assert ended.stderr == "" and ended.returncode == 141
 
 
 def test_list_names_scenarios_and_methods():
     said = run("--list").stdout
-    for name in ("shchur2019", "shchur2019_steps", "power_steering", "steer_by_wire", "drive_by_wire", "kinematic"):
+    for name in (
+        "shchur2019",
+        "shchur2019_steps",
+        "power_steering",
+        "steer_by_wire",
+        "drive_by_wire",
+        "kinematic",
+    ):
         assert re.search(rf"^  {name} +\S", said, re.MULTILINE), name
 
 
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (("shchur2020",), "unknown scenario, study or review 'shchur2020'; did you mean shchur2019"),
-        (("shchur2019", "--method", "driver=robot"), "unknown driver method 'robot'; known: .*speed_profile"),
+        (
+            ("shchur2020",),
+            "unknown scenario, study or review 'shchur2020'; did you mean shchur2019",
+        ),
+        (
+            ("shchur2019", "--method", "driver=robot"),
+            "unknown driver method 'robot'; known: .*speed_profile",
+        ),
         (("shchur2019", "--method", "engine=off"), "unknown node 'engine'; known: .*plant"),
-        (("shchur2019", "--set", "plant.drvie=ideal"), "unknown parameter of plant 'drvie'; did you mean drive"),
-        (("shchur2019", "--set", "plant.drive=steam"), "drive: 'steam' is refused, expected one of .*ideal"),
-        (("shchur2019", "--set", "electronic_differential.gamma=-1"), "gamma: -1.0 is refused, expected 0 to 50"),
-        (("shchur2019", "--set", "driver.speed_control.proportional_gain=nan"), "proportional_gain: 'nan' is refused"),
-        (("shchur2019", "--set", "plantdrive"), "--set 'plantdrive' is refused, expected NODE.PARAM=VALUE"),
+        (
+            ("shchur2019", "--set", "plant.drvie=ideal"),
+            "unknown parameter of plant 'drvie'; did you mean drive",
+        ),
+        (
+            ("shchur2019", "--set", "plant.drive=steam"),
+            "drive: 'steam' is refused, expected one of .*ideal",
+        ),
+        (
+            ("shchur2019", "--set", "electronic_differential.gamma=-1"),
+            "gamma: -1.0 is refused, expected 0 to 50",
+        ),
+        (
+            ("shchur2019", "--set", "driver.speed_control.proportional_gain=nan"),
+            "proportional_gain: 'nan' is refused",
+        ),
+        (
+            ("shchur2019", "--set", "plantdrive"),
+            "--set 'plantdrive' is refused, expected NODE.PARAM=VALUE",
+        ),
         (("shchur2019", "--params", "/nowhere.yaml"), "/nowhere.yaml: No such file"),
         (("shchur2019", "--duration", "-1"), "duration: -1.0 is refused"),
     ],
@@ -169,13 +218,21 @@ def test_bad_input_is_one_line_and_a_status(arguments: tuple[str, ...], said: st
 @pytest.mark.parametrize(
     ("variable", "value", "said"),
     [
-        ("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF", "no node would find another one, expected LOCALHOST or SUBNET"),
+        (
+            "ROS_AUTOMATIC_DISCOVERY_RANGE",
+            "OFF",
+            "no node would find another one, expected LOCALHOST or SUBNET",
+        ),
         ("RMW_IMPLEMENTATION", "rmw_of_nobody", "expected one that is installed, or none"),
     ],
 )
-def test_where_no_node_can_hear_another_a_run_is_refused_in_one_line(variable, value, said, tmp_path: Path):
+def test_where_no_node_can_hear_another_a_run_is_refused_in_one_line(
+    variable, value, said, tmp_path: Path
+):
     words = [RUN, "shchur2019", "--duration", "0.1", "--out", tmp_path / "out"]
-    ended = subprocess.run(words, env={**ENVIRONMENT, variable: value}, capture_output=True, text=True)
+    ended = subprocess.run(
+        words, env={**ENVIRONMENT, variable: value}, capture_output=True, text=True
+    )
     assert ended.returncode == 1
     (line,) = [line for line in re.split("[\r\n]+", ended.stderr) if "error" in line.lower()]
     assert line.startswith(f"error: {variable}=") and line.endswith(said)
@@ -188,14 +245,28 @@ def test_a_script_is_found_through_a_link_and_whatever_cdpath_says(name: str, tm
     (tmp_path / "link").symlink_to(RUN.parent / name)
     environment = {**ENVIRONMENT, "CDPATH": str(tmp_path)}
     for script, folder in (("./link", tmp_path), (f"scripts/{name}", RUN.parents[1])):
-        ended = subprocess.run([script, "--help"], cwd=folder, env=environment, capture_output=True, text=True)
+        ended = subprocess.run(
+            [script, "--help"], cwd=folder, env=environment, capture_output=True, text=True
+        )
         assert (ended.returncode, ended.stderr) == (0, "")
         assert str(tmp_path) not in ended.stdout
 
 
 def test_warnings_of_other_packages_end_no_run(tmp_path: Path):
-    words = [RUN, "shchur2019", "--in-process", "--duration", "0.1", "--no-record", "--no-report", "--out", tmp_path]
-    subprocess.run(words, env={**ENVIRONMENT, "PYTHONWARNINGS": "error"}, check=True, capture_output=True)
+    words = [
+        RUN,
+        "shchur2019",
+        "--in-process",
+        "--duration",
+        "0.1",
+        "--no-record",
+        "--no-report",
+        "--out",
+        tmp_path,
+    ]
+    subprocess.run(
+        words, env={**ENVIRONMENT, "PYTHONWARNINGS": "error"}, check=True, capture_output=True
+    )
 
 
 def test_nothing_that_a_shell_has_started_outlives_a_runner_that_is_killed(tmp_path: Path):
@@ -211,13 +282,16 @@ def test_nothing_that_a_shell_has_started_outlives_a_runner_that_is_killed(tmp_p
 def test_broken_yaml_is_named_with_its_line(tmp_path: Path):
     broken = tmp_path / "broken.yaml"
     broken.write_text("/**/driver:\n  ros__parameters: {a: [1,\n")
-    result = run("shchur2019", "--offline", "--params", broken, "--out", tmp_path / "out", check=False)
+    result = run(
+        "shchur2019", "--offline", "--params", broken, "--out", tmp_path / "out", check=False
+    )
     assert result.returncode != 0
     assert re.search(r"broken\.yaml: not readable as YAML in line \d", result.stderr)
 
 
 @pytest.mark.parametrize(
-    "name", ["plant", *(pytest.param(name, marks=pytest.mark.weekly) for name in ("asr", "recorder"))]
+    "name",
+    ["plant", *(pytest.param(name, marks=pytest.mark.weekly) for name in ("asr", "recorder"))],
 )
 def test_killing_a_node_ends_the_run_and_leaves_nothing(name: str, tmp_path: Path):
     """One of each kind. How soon the run ends, the failure campaign measures."""
@@ -249,7 +323,9 @@ def test_a_node_that_hangs_is_named_and_the_run_waits_for_it(tmp_path: Path):
 
 
 @pytest.mark.parametrize("way", [("--offline",), ()], ids=["offline", "dds"])
-def test_where_nothing_more_can_be_written_the_run_ends_in_one_line(way: tuple[str, ...], tmp_path: Path):
+def test_where_nothing_more_can_be_written_the_run_ends_in_one_line(
+    way: tuple[str, ...], tmp_path: Path
+):
     """No file may grow beyond 30 kB here; a full disk says another word in the same places."""
     words = [RUN, "shchur2019", *way, "--duration", "2", "--no-report", "--out", tmp_path / "out"]
     ended = subprocess.run(
@@ -261,7 +337,9 @@ def test_where_nothing_more_can_be_written_the_run_ends_in_one_line(way: tuple[s
     )
     assert ended.returncode == 1, ended.stderr
     lines = [line for line in re.split("[\r\n]+", ended.stderr) if "error" in line.lower()]
-    assert len(lines) == 1 and lines[0].startswith("error: ") and "File too large" in lines[0], ended.stderr
+    assert len(lines) == 1 and lines[0].startswith("error: ") and "File too large" in lines[0], (
+        ended.stderr
+    )
     assert "Traceback" not in ended.stderr
 
 
@@ -276,15 +354,27 @@ def test_ctrl_c_stops_everything(tmp_path: Path):
 
 
 def test_realtime_takes_its_time_and_says_that_it_is_not_reproducible(tmp_path: Path):
-    run("shchur2019", "--realtime", "--in-process", "--duration", 1, "--no-report", "--out", tmp_path)
+    run(
+        "shchur2019",
+        "--realtime",
+        "--in-process",
+        "--duration",
+        1,
+        "--no-report",
+        "--out",
+        tmp_path,
+    )
     content = summary(tmp_path)
     assert content["reproducible"] is False
-    # By the wall clock, and never faster; not counted is what goes by until the recorder knows the others by name.
+    # By the wall clock, and never faster; not counted is what goes by until the recorder knows the
+    # others by name.
     assert content["wall_time"] > 0.7
     assert content["timing"]["shchur2019"]["steps"] == 100
 
 
-@pytest.mark.parametrize("way", [pytest.param((), marks=pytest.mark.weekly), ("--in-process",)], ids=["dds", "one"])
+@pytest.mark.parametrize(
+    "way", [pytest.param((), marks=pytest.mark.weekly), ("--in-process",)], ids=["dds", "one"]
+)
 def test_sigterm_stops_everything_too(way: tuple[str, ...], tmp_path: Path):
     """What `timeout` and a cancelled job send; only the script gets it, not its nodes."""
     running = Running(tmp_path / "out", *way)
@@ -302,7 +392,9 @@ def test_a_node_that_is_told_to_stop_ends_the_run(name: str, tmp_path: Path):
     running = Running(tmp_path / "out")
     os.kill(running.node(name), signal.SIGTERM)
     assert running.end() == 1
-    assert re.search(rf"error: node {name} was stopped, at [\d.]+ s of simulated time$", running.text())
+    assert re.search(
+        rf"error: node {name} was stopped, at [\d.]+ s of simulated time$", running.text()
+    )
     assert running.left_behind() == ({}, set())
 
 
@@ -320,6 +412,15 @@ def test_a_folder_that_holds_something_else_is_not_touched(tmp_path: Path):
 
 def test_a_second_run_replaces_the_first(tmp_path: Path):
     run("shchur2019", "--offline", "--duration", 0.1, "--no-report", "--out", tmp_path)
-    run("shchur2019", "--offline", "--duration", 0.2, "--no-record", "--no-report", "--out", tmp_path)
+    run(
+        "shchur2019",
+        "--offline",
+        "--duration",
+        0.2,
+        "--no-record",
+        "--no-report",
+        "--out",
+        tmp_path,
+    )
     assert not (tmp_path / "bag").exists()
     assert summary(tmp_path)["simulated_time"] == 0.2

@@ -19,7 +19,9 @@ def started() -> int:
     return int(subprocess.run(SHOW, capture_output=True, check=True, text=True).stdout, 16)
 
 
-@pytest.mark.skipif(not Path("/proc/self/personality").exists(), reason="Linux tells the personality of a process")
+@pytest.mark.skipif(
+    not Path("/proc/self/personality").exists(), reason="Linux tells the personality of a process"
+)
 def test_only_what_is_started_in_the_block_is_at_fixed_addresses():
     before = started()
     with same_addresses():

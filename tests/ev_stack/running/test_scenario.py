@@ -23,7 +23,19 @@ from ev_study.studies.run_study import study_cases
 from ev_study.studies.study import study_named
 
 CONFIG = config_folders()[-1]
-ODD = ["../x", "a/b", "", ".", "summary.json", "ev_stack_manifest.json", "x\x1b[31m", "1", "n" * 101, "a\n", "é"]
+ODD = [
+    "../x",
+    "a/b",
+    "",
+    ".",
+    "summary.json",
+    "ev_stack_manifest.json",
+    "x\x1b[31m",
+    "1",
+    "n" * 101,
+    "a\n",
+    "é",
+]
 HEAD = "/**/scenario:\n  ros__parameters: {about: a test, duration: 2.0}\n"
 
 
@@ -83,7 +95,12 @@ def test_every_scenario_loads_and_says_what_it_is(name):
 def test_one_run_lives_in_ev_and_several_below(scenario):
     """Such as /ev/first/driver, so that a section can mean the driver of one run."""
     (alone,) = load_scenario(scenario(HEAD)).runs
-    assert (alone.name, alone.namespace, alone.duration, alone.period) == ("test", "/ev", 2.0, 10_000_000)
+    assert (alone.name, alone.namespace, alone.duration, alone.period) == (
+        "test",
+        "/ev",
+        2.0,
+        10_000_000,
+    )
     several = HEAD.replace("about", "runs: [first, second], about")
     text = several + section("/**/driver", "{seed: 1}") + section("/**/second/driver", "{seed: 2}")
     first, second = load_scenario(scenario(text)).runs
@@ -95,12 +112,19 @@ def test_one_run_lives_in_ev_and_several_below(scenario):
 
 def test_later_words_go_before_earlier_ones(scenario, more, config):
     """Vehicle file, then the scenario, then further files in their order, then the command line in its order."""
-    name = scenario(HEAD + section("/**", "{vehicle.mass: 1.0e3, seed: 1}") + section("/**/plant", "{seed: 2}"))
+    name = scenario(
+        HEAD + section("/**", "{vehicle.mass: 1.0e3, seed: 1}") + section("/**/plant", "{seed: 2}")
+    )
     one = more(section("/**", "{seed: 3}"), "one")
     two = more(section("/**", "{seed: 4}"), "two")
 
     def seed(*files, values=()):
-        return load_scenario(name, Overrides(files, values)).runs[0].configurations["plant"].common.seed
+        return (
+            load_scenario(name, Overrides(files, values))
+            .runs[0]
+            .configurations["plant"]
+            .common.seed
+        )
 
     assert load_scenario(name).runs[0].configurations["asr"].common.vehicle.mass == 1000.0
     assert seed() == 2
@@ -128,7 +152,9 @@ def test_duration_comes_from_the_scenario_or_the_command_line(scenario):
 
 @pytest.mark.parametrize("duration", [0.0, -1.0, float("nan"), float("inf"), 1.1e7])
 def test_an_impossible_duration_is_refused(scenario, duration):
-    assert refused(scenario(HEAD), Overrides(duration=duration)).startswith(f"duration: {duration!r} is refused")
+    assert refused(scenario(HEAD), Overrides(duration=duration)).startswith(
+        f"duration: {duration!r} is refused"
+    )
 
 
 def test_a_run_is_at_least_one_step_long(scenario):
@@ -141,7 +167,10 @@ def test_a_run_is_at_least_one_step_long(scenario):
 def test_a_law_brings_the_column_that_it_requires(scenario):
     name = scenario(HEAD)
     chosen = Overrides(values=[("electronic_differential", "method", "steer_by_wire")])
-    assert load_scenario(name, chosen).runs[0].configurations["steering_column"].method.name == "by_wire"
+    assert (
+        load_scenario(name, chosen).runs[0].configurations["steering_column"].method.name
+        == "by_wire"
+    )
     assert load_scenario(name).runs[0].configurations["steering_column"].method.name == "powered"
 
 
@@ -149,7 +178,11 @@ def test_a_bench_behind_a_real_bus_has_other_defaults():
     """What a user says goes before them."""
     bus, clock = ("test_bench", "method", "circuits_on_can"), ("*", "mode", "realtime")
     said = ("plant", "wheel_speed", "load_machine")
-    for values, speed in (((bus,), said[2]), ((bus, clock), "virtual"), ((bus, clock, said), said[2])):
+    for values, speed in (
+        ((bus,), said[2]),
+        ((bus, clock), "virtual"),
+        ((bus, clock, said), said[2]),
+    ):
         (run,) = load_scenario("urban_mixed_bench", Overrides(values=values)).runs
         assert run.configurations["plant"].parameters.wheel_speed == speed
 
@@ -164,7 +197,9 @@ def test_unknown_scenarios_and_vehicles_list_the_known_ones(scenario):
 
 def test_bad_words_of_a_scenario_about_itself_name_its_file(scenario, config):
     path = config / "scenarios" / "test.yaml"
-    assert refused(scenario(HEAD.replace("2.0", "long"))).startswith(f"{path}: parameter duration: 'long'")
+    assert refused(scenario(HEAD.replace("2.0", "long"))).startswith(
+        f"{path}: parameter duration: 'long'"
+    )
     said = f"{path}: unknown parameter 'abuot'; did you mean about?"
     assert refused(scenario(HEAD.replace("about", "abuot"))).startswith(said)
     assert refused(scenario("a: [")).startswith(f"{path}: not readable as YAML")
@@ -173,7 +208,9 @@ def test_bad_words_of_a_scenario_about_itself_name_its_file(scenario, config):
 @settings(max_examples=50, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     names=st.lists(
-        st.one_of(st.text(max_size=5), st.from_regex(r"\w{1,4}"), st.sampled_from(ODD)), min_size=1, max_size=3
+        st.one_of(st.text(max_size=5), st.from_regex(r"\w{1,4}"), st.sampled_from(ODD)),
+        min_size=1,
+        max_size=3,
     )
 )
 @example(names=["a", "a"])
@@ -184,10 +221,15 @@ def test_names_of_runs_are_those_of_folders_and_namespaces(names: list[str], sce
     """
     about = json.dumps({"runs": names}, ensure_ascii=True)
     name = scenario(f"/**/scenario:\n  ros__parameters: {about}\n")
-    if len(set(names)) == len(names) and all(re.fullmatch("[A-Za-z_][A-Za-z0-9_]{0,99}", each) for each in names):
+    if len(set(names)) == len(names) and all(
+        re.fullmatch("[A-Za-z_][A-Za-z0-9_]{0,99}", each) for each in names
+    ):
         assert [run.name for run in load_scenario(name).runs] == names
     else:
-        assert re.match(f"{config}/scenarios/test.yaml: ((parameter )?runs: |not readable as YAML)", refused(name))
+        assert re.match(
+            f"{config}/scenarios/test.yaml: ((parameter )?runs: |not readable as YAML)",
+            refused(name),
+        )
 
 
 def test_what_a_file_is_called_and_says_of_itself_is_shown_as_text(scenario, capsys):
@@ -198,7 +240,9 @@ def test_what_a_file_is_called_and_says_of_itself_is_shown_as_text(scenario, cap
     assert "\x1b" not in said
 
 
-@pytest.mark.parametrize("pattern", ["/**/drivr", "/ev/other/driver", "driver", "/plant", "/*/*/driver"])
+@pytest.mark.parametrize(
+    "pattern", ["/**/drivr", "/ev/other/driver", "driver", "/plant", "/*/*/driver"]
+)
 def test_a_section_that_means_no_node_is_refused(scenario, more, pattern):
     """A mistyped name would else be a silent nothing; `driver` alone means the root namespace, as in ROS."""
     text = section(pattern, "{seed: 1}")
@@ -207,7 +251,10 @@ def test_a_section_that_means_no_node_is_refused(scenario, more, pattern):
     own = refused(scenario(HEAD + text))
     assert f"section {pattern!r} means no node; {known}" in own
     path = more(text)
-    assert refused(scenario(HEAD), Overrides([path])) == f"{path}: section {pattern!r} means no node; {known}"
+    assert (
+        refused(scenario(HEAD), Overrides([path]))
+        == f"{path}: section {pattern!r} means no node; {known}"
+    )
 
 
 @pytest.mark.parametrize(
@@ -217,7 +264,10 @@ def test_a_section_that_means_no_node_is_refused(scenario, more, pattern):
         (("driver", "sed", 1), "driver: unknown parameter of driver 'sed'; did you mean seed?"),
         (("driver", "method", "sleep"), "driver: unknown driver method 'sleep'; known: "),
         (("driver", "seed", -1), "driver: parameter seed: -1 is refused, expected 0 to "),
-        (("driver", "seed", "x"), "driver: parameter seed: 'x' is refused, expected a whole number"),
+        (
+            ("driver", "seed", "x"),
+            "driver: parameter seed: 'x' is refused, expected a whole number",
+        ),
         (("asr", "control_period", 0.02), "control_period differs between nodes: "),
     ],
 )
@@ -276,7 +326,10 @@ def test_another_cycle_changes_what_is_driven_or_is_refused(name, tmp_path):
     except ParameterError as error:
         said = "is refused: the driver goes by the pedals from the start on, allowed with driver.pedals.begin=false"
         if name == "lap":
-            assert str(error) == "driver.speed_profile.file is refused: driver method lap follows no speed over time"
+            assert (
+                str(error)
+                == "driver.speed_profile.file is refused: driver method lap follows no speed over time"
+            )
             return
         assert str(error) == f"driver.speed_profile.file {said}"
         with pytest.raises(ParameterError, match=f"^driver.speed_profile.time {said}$"):
@@ -291,7 +344,10 @@ def test_a_value_is_used_if_one_of_the_runs_uses_it(scenario):
     text += section(f"/**/first/{LAW}", "{method: power_steering}")
     gamma = Overrides(values=[(LAW, "gamma", 3.0)])
     first, second = load_scenario(scenario(text), gamma).runs
-    assert (first.configurations[LAW].parameters.gamma, second.configurations[LAW].unused) == (3.0, ("gamma",))
+    assert (first.configurations[LAW].parameters.gamma, second.configurations[LAW].unused) == (
+        3.0,
+        ("gamma",),
+    )
     with pytest.raises(ParameterError, match="method equal_torque does not have it"):
         load_scenario("test", gamma, only=("second",))
 
@@ -313,7 +369,9 @@ def test_a_study_takes_what_one_of_its_methods_has():
     given = study_arguments("compare", words)
     study_cases(study, given)
     given = study_arguments("compare", [*words, "--set", "asr.low=0.1"])
-    with pytest.raises(ParameterError, match=r"^asr: parameter low is refused: asr method off does not have it"):
+    with pytest.raises(
+        ParameterError, match=r"^asr: parameter low is refused: asr method off does not have it"
+    ):
         study_cases(study, given)
 
 
@@ -323,7 +381,9 @@ def test_a_missing_further_file_is_named(scenario, tmp_path):
 
 
 def test_runs_that_are_not_named_are_not_resolved():
-    assert [run.name for run in load_scenario("shchur2019_steps", only=("hold_manual", "object")).runs] == [
+    assert [
+        run.name for run in load_scenario("shchur2019_steps", only=("hold_manual", "object")).runs
+    ] == [
         "object",
         "hold_manual",
     ]
@@ -333,7 +393,9 @@ def test_runs_that_are_not_named_are_not_resolved():
 
 def own_car(folder, change=lambda text: text) -> str:
     path = folder / "my_car.yaml"
-    path.write_text(change((CONFIG / "vehicles" / "audi_a2.yaml").read_text().replace("audi_a2", "my_car")))
+    path.write_text(
+        change((CONFIG / "vehicles" / "audi_a2.yaml").read_text().replace("audi_a2", "my_car"))
+    )
     return str(path)
 
 
@@ -344,16 +406,25 @@ def test_a_scenario_and_a_vehicle_may_be_any_file(scenario, tmp_path):
     path.write_text(text)
     loaded = load_scenario(str(path), Overrides(vehicle=own_car(tmp_path)))
     car = loaded.runs[0].configurations["asr"].common.vehicle
-    assert (loaded.name, car.name, car.mass, car.rear_steering_ratio) == ("elsewhere", "my_car", 1400.0, 0.0)
+    assert (loaded.name, car.name, car.mass, car.rear_steering_ratio) == (
+        "elsewhere",
+        "my_car",
+        1400.0,
+        0.0,
+    )
     said = f"left out for another vehicle: vehicle.mass, vehicle.rear_steering_ratio of {path}"
     assert loaded.notes == (said,)
     on_top = Overrides(vehicle=own_car(tmp_path), values=[("*", "vehicle.mass", 900.0)])
-    assert load_scenario(str(path), on_top).runs[0].configurations["asr"].common.vehicle.mass == 900.0
+    assert (
+        load_scenario(str(path), on_top).runs[0].configurations["asr"].common.vehicle.mass == 900.0
+    )
 
 
 def test_a_vehicle_that_does_not_say_everything_about_itself_is_refused(scenario, tmp_path):
     """Else it would silently be filled up from another car."""
-    path = own_car(tmp_path, lambda text: text.replace("mass: 1400.0", "").replace("resistance: 0.1 ", "#"))
+    path = own_car(
+        tmp_path, lambda text: text.replace("mass: 1400.0", "").replace("resistance: 0.1 ", "#")
+    )
     said = f"{path}: a vehicle says everything about itself, missing: vehicle.mass, vehicle.battery.resistance"
     assert refused(scenario(HEAD), Overrides(vehicle=path)) == said
 
@@ -362,19 +433,26 @@ PROFILE = "t_s,v_mps\n0,1\n10,2\n"
 
 
 @pytest.mark.parametrize("level", ["scenario", "file", "command line", "cycle"])
-def test_points_that_a_file_says_are_refused_whoever_names_the_file(scenario, more, tmp_path, level):
+def test_points_that_a_file_says_are_refused_whoever_names_the_file(
+    scenario, more, tmp_path, level
+):
     """They did nothing, and rows of a sweep stood under speeds that nobody drove."""
     (tmp_path / "profile.csv").write_text(PROFILE)
     text = section("/**/driver", f"{{speed_profile: {{file: {tmp_path / 'profile.csv'}}}}}")
     name = scenario(HEAD + text if level == "scenario" else HEAD)
     files = [more(text)] if level == "file" else []
     named = [("driver", "speed_profile.file", str(tmp_path / "profile.csv"))]
-    speed = [("driver", "speed_profile.speed", [3.0, 4.0]), ("driver", "speed_profile.time", [0.0, 5.0])]
+    speed = [
+        ("driver", "speed_profile.speed", [3.0, 4.0]),
+        ("driver", "speed_profile.time", [0.0, 5.0]),
+    ]
     beside = [*named, *speed] if level == "command line" else speed
     prepared = named if level == "cycle" else []
     said = "driver: parameter speed_profile.time is refused: speed_profile.file says it, allowed with speed_profile.fi"
     assert refused(name, Overrides(files, beside, prepared=prepared)).startswith(said)
-    points = more(section("/**/driver", "{speed_profile: {time: [0.0, 5.0], speed: [3.0, 4.0]}}"), "points")
+    points = more(
+        section("/**/driver", "{speed_profile: {time: [0.0, 5.0], speed: [3.0, 4.0]}}"), "points"
+    )
     if level in ("scenario", "file"):
         assert refused(name, Overrides([*files, points])) == f"{said}le '' ({points})"
     instead = Overrides([points, *files], [*speed, ("driver", "speed_profile.file", "")])
@@ -385,7 +463,9 @@ def test_points_that_a_file_says_are_refused_whoever_names_the_file(scenario, mo
 def test_a_file_goes_before_points_that_were_told_before_it(scenario, tmp_path):
     """So `--cycle` drives another cycle where the scenario lists its own."""
     (tmp_path / "profile.csv").write_text(PROFILE)
-    name = scenario(HEAD + section("/**/driver", "{speed_profile: {time: [0.0, 5.0], speed: [3.0, 4.0]}}"))
+    name = scenario(
+        HEAD + section("/**/driver", "{speed_profile: {time: [0.0, 5.0], speed: [3.0, 4.0]}}")
+    )
     (run,) = load_scenario(
         name, Overrides(prepared=[("driver", "speed_profile.file", str(tmp_path / "profile.csv"))])
     ).runs
@@ -412,13 +492,19 @@ def test_a_vehicle_that_says_more_than_a_car_is_refused(scenario, tmp_path):
 
 
 def test_a_scenario_may_borrow_a_report_and_bring_metrics(scenario):
-    text = HEAD.replace("about", "report: double_lane_change, metrics: ['end = last(pose.x)'], about")
+    text = HEAD.replace(
+        "about", "report: double_lane_change, metrics: ['end = last(pose.x)'], about"
+    )
     assert load_scenario(scenario(text)).parameters.report == "double_lane_change"
     assert "unknown report 'lane_change'; did you mean double_lane_change?" in refused(
         scenario(text.replace("double_lane", "lane"))
     )
-    assert "unknown function 'lost'; did you mean last?" in refused(scenario(text.replace("= last", "= lost")))
-    assert "unknown channel 'pose.q'; did you mean pose." in refused(scenario(text.replace("pose.x", "pose.q")))
+    assert "unknown function 'lost'; did you mean last?" in refused(
+        scenario(text.replace("= last", "= lost"))
+    )
+    assert "unknown channel 'pose.q'; did you mean pose." in refused(
+        scenario(text.replace("pose.x", "pose.q"))
+    )
     assert "or NAME [UNIT] = EXPRESSION, such as" in refused(scenario(text.replace("end =", "")))
 
 
@@ -427,7 +513,10 @@ def test_every_scenario_names_five_numbers_of_its_nodes_for_a_lesson(name):
     """A study of their effect is no test: each of them changed the hash of the run when it was chosen."""
     loaded = load_scenario(name)
     there = {
-        f"{node}.{key}" for run in loaded.runs for node, each in run.configurations.items() for key in each.values()
+        f"{node}.{key}"
+        for run in loaded.runs
+        for node, each in run.configurations.items()
+        for key in each.values()
     }
     assert len({*loaded.parameters.lesson}) == 5 and {*loaded.parameters.lesson} <= there
 
@@ -436,10 +525,21 @@ def test_every_scenario_names_five_numbers_of_its_nodes_for_a_lesson(name):
     ("named", "said"),
     [
         ("driverr.band", "lesson: unknown node 'driverr'; did you mean driver?"),
-        ("asr", "lesson: unknown number of asr that changes while it runs 'asr'; did you mean asr."),
-        ("asr.bandwith", "unknown number of asr that changes while it runs 'asr.bandwith'; did you mean asr.bandwidth"),
-        ("driver.speed_profile.speed", "lesson: unknown number of driver that changes while it runs"),  # no number
-        ("plant.vehicle.mass", "lesson: unknown number of plant that changes while it runs"),  # fixed
+        (
+            "asr",
+            "lesson: unknown number of asr that changes while it runs 'asr'; did you mean asr.",
+        ),
+        (
+            "asr.bandwith",
+            "unknown number of asr that changes while it runs 'asr.bandwith'; did you mean asr.bandwidth",
+        ),
+        # no number
+        (
+            "driver.speed_profile.speed",
+            "lesson: unknown number of driver that changes while it runs",
+        ),
+        # fixed
+        ("plant.vehicle.mass", "lesson: unknown number of plant that changes while it runs"),
         ("driver.method", "lesson: unknown number of driver that changes while it runs"),
     ],
 )

@@ -34,7 +34,9 @@ def test_pause_reset_set_reset_resume_gives_a_fresh_run(tmp_path: Path):
     with ros_domain() as context:
         domain = str(context.get_domain_id())
         words = [RUN, *SHORT, *slowly, "--out", tmp_path / "live"]
-        run = subprocess.Popen(words, env={**ENVIRONMENT, "ROS_DOMAIN_ID": domain}, stdout=subprocess.DEVNULL)
+        run = subprocess.Popen(
+            words, env={**ENVIRONMENT, "ROS_DOMAIN_ID": domain}, stdout=subprocess.DEVNULL
+        )
         node = Node("somebody", context=context)
         executor = SingleThreadedExecutor(context=context)
         executor.add_node(node)
@@ -52,15 +54,37 @@ def test_pause_reset_set_reset_resume_gives_a_fresh_run(tmp_path: Path):
             return future.result()
 
         def given(name: str, value: float) -> bool:
-            return answer(parameters.set_parameters_atomically([Parameter(name, value=value)])).result.successful
+            return answer(
+                parameters.set_parameters_atomically([Parameter(name, value=value)])
+            ).result.successful
 
-        wait(lambda: parameters.services_are_ready() and all(each.service_is_ready() for each in callers.values()))
-        for word in ("pause", "reset", ("initial_speed", 15.0), "reset", ("real_time_factor", 0.0), "resume"):
+        wait(
+            lambda: (
+                parameters.services_are_ready()
+                and all(each.service_is_ready() for each in callers.values())
+            )
+        )
+        for word in (
+            "pause",
+            "reset",
+            ("initial_speed", 15.0),
+            "reset",
+            ("real_time_factor", 0.0),
+            "resume",
+        ):
             if isinstance(word, tuple):
                 assert given(*word)
             else:
                 assert answer(callers[word].call_async(Trigger.Request())).success
         assert run.wait(PATIENCE) == 0
-    fresh = [RUN, *SHORT, "--offline", "--set", "plant.initial_speed=15.0", "--out", tmp_path / "fresh"]
+    fresh = [
+        RUN,
+        *SHORT,
+        "--offline",
+        "--set",
+        "plant.initial_speed=15.0",
+        "--out",
+        tmp_path / "fresh",
+    ]
     subprocess.run(fresh, env=ENVIRONMENT, check=True, capture_output=True)
     assert signal_hash(tmp_path / "live") == signal_hash(tmp_path / "fresh")

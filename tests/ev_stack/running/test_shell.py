@@ -41,7 +41,12 @@ def inspect(domain: int, *words: str) -> subprocess.CompletedProcess:
 @pytest.fixture(scope="module")
 def domain(tmp_path_factory) -> Iterator[int]:
     """The domain of a graph that is held at a fifth of real time, in one process, which costs others little."""
-    running = Running(tmp_path_factory.mktemp("inspect") / "out", "--in-process", "--set", "plant.real_time_factor=0.2")
+    running = Running(
+        tmp_path_factory.mktemp("inspect") / "out",
+        "--in-process",
+        "--set",
+        "plant.real_time_factor=0.2",
+    )
     yield int(re.search(r"ROS_DOMAIN_ID=(\d+), namespace /ev\n", running.text())[1])
     os.killpg(running.script.pid, signal.SIGINT)
     running.end()
@@ -50,14 +55,26 @@ def domain(tmp_path_factory) -> Iterator[int]:
 def test_it_shows_nodes_topics_ends_and_rates(domain):
     shown = inspect(domain, "--seconds", "0.5").stdout
     nodes, _, topics = shown.partition("\n\n")
-    assert {line.strip() for line in nodes.splitlines()[1:]} >= {f"{NAMESPACE}/{name}" for name in NODES}
+    assert {line.strip() for line in nodes.splitlines()[1:]} >= {
+        f"{NAMESPACE}/{name}" for name in NODES
+    }
     written = set(re.findall(rf"^  {NAMESPACE}/(\S+)  ", topics, re.MULTILINE))
     assert written <= {topic.name for topic in TOPICS.values()}
-    for name in ("wheel_states", "driver/command", "torque_request", "torque_command", "steering_column/state"):
-        kind, rate = re.search(rf"^  {NAMESPACE}/{name}  (\S+)  ([\d.]+) Hz$", topics, re.MULTILINE).groups()
+    for name in (
+        "wheel_states",
+        "driver/command",
+        "torque_request",
+        "torque_command",
+        "steering_column/state",
+    ):
+        kind, rate = re.search(
+            rf"^  {NAMESPACE}/{name}  (\S+)  ([\d.]+) Hz$", topics, re.MULTILINE
+        ).groups()
         assert kind == next(topic.message_type for topic in TOPICS.values() if topic.name == name)
         assert float(rate) > 0.0
-    assert re.search(r"/ev/torque_request .*\n    electronic_differential -> asr, recorder\n", topics)
+    assert re.search(
+        r"/ev/torque_request .*\n    electronic_differential -> asr, recorder\n", topics
+    )
     assert "inspect_graph" not in shown
 
 
@@ -104,9 +121,20 @@ def shell(domain, monkeypatch, capsys) -> Iterator[Shell]:
 
 def test_the_commands_of_the_readme_for_a_running_graph_work(shell):
     """As they stand there, for a run that is under way; what they have changed is set back."""
-    block = (ROOT / "README.md").read_text().partition("### Look into a running graph")[2].partition("\n### ")[0]
+    block = (
+        (ROOT / "README.md")
+        .read_text()
+        .partition("### Look into a running graph")[2]
+        .partition("\n### ")[0]
+    )
     words = [each.split()[1:] for each in re.findall(r"^ev-stack .*$", block, re.MULTILINE)]
-    said = ["/ev/wheel_states", "name: [front_left, ", "electronic_differential.gamma: 5.0 -> ", "paused", "running"]
+    said = [
+        "/ev/wheel_states",
+        "name: [front_left, ",
+        "electronic_differential.gamma: 5.0 -> ",
+        "paused",
+        "running",
+    ]
     for command, expected in zip(words, said, strict=True):
         assert expected in shell(*command)
     shell("param", "set", "electronic_differential", "gamma", "5.0")
@@ -132,7 +160,10 @@ def test_time_is_stopped_and_stepped_from_a_shell(shell, monkeypatch):
         patched.setattr(sys, "stderr", FirstLine())
         patched.setattr("ev_stack.commands.shell._SILENCE", 0.2)
         assert shell("topic", "echo", "wheel_states", "--once") == ""  # which waited without a word
-        assert "/ev/wheel_states: no message within 0.2 s; simulated time stands still" in sys.stderr.getvalue()
+        assert (
+            "/ev/wheel_states: no message within 0.2 s; simulated time stands still"
+            in sys.stderr.getvalue()
+        )
     assert shell("reset") == "time is zero again, at 0.0 s\n"
     assert shell("resume") == "running at 0.0 s\n"
     message = yaml.safe_load(shell("topic", "echo", "wheel_states", "--once"))
@@ -140,8 +171,14 @@ def test_time_is_stopped_and_stepped_from_a_shell(shell, monkeypatch):
 
 
 def test_parameters_are_shown_set_and_dumped_as_yaml(shell):
-    assert yaml.safe_load(shell("param", "get", "plant", "vehicle.driven_wheels")) == ["front_left", "front_right"]
-    assert shell("param", "set", "plant", "real_time_factor", "0.5") == "plant.real_time_factor: 0.2 -> 0.5\n"
+    assert yaml.safe_load(shell("param", "get", "plant", "vehicle.driven_wheels")) == [
+        "front_left",
+        "front_right",
+    ]
+    assert (
+        shell("param", "set", "plant", "real_time_factor", "0.5")
+        == "plant.real_time_factor: 0.2 -> 0.5\n"
+    )
     assert shell("param", "get", "plant", "real_time_factor") == "0.5\n"
     file = yaml.safe_load(shell("param", "dump"))
     assert set(file) == {f"{NAMESPACE}/{name}" for name in NODES}
@@ -152,9 +189,13 @@ def test_parameters_are_shown_set_and_dumped_as_yaml(shell):
 def test_topics_are_listed_measured_and_described_as_ros2_does(shell):
     assert "/ev/wheel_states\n" in shell("topic", "list")
     assert "/ev/wheel_states [sensor_msgs/msg/JointState]\n" in shell("topic", "list", "-t")
-    assert re.fullmatch(r"average rate: \d+\.\d Hz\n", shell("topic", "hz", "wheel_states", "--seconds", "0.5"))
+    assert re.fullmatch(
+        r"average rate: \d+\.\d Hz\n", shell("topic", "hz", "wheel_states", "--seconds", "0.5")
+    )
     count, ends = (shell("topic", "info", "wheel_states", *words) for words in ((), ("-v",)))
-    assert re.match(r"Type: sensor_msgs/msg/JointState\nPublisher count: 1\nSubscription count: \d\n", count)
+    assert re.match(
+        r"Type: sensor_msgs/msg/JointState\nPublisher count: 1\nSubscription count: \d\n", count
+    )
     assert "Publisher count: 1\n  /ev/plant: reliable, volatile\n" in ends
     assert "no topic '/ev/nothing'; known: " in shell.refused("topic", "info", "nothing")
 
@@ -172,7 +213,10 @@ def test_an_absolute_name_needs_no_graph_to_be_chosen(shell, monkeypatch):
         raise LookupError("several are there")
 
     monkeypatch.setattr("ev_stack.commands.shell.master_namespace", several)
-    assert set(yaml.safe_load(shell("topic", "echo", "/clock", "--once"))["clock"]) == {"sec", "nanosec"}
+    assert set(yaml.safe_load(shell("topic", "echo", "/clock", "--once"))["clock"]) == {
+        "sec",
+        "nanosec",
+    }
     assert "several are there" in shell.refused("topic", "echo", "wheel_states")
 
 
@@ -183,14 +227,18 @@ def own_node(domain) -> Iterator[Node]:
     rclpy.init(context=context, domain_id=domain)
     node = Node("own", context=context, namespace=NAMESPACE)
     yield node
-    node.destroy_node()  # it would be found before the others by the next test, and taken for the whole graph
+    # it would be found before the others by the next test, and taken for the whole graph
+    node.destroy_node()
     context.try_shutdown()
 
 
 def test_a_topic_that_somebody_uses_with_another_type_is_read_with_ours(shell, own_node):
     """The other type comes first in the alphabet; of a topic that is not ours nobody knows which is meant."""
     own_node.create_publisher(Point, "wheel_states", 1)
-    others = [own_node.create_publisher(Point, "own", 1), own_node.create_publisher(Point, "other/wheel_states", 1)]
+    others = [
+        own_node.create_publisher(Point, "own", 1),
+        own_node.create_publisher(Point, "other/wheel_states", 1),
+    ]
     message = yaml.safe_load(shell("topic", "echo", "wheel_states", "--once"))
     assert message["name"][0] == "front_left"
     types = "sensor_msgs/msg/JointState, geometry_msgs/msg/Point"
@@ -198,14 +246,18 @@ def test_a_topic_that_somebody_uses_with_another_type_is_read_with_ours(shell, o
     ends = shell("topic", "info", "-v", "wheel_states")
     assert f"Type: {types}\n" in ends
     assert "  /ev/own: reliable, volatile, geometry_msgs/msg/Point\n" in ends
-    assert shell("topic", "info", others[0].topic_name).startswith("Type: geometry_msgs/msg/Point\n")
+    assert shell("topic", "info", others[0].topic_name).startswith(
+        "Type: geometry_msgs/msg/Point\n"
+    )
 
 
 def test_several_types_none_of_which_is_ours_are_named():
     """The middleware keeps them apart, and a command can read one of them only."""
     types = ["std_msgs/msg/String", "geometry_msgs/msg/Point"]
     node = SimpleNamespace(get_topic_names_and_types=lambda: [("/ev/own", types)])
-    with pytest.raises(LookupError, match="/ev/own has several types, expected one: std_msgs/msg/String, geometry"):
+    with pytest.raises(
+        LookupError, match="/ev/own has several types, expected one: std_msgs/msg/String, geometry"
+    ):
         present_graph.type_of(node, "/ev/own")
 
 
@@ -228,7 +280,11 @@ def test_a_message_is_shown_whatever_its_quality_of_service(shell, own_node, qua
     publishing = threading.Thread(target=executor.spin)
     publishing.start()
     try:
-        assert yaml.safe_load(shell("topic", "echo", "own", "--once")) == {"x": 3.0, "y": 0.0, "z": 0.0}
+        assert yaml.safe_load(shell("topic", "echo", "own", "--once")) == {
+            "x": 3.0,
+            "y": 0.0,
+            "z": 0.0,
+        }
     finally:
         executor.shutdown()
         publishing.join()
@@ -254,12 +310,16 @@ def test_a_parameter_is_described_with_what_is_expected(shell):
     assert about["expected"].startswith("0 to 1000") and not about["read_only"]
     assert "simulated over wall time" in about["about"]
     assert yaml.safe_load(shell("param", "describe", "plant", "duration"))["read_only"]
-    assert "plant has no parameter 'nothing'" in shell.refused("param", "describe", "plant", "nothing")
+    assert "plant has no parameter 'nothing'" in shell.refused(
+        "param", "describe", "plant", "nothing"
+    )
 
 
 def test_a_parameter_of_ros_itself_is_there_for_those_that_ask_for_it(shell):
     assert shell("param", "get", "plant", "use_sim_time") == "false\n"
-    assert shell("param", "set", "asr", "use_sim_time", "true") == "asr.use_sim_time: False -> True\n"
+    assert (
+        shell("param", "set", "asr", "use_sim_time", "true") == "asr.use_sim_time: False -> True\n"
+    )
     shell("param", "set", "asr", "use_sim_time", "false")
     assert "use_sim_time" not in shell("param", "list", "plant")
 
@@ -297,7 +357,9 @@ def test_rates_are_of_one_time_for_all_topics(monkeypatch):
     clock = AtHundredHertz()
     monkeypatch.setattr(live_graph, "time", clock)
     topics = dict.fromkeys(("a", "b", "c", "d"), "std_msgs/msg/Header")
-    assert live_graph._rates(clock, topics, 2.0) == pytest.approx(dict.fromkeys(topics, 100.0), abs=1.0)
+    assert live_graph._rates(clock, topics, 2.0) == pytest.approx(
+        dict.fromkeys(topics, 100.0), abs=1.0
+    )
 
 
 def test_what_cannot_be_done_is_one_line(shell):
@@ -307,7 +369,9 @@ def test_what_cannot_be_done_is_one_line(shell):
     assert "plant refuses: " in shell.refused("param", "set", "plant", "real_time_factor", "-1")
     assert "plant has no parameter 'nothing'" in shell.refused("param", "get", "plant", "nothing")
     assert "no node '/ev/nobody'; there are /ev/asr, " in shell.refused("param", "get", "nobody")
-    assert "no master of time (plant) in /other: there is none" in shell.refused("pause", "--namespace", "/other")
+    assert "no master of time (plant) in /other: there is none" in shell.refused(
+        "pause", "--namespace", "/other"
+    )
     assert "no topic '/ev/nothing'; known: " in shell.refused("topic", "echo", "nothing")
 
 
@@ -327,14 +391,20 @@ class Discovery:
         return "/us"
 
     def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
-        return [("us", "/"), ("_hidden", "/"), *((name, "/ev") for name, at in self.others.items() if at <= self.now)]
+        return [
+            ("us", "/"),
+            ("_hidden", "/"),
+            *((name, "/ev") for name, at in self.others.items() if at <= self.now),
+        ]
 
 
 @pytest.mark.parametrize(
     ("others", "found", "at"),
     [
-        ({"plant": 0.1, "driver": 0.15}, ["/ev/driver", "/ev/plant"], 0.65),  # as on an idle machine
-        ({"plant": 3.1, "driver": 3.4}, ["/ev/driver", "/ev/plant"], 3.9),  # by the middleware's own discovery
+        # as on an idle machine
+        ({"plant": 0.1, "driver": 0.15}, ["/ev/driver", "/ev/plant"], 0.65),
+        # by the middleware's own discovery
+        ({"plant": 3.1, "driver": 3.4}, ["/ev/driver", "/ev/plant"], 3.9),
         ({}, [], 4.0),
     ],
 )

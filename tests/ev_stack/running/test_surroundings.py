@@ -23,10 +23,14 @@ SHORT = ("shchur2019", "--duration", "0.1", "--no-report")
 HOMELESS = {**ENVIRONMENT, "HOME": "/dev/null/none", "EV_STACK_CACHE": str(cache_folder())}
 
 
-@pytest.mark.parametrize("way", [("--offline",), ("--in-process",), ()], ids=["offline", "one process", "processes"])
+@pytest.mark.parametrize(
+    "way", [("--offline",), ("--in-process",), ()], ids=["offline", "one process", "processes"]
+)
 def test_a_run_needs_no_home_folder(way: tuple[str, ...], tmp_path: Path):
     """ROS would make ~/.ros/log, which containers and system users cannot."""
-    done = subprocess.run([RUN, *SHORT, *way, "--out", tmp_path], env=HOMELESS, capture_output=True, text=True)
+    done = subprocess.run(
+        [RUN, *SHORT, *way, "--out", tmp_path], env=HOMELESS, capture_output=True, text=True
+    )
     assert done.returncode == 0, done.stderr
     assert json.loads((tmp_path / "summary.json").read_text())["signal_hash"]
 
@@ -35,13 +39,17 @@ def test_a_command_in_the_graph_needs_no_home_folder():
     """Without a graph the command says that there is none, not that there is no home folder."""
     with free_domain() as domain:
         environment = {**HOMELESS, "ROS_DOMAIN_ID": str(domain)}
-        done = subprocess.run([COMMAND, "param", "get", "plant"], env=environment, capture_output=True, text=True)
+        done = subprocess.run(
+            [COMMAND, "param", "get", "plant"], env=environment, capture_output=True, text=True
+        )
     assert done.stderr.startswith("error: no nodes are running in ROS domain"), done.stderr
 
 
 @pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
 @pytest.mark.parametrize("program", ["run", "ev-stack"])
-def test_a_command_with_closed_streams_does_what_it_is_asked_for(program: str, closed: str, tmp_path: Path):
+def test_a_command_with_closed_streams_does_what_it_is_asked_for(
+    program: str, closed: str, tmp_path: Path
+):
     start = str(RUN) if program == "run" else f"{COMMAND} run"
     line = f"{start} {' '.join(SHORT)} --offline --out {tmp_path / 'out'} {closed}"
     done = subprocess.run(["bash", "-c", line], env=ENVIRONMENT, capture_output=True, text=True)
@@ -51,7 +59,12 @@ def test_a_command_with_closed_streams_does_what_it_is_asked_for(program: str, c
 
 
 def test_a_refusal_with_closed_streams_keeps_its_status():
-    assert subprocess.run(["bash", "-c", f"{COMMAND} run no_such_scenario 2>&-"], env=ENVIRONMENT).returncode == 1
+    assert (
+        subprocess.run(
+            ["bash", "-c", f"{COMMAND} run no_such_scenario 2>&-"], env=ENVIRONMENT
+        ).returncode
+        == 1
+    )
 
 
 INTERRUPT_WHILE = """
@@ -66,21 +79,33 @@ class Interrupt(MetaPathFinder):
 
 sys.meta_path.insert(0, Interrupt())
 """
-# Modules of each stage: Python's own start, the entry point, the command's module, what that imports when it works.
+# Modules of each stage: Python's own start, the entry point, the command's module, what that
+# imports when it works.
 STAGES = {
     "list": ("importlib.metadata", "ev_stack.commands.program", "ev_stack.commands.run_scenario"),
-    "dashboard": ("ev_nodes.stepping.stop_request", "ev_doors.commands.dashboard", "rclpy", "tornado"),
+    "dashboard": (
+        "ev_nodes.stepping.stop_request",
+        "ev_doors.commands.dashboard",
+        "rclpy",
+        "tornado",
+    ),
     "schema": ("ev_stack.commands.descriptions", "numpy"),
 }
 
 
-@pytest.mark.parametrize(("command", "module"), [(name, each) for name, stages in STAGES.items() for each in stages])
+@pytest.mark.parametrize(
+    ("command", "module"), [(name, each) for name, stages in STAGES.items() for each in stages]
+)
 def test_ctrl_c_at_any_stage_of_a_start_is_one_line(command: str, module: str, tmp_path: Path):
     """The signal comes while a module is imported, so no stage hangs on the speed of the machine."""
     (tmp_path / "sitecustomize.py").write_text(INTERRUPT_WHILE)
     environment = {**ENVIRONMENT, "PYTHONPATH": f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}"}
     environment["WHILE_IMPORTING"] = module
-    words = [COMMAND, command, *(["shchur2019", "--out", tmp_path / "out"] if command == "dashboard" else [])]
+    words = [
+        COMMAND,
+        command,
+        *(["shchur2019", "--out", tmp_path / "out"] if command == "dashboard" else []),
+    ]
     done = subprocess.run(
         words,
         env=environment,
@@ -93,7 +118,9 @@ def test_ctrl_c_at_any_stage_of_a_start_is_one_line(command: str, module: str, t
 
 def test_python_of_the_environment_starts_in_the_c_locale():
     """The file with the paths of the packages is ASCII whatever the checkout is called."""
-    paths = [Path(each) / "ev_stack.pth" for each in sys.path if (Path(each) / "ev_stack.pth").exists()]
+    paths = [
+        Path(each) / "ev_stack.pth" for each in sys.path if (Path(each) / "ev_stack.pth").exists()
+    ]
     assert all(path.read_bytes().isascii() for path in paths)
 
 
@@ -101,6 +128,11 @@ def test_a_working_directory_that_was_deleted_is_one_line_of_ours(tmp_path: Path
     """Bash adds lines of its own before it reads the script."""
     line = f'cd "$0" && rmdir "$0" && {RUN} shchur2019 --offline'
     (tmp_path / "gone").mkdir()
-    done = subprocess.run(["bash", "-c", line, tmp_path / "gone"], env=ENVIRONMENT, capture_output=True, text=True)
+    done = subprocess.run(
+        ["bash", "-c", line, tmp_path / "gone"], env=ENVIRONMENT, capture_output=True, text=True
+    )
     ours = [each for each in done.stderr.splitlines() if "getcwd" not in each]
-    assert (done.returncode, ours) == (1, ["error: the working directory was deleted, expected one that exists"])
+    assert (done.returncode, ours) == (
+        1,
+        ["error: the working directory was deleted, expected one that exists"],
+    )

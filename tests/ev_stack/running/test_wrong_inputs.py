@@ -66,7 +66,12 @@ def refused(*words: str, out: Path) -> str:
             "rear_steering, steering_column, test_bench; the car is that of all nodes: '*.vehicle.mass'",
         ),
         (
-            ["shchur2019", "--offline", "--set", "*.vehicle.driven_wheels=[front_left, front_left]"],
+            [
+                "shchur2019",
+                "--offline",
+                "--set",
+                "*.vehicle.driven_wheels=[front_left, front_left]",
+            ],
             "driver: vehicle.driven_wheels names a wheel twice: front_left, front_left",
         ),
         (
@@ -87,8 +92,14 @@ def test_one_line_and_nothing_is_lost(words, said, tmp_path):
 def test_what_a_file_says_wrong_is_found_in_the_file(tmp_path):
     path = tmp_path / "mine.yaml"
     for text, said in (
-        ("{sed: 1}", f"error: driver: unknown parameter of driver 'sed'; did you mean seed\\? \\({path}\\)"),
-        ("{seed: -1}", f"error: driver: parameter seed: -1 is refused, expected 0 to 2147483647 \\({path}\\)"),
+        (
+            "{sed: 1}",
+            f"error: driver: unknown parameter of driver 'sed'; did you mean seed\\? \\({path}\\)",
+        ),
+        (
+            "{seed: -1}",
+            f"error: driver: parameter seed: -1 is refused, expected 0 to 2147483647 \\({path}\\)",
+        ),
         (
             "{seed: 1, method: pulse, seed: 2}",
             f"error: {path}: not readable as YAML in line 2: seed stands there twice",
@@ -123,7 +134,9 @@ def test_a_broken_plug_in_harms_only_who_wants_it(offered, tmp_path, capsys):
     offered("asr", "no_such_module_of_mine")
     assert ev_stack.run("shchur2019", duration=0.05).hash
     said = "not loaded: no_such_module_of_mine: ModuleNotFoundError: No module named 'no_such_module_of_mine'"
-    assert refused("shchur2019", "--offline", "--method", "asr=mine", out=tmp_path / "out").endswith(f"; {said}")
+    assert refused(
+        "shchur2019", "--offline", "--method", "asr=mine", out=tmp_path / "out"
+    ).endswith(f"; {said}")
     main(["--list"])
     assert said in capsys.readouterr().out.splitlines()
 
@@ -132,9 +145,12 @@ def test_a_misspelt_role_is_named(offered, capsys):
     offered("asrr", "ev_control.methods.asr")
     main(["--list"])
     assert (
-        "not loaded: ev_control.methods.asr: offered for 'asrr', which is no role: plant, " in capsys.readouterr().out
+        "not loaded: ev_control.methods.asr: offered for 'asrr', which is no role: plant, "
+        in capsys.readouterr().out
     )
-    with pytest.raises(TypeError, match=r"^method mine: 'asrr' is no role, expected one of plant, "):
+    with pytest.raises(
+        TypeError, match=r"^method mine: 'asrr' is no role, expected one of plant, "
+    ):
         method("asrr", "mine")
 
 
@@ -153,7 +169,8 @@ def test_no_number_says_when(monkeypatch):
     monkeypatch.setattr("ev_core.methods.law.Law.is_compilable", False)
     monkeypatch.setitem(vars(factory), "function", broken)
     with pytest.raises(
-        SignalError, match=r"^at 0\.04 s: electronic_differential: WheelTorqueRequest\.drive\.front_left is"
+        SignalError,
+        match=r"^at 0\.04 s: electronic_differential: WheelTorqueRequest\.drive\.front_left is",
     ):
         ev_stack.run("shchur2019", method={"electronic_differential": "equal_torque"}, duration=0.1)
 
@@ -181,28 +198,39 @@ def test_another_law_than_that_of_the_source_is_not_judged():
 def test_another_gain_than_that_of_the_source_is_not_judged():
     """8 numbers of gamma = 8 stayed "reproduced"."""
     found = ev_stack.run("shchur2019", set={"electronic_differential.gamma": 8.0}).metrics.values()
-    judged = {each.verdict for each in found if each.reference}  # what is only shown beside is `measured`
+    # what is only shown beside is `measured`
+    judged = {each.verdict for each in found if each.reference}
     assert judged == {"not judged: electronic_differential.gamma differs from the source's"}
 
 
 @pytest.mark.parametrize(
-    "place", ["electronic_differential.gamma=8.0", "plant.sensors.wheel_speed.noise=0.1", "*.control_period=0.005"]
+    "place",
+    [
+        "electronic_differential.gamma=8.0",
+        "plant.sensors.wheel_speed.noise=0.1",
+        "*.control_period=0.005",
+    ],
 )
 def test_whatever_is_not_as_the_source_has_it_is_not_judged(place):
     """An assistance of eight times was "reproduced" as if it were that of five."""
     name, value = place.split("=")
     found = ev_stack.run("shchur2019", set={name: float(value)}).metrics
-    judged = {metric.verdict for metric in found.values() if metric.reference and metric.value is not None}
+    judged = {
+        metric.verdict for metric in found.values() if metric.reference and metric.value is not None
+    }
     name = name.replace("*", "every node")
     assert judged and all(
-        re.fullmatch(rf"not judged: .*{re.escape(name)}.* from the source's", each) for each in judged
+        re.fullmatch(rf"not judged: .*{re.escape(name)}.* from the source's", each)
+        for each in judged
     )
 
 
 def test_a_seed_or_how_fast_it_is_run_changes_no_verdict():
     own = ev_stack.run("shchur2019")
     other = ev_stack.run("shchur2019", seed=7, set={"plant.real_time_factor": 1000.0})
-    assert {n: m.verdict for n, m in own.metrics.items()} == {n: m.verdict for n, m in other.metrics.items()}
+    assert {n: m.verdict for n, m in own.metrics.items()} == {
+        n: m.verdict for n, m in other.metrics.items()
+    }
     assert "reproduced" in {metric.judgement for metric in own.metrics.values()}
 
 
@@ -214,8 +242,14 @@ def test_a_copy_of_a_source_that_says_something_else_is_not_judged(tmp_path):
         ("mine", shchur2019.replace("about:", "report: shchur2019\n    about:")),
     ):
         file = tmp_path / f"{name}.yaml"
-        file.write_text(text.replace("method: power_steering", "method: power_steering\n    gamma: 8.0"))
-        judged = {m.verdict for m in ev_stack.run(file).metrics.values() if m.reference and m.value is not None}
+        file.write_text(
+            text.replace("method: power_steering", "method: power_steering\n    gamma: 8.0")
+        )
+        judged = {
+            m.verdict
+            for m in ev_stack.run(file).metrics.values()
+            if m.reference and m.value is not None
+        }
         assert judged == {f"not judged: scenario {file} differs from the source's"}
 
 
@@ -239,14 +273,18 @@ def test_the_environment_of_another_user_is_left_alone(tmp_path):
     os.chown(tmp_path / ".venv", 65534, 65534)
     ended = subprocess.run([tmp_path / "scripts" / "prepare.sh"], capture_output=True, text=True)
     assert (ended.returncode, ended.stdout) == (1, "")
-    assert ended.stderr.startswith(f"{tmp_path}/.venv belongs to nobody and is not ready for root: let nobody run")
+    assert ended.stderr.startswith(
+        f"{tmp_path}/.venv belongs to nobody and is not ready for root: let nobody run"
+    )
     assert (tmp_path / ".venv").exists()
 
 
 def test_files_of_vehicles_refuse_what_no_car_is(tmp_path):
     path = tmp_path / "car.yaml"
     path.write_text("/**:\n  ros__parameters: {vehicle: {mass: 1.0e3, mass: 2.0e3}}\n")
-    with pytest.raises(ParameterError, match=rf"^{path}: not readable as YAML in line 2: mass stands there twice$"):
+    with pytest.raises(
+        ParameterError, match=rf"^{path}: not readable as YAML in line 2: mass stands there twice$"
+    ):
         ev_stack.run("shchur2019", vehicle=path)
 
 
@@ -255,6 +293,8 @@ def test_one_folder_is_for_one_run_at_a_time(tmp_path):
     runs = load_scenario("coast_down").runs
     first = OutputFolder(tmp_path / "out", "scenario coast_down", runs=runs)
     (first.directory / "signals.npz").touch()
-    with pytest.raises(ParameterError, match=r"another run is writing there, expected another folder$"):
+    with pytest.raises(
+        ParameterError, match=r"another run is writing there, expected another folder$"
+    ):
         OutputFolder(tmp_path / "out", "scenario coast_down", runs=runs)
     assert (first.directory / "signals.npz").exists()

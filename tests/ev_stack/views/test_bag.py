@@ -1,6 +1,7 @@
 """The bag of a run shows the car to viewers: frames, odometry, forces, description, parameters.
 
-It is read by mcap-ros2-support, which knows no message but by the definition that the bag has embedded.
+It is read by mcap-ros2-support, which knows no message but by the definition that the bag has
+embedded.
 """
 
 from __future__ import annotations
@@ -24,7 +25,14 @@ from ev_stack.recording.run_recorder import write_bag
 from ev_stack.running.offline import recorded_topics, run_offline_into
 from ev_stack.scenarios.scenario import Overrides, load_scenario
 
-VIEWED = ("/tf", "/tf_static", "/ev/odometry", "/ev/tyre_force_markers", "/ev/robot_description", "/parameter_events")
+VIEWED = (
+    "/tf",
+    "/tf_static",
+    "/ev/odometry",
+    "/ev/tyre_force_markers",
+    "/ev/robot_description",
+    "/parameter_events",
+)
 DURATION = 5.0  # s: the first of the two lane changes is over
 
 
@@ -36,11 +44,15 @@ def driven(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
     run_offline_into(run, folder, bag=True, progress=lambda time: None)
     messages = defaultdict(list)
     with (folder / "bag" / "bag.mcap").open("rb") as file:
-        for each in make_reader(file, decoder_factories=[DecoderFactory()]).iter_decoded_messages(VIEWED):
+        for each in make_reader(file, decoder_factories=[DecoderFactory()]).iter_decoded_messages(
+            VIEWED
+        ):
             messages[each.channel.topic].append(each)
     signals = load(folder / "signals.npz")
     car = run.configurations["plant"].common.vehicle
-    return SimpleNamespace(run=run, folder=folder, messages=messages, of=signals.channels, time=signals.time, car=car)
+    return SimpleNamespace(
+        run=run, folder=folder, messages=messages, of=signals.channels, time=signals.time, car=car
+    )
 
 
 def frames(driven: SimpleNamespace) -> dict[str, list]:
@@ -55,7 +67,9 @@ def frames(driven: SimpleNamespace) -> dict[str, list]:
 def angles(transforms: list, axis: str) -> np.ndarray:
     """Turned angle about an axis [rad], unwrapped; the others of the quaternion are zero."""
     rotations = [each.transform.rotation for each in transforms]
-    assert all(getattr(each, other) == 0.0 for each in rotations for other in {"x", "y", "z"} - {axis})
+    assert all(
+        getattr(each, other) == 0.0 for each in rotations for other in {"x", "y", "z"} - {axis}
+    )
     return np.unwrap([2.0 * np.arctan2(getattr(each, axis), each.w) for each in rotations])
 
 
@@ -69,8 +83,12 @@ def test_instants_are_20_ms_apart_and_stamped_by_themselves(driven):
     for topic in ("/tf", "/ev/odometry", "/ev/tyre_force_markers"):
         for each in driven.messages[topic]:
             of = each.decoded_message
-            headers = [e.header for e in getattr(of, "transforms", getattr(of, "markers", None)) or [of]]
-            assert {h.stamp.sec * 10**9 + h.stamp.nanosec for h in headers} == {each.message.log_time}
+            headers = [
+                e.header for e in getattr(of, "transforms", getattr(of, "markers", None)) or [of]
+            ]
+            assert {h.stamp.sec * 10**9 + h.stamp.nanosec for h in headers} == {
+                each.message.log_time
+            }
 
 
 def test_the_frame_of_the_car_is_its_pose(driven):
@@ -80,18 +98,24 @@ def test_the_frame_of_the_car_is_its_pose(driven):
     assert [each.x for each in at] == shown(driven, "pose.x").tolist()
     assert [each.y for each in at] == shown(driven, "pose.y").tolist()
     assert max(each.y for each in at) > 2.0  # m: it has changed the lane
-    heading = 2.0 * np.arctan2(shown(driven, "pose.orientation_z"), shown(driven, "pose.orientation_w"))
+    heading = 2.0 * np.arctan2(
+        shown(driven, "pose.orientation_z"), shown(driven, "pose.orientation_w")
+    )
     assert np.allclose(angles(base, "z"), np.unwrap(heading), atol=1e-12)  # rounding of arctan
 
 
 def test_front_wheels_are_steered_by_ackermann(driven):
     """cot(right) - cot(left) = track / wheelbase in a left turn, and their mean cotangent is that of the mean angle."""
-    left, right = (angles(frames(driven)[f"front_{side}_steering"], "z") for side in ("left", "right"))
+    left, right = (
+        angles(frames(driven)[f"front_{side}_steering"], "z") for side in ("left", "right")
+    )
     mean = shown(driven, "steering_column.state.road_wheel_angle")
     turning = np.abs(mean) > 1e-3  # rad, against division by zero
     assert mean.max() > 0.02 and mean.min() < -0.02 and turning.sum() > 100
     cotangents = [1.0 / np.tan(angle[turning]) for angle in (left, right)]
-    assert np.allclose(cotangents[1] - cotangents[0], driven.car.front_track / driven.car.wheelbase, rtol=1e-9)
+    assert np.allclose(
+        cotangents[1] - cotangents[0], driven.car.front_track / driven.car.wheelbase, rtol=1e-9
+    )
     assert np.allclose(sum(cotangents) / 2, 1.0 / np.tan(mean[turning]), rtol=1e-9)
     for side in ("left", "right"):  # this car has no steered rear wheels
         assert not angles(frames(driven)[f"rear_{side}_steering"], "z").any()
@@ -107,9 +131,15 @@ def test_wheels_roll_by_the_angle_that_they_have_turned(driven):
 
 def test_odometry_is_pose_and_twist_in_the_frame_of_the_car(driven):
     found = [each.decoded_message for each in driven.messages["/ev/odometry"]]
-    assert {(each.header.frame_id, each.child_frame_id) for each in found} == {("odom", "base_link")}
+    assert {(each.header.frame_id, each.child_frame_id) for each in found} == {
+        ("odom", "base_link")
+    }
     assert [each.pose.pose.position.y for each in found] == shown(driven, "pose.y").tolist()
-    for axes, name in (("linear.x", "longitudinal"), ("linear.y", "lateral"), ("angular.z", "yaw_rate")):
+    for axes, name in (
+        ("linear.x", "longitudinal"),
+        ("linear.y", "lateral"),
+        ("angular.z", "yaw_rate"),
+    ):
         vector, axis = axes.split(".")
         values = [getattr(getattr(each.twist.twist, vector), axis) for each in found]
         assert values == shown(driven, f"twist.{name}").tolist()
@@ -119,18 +149,26 @@ def test_arrows_are_the_forces_of_the_road(driven):
     """1.5 m for the mean wheel load, m g / 4, in the axes of the steered wheel."""
     scale = 1.5 * 4.0 / (driven.car.mass * GRAVITY)
     for place, name in enumerate(WHEEL_NAMES):
-        markers = [each.decoded_message.markers[place] for each in driven.messages["/ev/tyre_force_markers"]]
+        markers = [
+            each.decoded_message.markers[place]
+            for each in driven.messages["/ev/tyre_force_markers"]
+        ]
         assert {each.header.frame_id for each in markers} == {f"{name}_steering"}
         start, end = zip(*(each.points for each in markers), strict=True)
         assert {(p.x, p.y, p.z) for p in start} == {(0.0, 0.0, 0.0)}
         for axis, way in (("x", "longitudinal"), ("y", "lateral")):
             force = shown(driven, f"tire_forces.{way}_force.{name}")
-            assert np.allclose([getattr(point, axis) for point in end], scale * force, rtol=1e-12, atol=1e-15)
+            assert np.allclose(
+                [getattr(point, axis) for point in end], scale * force, rtol=1e-12, atol=1e-15
+            )
 
 
 def test_frames_hang_together_as_the_description_has_them(driven):
     """All links, each with the parent and the place of its joint; what lasts is kept for those who join later."""
-    (description,), (static,) = driven.messages["/ev/robot_description"], driven.messages["/tf_static"]
+    (description,), (static,) = (
+        driven.messages["/ev/robot_description"],
+        driven.messages["/tf_static"],
+    )
     robot = fromstring(description.decoded_message.data)
     joints = {joint.find("child").get("link"): joint for joint in robot.findall("joint")}
     moving = {name: each[0] for name, each in frames(driven).items() if name != "base_link"}
@@ -152,16 +190,35 @@ def test_layouts_show_the_car_from_a_bag(driven):
     layouts = Path(__file__).parents[3] / "config" / "layouts"
     manager = yaml.safe_load((layouts / "car.rviz").read_text())["Visualization Manager"]
     panels = json.loads((layouts / "foxglove.json").read_text())["configById"]
-    plotted = [path["value"].partition(".")[0] for panel in panels.values() for path in panel.get("paths", ())]
+    plotted = [
+        path["value"].partition(".")[0]
+        for panel in panels.values()
+        for path in panel.get("paths", ())
+    ]
     displays = [each.get("Topic") or each.get("Description Topic") for each in manager["Displays"]]
     named = {*panels["3D!car"]["topics"], *plotted, *(each["Value"] for each in displays if each)}
     assert len(named) > 5 and named <= topics
     base = frames(driven)["base_link"][0]
     assert manager["Global Options"]["Fixed Frame"] == base.header.frame_id
-    assert manager["Views"]["Current"]["Target Frame"] == panels["3D!car"]["followTf"] == base.child_frame_id
+    assert (
+        manager["Views"]["Current"]["Target Frame"]
+        == panels["3D!car"]["followTf"]
+        == base.child_frame_id
+    )
 
 
-_VALUE = ("", "bool", "integer", "double", "string", "", "bool_array", "integer_array", "double_array", "string_array")
+_VALUE = (
+    "",
+    "bool",
+    "integer",
+    "double",
+    "string",
+    "",
+    "bool_array",
+    "integer_array",
+    "double_array",
+    "string_array",
+)
 
 
 def test_parameters_are_those_of_all_nodes(driven):
@@ -169,7 +226,10 @@ def test_parameters_are_those_of_all_nodes(driven):
     events = [each.decoded_message for each in driven.messages["/parameter_events"]]
     assert [each.node for each in events] == list(file)
     for event in events:
-        found = {each.name: getattr(each.value, f"{_VALUE[each.value.type]}_value") for each in event.new_parameters}
+        found = {
+            each.name: getattr(each.value, f"{_VALUE[each.value.type]}_value")
+            for each in event.new_parameters
+        }
         assert found == file[event.node]["ros__parameters"]
 
 
@@ -177,6 +237,8 @@ def test_views_are_a_small_part_of_a_bag(driven, tmp_path):
     """Less than half of what the signals take: on by default, they must not make bags twice as large."""
     topics = recorded_topics(driven.run)
     names = [f"/ev/{topic.name}" for topic in topics]
-    write_bag(load(driven.folder / "signals.npz"), topics, names, driven.run.period, tmp_path / "bag")
+    write_bag(
+        load(driven.folder / "signals.npz"), topics, names, driven.run.period, tmp_path / "bag"
+    )
     sizes = [(folder / "bag" / "bag.mcap").stat().st_size for folder in (tmp_path, driven.folder)]
     assert sizes[0] < sizes[1] < 1.5 * sizes[0]

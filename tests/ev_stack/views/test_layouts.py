@@ -46,11 +46,17 @@ def test_the_layouts_name_topics_that_there_are():
 def test_rviz_shows_the_topics_of_the_node_in_a_frame_that_it_publishes():
     manager = yaml.safe_load((CONFIG / "car.rviz").read_text())["Visualization Manager"]
     displays = {display["Class"].rpartition("/")[2]: display for display in manager["Displays"]}
-    named = [displays[kind][key]["Value"] for kind, key in (("Odometry", "Topic"), ("MarkerArray", "Topic"))]
+    named = [
+        displays[kind][key]["Value"]
+        for kind, key in (("Odometry", "Topic"), ("MarkerArray", "Topic"))
+    ]
     described = displays["RobotModel"]["Description Topic"]
     assert {*named, described["Value"]} == {f"/ev/{name}" for name in OWN}
     assert described["Durability Policy"] == "Transient Local"  # it is published once
-    assert (manager["Global Options"]["Fixed Frame"], manager["Views"]["Current"]["Target Frame"]) == (
+    assert (
+        manager["Global Options"]["Fixed Frame"],
+        manager["Views"]["Current"]["Target Frame"],
+    ) == (
         "odom",
         "base_link",
     )
@@ -62,7 +68,13 @@ class _Lacking(dict):
 
 
 # Types by name, in the place of their classes; one package is missing.
-KINDS = _Lacking({view.message_type: view.message_type for view in VIEWS if "visualization" not in view.message_type})
+KINDS = _Lacking(
+    {
+        view.message_type: view.message_type
+        for view in VIEWS
+        if "visualization" not in view.message_type
+    }
+)
 
 
 class Ear:
@@ -93,10 +105,17 @@ def test_a_run_that_is_watched_is_shown_by_the_packages_that_are_there(monkeypat
     kind, data = node.heard["/tf"]
     base = ros_types().deserialize_cdr(data, kind).transforms[0]
     assert (base.transform.translation.x, base.transform.translation.y) == (3.0, 4.0)
-    assert said == ["no tyre_force_markers: visualization_msgs is not installed; a bag has it without (docs/live.md)"]
+    assert said == [
+        "no tyre_force_markers: visualization_msgs is not installed; a bag has it without (docs/live.md)"
+    ]
 
 
 def test_std_msgs_takes_the_bytes_of_a_description():
     """The one whose package is always installed."""
     described, *_ = CarViews("/ev", Vehicle()).lasting()
-    assert fromstring(deserialize_message(described.data, message_class("std_msgs/msg/String")).data).tag == "robot"
+    assert (
+        fromstring(
+            deserialize_message(described.data, message_class("std_msgs/msg/String")).data
+        ).tag
+        == "robot"
+    )

@@ -24,7 +24,10 @@ def numbers(text: str) -> np.ndarray:
 def links(robot: Element) -> dict[str, tuple[np.ndarray, float, np.ndarray]]:
     """By link with a mass: centre of mass from base_link [m], mass [kg], diagonal of its inertia there [kg m^2]."""
     parents = {
-        joint.find("child").get("link"): (joint.find("parent").get("link"), numbers(joint.find("origin").get("xyz")))
+        joint.find("child").get("link"): (
+            joint.find("parent").get("link"),
+            numbers(joint.find("origin").get("xyz")),
+        )
         for joint in robot.findall("joint")
     }
     found = {}
@@ -36,7 +39,9 @@ def links(robot: Element) -> dict[str, tuple[np.ndarray, float, np.ndarray]]:
             name, offset = parents[name]
             at = at + offset
         assert name == "base_link"
-        moments = np.array([float(inertial.find("inertia").get(axis)) for axis in ("ixx", "iyy", "izz")])
+        moments = np.array(
+            [float(inertial.find("inertia").get(axis)) for axis in ("ixx", "iyy", "izz")]
+        )
         found[link.get("name")] = at, float(inertial.find("mass").get("value")), moments
     return found
 
@@ -55,9 +60,12 @@ def test_the_parts_weigh_what_the_car_weighs(name):
     assert yaw == pytest.approx(car.yaw_inertia, rel=1e-6)
     for _, m, moments in parts.values():
         assert m > 0.0 and min(moments) > 0.0
-        assert all(2.0 * moment <= moments.sum() * (1.0 + 1e-6) for moment in moments)  # as no body can have else
+        # as no body can have else
+        assert all(2.0 * moment <= moments.sum() * (1.0 + 1e-6) for moment in moments)
     spins = [parts[f"{wheel}_wheel"][2][1] for wheel in WHEEL_NAMES]
-    ratios = [1.0 if wheel in car.driven_wheels else car.undriven_inertia_ratio for wheel in WHEEL_NAMES]
+    ratios = [
+        1.0 if wheel in car.driven_wheels else car.undriven_inertia_ratio for wheel in WHEEL_NAMES
+    ]
     assert spins == pytest.approx([car.wheel_inertia * ratio for ratio in ratios], rel=1e-7)
 
 
@@ -65,8 +73,12 @@ def test_the_urdf_has_the_geometry_of_the_vehicle_file(capsys):
     print_urdf(["audi_a2"])
     robot = fromstring(capsys.readouterr().out)
     joints = {joint.get("name"): joint for joint in robot.findall("joint")}
-    assert {name: joints[name].get("type") for name in WHEEL_NAMES} == dict.fromkeys(WHEEL_NAMES, "continuous")
-    places = {name: numbers(joints[f"{name}_steering"].find("origin").get("xyz")) for name in WHEEL_NAMES}
+    assert {name: joints[name].get("type") for name in WHEEL_NAMES} == dict.fromkeys(
+        WHEEL_NAMES, "continuous"
+    )
+    places = {
+        name: numbers(joints[f"{name}_steering"].find("origin").get("xyz")) for name in WHEEL_NAMES
+    }
     assert places["front_left"][0] - places["rear_left"][0] == pytest.approx(2.405)  # wheelbase, m
     assert places["front_left"][1] - places["front_right"][1] == pytest.approx(1.462)  # track, m
     assert places["rear_left"][0] == pytest.approx(-1.08225)  # the centre of mass is the origin
@@ -78,7 +90,11 @@ def test_the_urdf_has_the_geometry_of_the_vehicle_file(capsys):
 
 @pytest.mark.parametrize(
     ("car", "apart", "rear"),
-    [(Vehicle(), False, 0.0), (Vehicle(), True, 0.7), (Vehicle(rear_steering_ratio=-0.2), False, 0.7)],
+    [
+        (Vehicle(), False, 0.0),
+        (Vehicle(), True, 0.7),
+        (Vehicle(rear_steering_ratio=-0.2), False, 0.7),
+    ],
     ids=["front steered", "steered rear axle", "rear wheels follow the front"],
 )
 def test_wheels_steer_as_far_as_the_car_lets_them(car, apart, rear):
@@ -87,7 +103,10 @@ def test_wheels_steer_as_far_as_the_car_lets_them(car, apart, rear):
         joint = robot.find(f"joint[@name='{name}_steering']")
         assert (joint.get("type"), joint.find("axis").get("xyz")) == ("revolute", "0 0 1")
         largest = 0.7 if name.startswith("front") else rear
-        assert [float(joint.find("limit").get(end)) for end in ("lower", "upper")] == [-largest, largest]
+        assert [float(joint.find("limit").get(end)) for end in ("lower", "upper")] == [
+            -largest,
+            largest,
+        ]
 
 
 def test_an_unknown_vehicle_is_one_line():

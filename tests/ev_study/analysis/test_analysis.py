@@ -32,7 +32,9 @@ from ev_study.analysis.__main__ import main as analyse
 from ev_study.analysis.linear_models import SideSlipModel
 from ev_study.analysis.linearised_plant import OperatingPoint, linearised
 
-CAR = SideSlipModel(wheelbase=2.7, mass=2400.0, yaw_inertia=4200.0, axle_cornering_stiffness=120e3, speed=7.0)
+CAR = SideSlipModel(
+    wheelbase=2.7, mass=2400.0, yaw_inertia=4200.0, axle_cornering_stiffness=120e3, speed=7.0
+)
 GE_NI = Vehicle(
     mass=2500.0,
     wheelbase=1.72,
@@ -52,7 +54,10 @@ def state_space(car: SideSlipModel) -> StateSpace:
     turn, growth = speed / length, car.longitudinal_acceleration / speed
     lever = length**2 / (4 * car.yaw_inertia)
     same, cross = 1 / car.mass + lever, 1 / car.mass - lever
-    stiffness, force = car.axle_cornering_stiffness / speed, car.front_share * car.drive_force / speed
+    stiffness, force = (
+        car.axle_cornering_stiffness / speed,
+        car.front_share * car.drive_force / speed,
+    )
     moment = car.moment_rate / 2
     a = [
         [-turn - stiffness * same - growth - moment, turn - stiffness * cross + moment],
@@ -69,7 +74,9 @@ def magnitude(car: SideSlipModel, frequency: np.ndarray) -> np.ndarray:
 
 def neutral_front_share(car: SideSlipModel) -> float:
     """Front share h that makes the car steer neutrally without M_z: 2 J_z j cos(phi)/(L^2 X) [1] (eq 4)."""
-    return 2 * car.yaw_inertia * car.longitudinal_acceleration / (car.wheelbase**2 * car.drive_force)
+    return (
+        2 * car.yaw_inertia * car.longitudinal_acceleration / (car.wheelbase**2 * car.drive_force)
+    )
 
 
 def neutral_rear_difference(car: SideSlipModel) -> float:
@@ -79,7 +86,9 @@ def neutral_rear_difference(car: SideSlipModel) -> float:
     return needed * car.yaw_inertia * car.yaw_rate / rear_moment
 
 
-def slip_angle_rates(car: SideSlipModel, d1: float, d2: float, theta: float, moment: float) -> np.ndarray:
+def slip_angle_rates(
+    car: SideSlipModel, d1: float, d2: float, theta: float, moment: float
+) -> np.ndarray:
     """d1', d2' [rad/s] from force and moment balance of v and r at a held steering angle: none of the model's terms."""
     half, speed = car.wheelbase / 2, car.speed
     v, r = speed * ((theta - d1) - d2) / 2, speed * ((theta - d1) + d2) / car.wheelbase
@@ -121,7 +130,9 @@ def test_model_is_newton_euler(car, d1, d2, theta):
     rates = system.A @ (d1, d2) + system.B[:, 0] * theta
     assert rates == pytest.approx(expected, rel=1e-9, abs=1e-9 * 0.1 * abs(system.A).max())
     difference = -car.damping * (d2 - d1) + car.excitation * theta
-    assert difference == pytest.approx(expected[1] - expected[0], rel=1e-9, abs=1e-9 * 0.1 * abs(system.A).max())
+    assert difference == pytest.approx(
+        expected[1] - expected[0], rel=1e-9, abs=1e-9 * 0.1 * abs(system.A).max()
+    )
 
 
 @settings(max_examples=30)
@@ -156,8 +167,12 @@ def test_a_car_that_steers_neutrally_has_a_transfer_function():
 def test_neutral_rear_difference_is_the_law_for_the_rear_wheels():
     """At j = 0 and r = V Theta/L, eq 7 gives q = L Theta h/(2 B (1 - h)), the law of axle_redistribution."""
     theta, h = 0.1, 0.4
-    car = dataclasses.replace(CAR, drive_force=3000.0, front_share=h, yaw_rate=CAR.speed * theta / CAR.wheelbase)
-    assert neutral_rear_difference(car) == pytest.approx(2.7 * theta * h / (2 * 1.5 * (1 - h)), rel=1e-12)
+    car = dataclasses.replace(
+        CAR, drive_force=3000.0, front_share=h, yaw_rate=CAR.speed * theta / CAR.wheelbase
+    )
+    assert neutral_rear_difference(car) == pytest.approx(
+        2.7 * theta * h / (2 * 1.5 * (1 - h)), rel=1e-12
+    )
     balanced = dataclasses.replace(car, rear_difference=neutral_rear_difference(car))
     assert abs(balanced.excitation) < 1e-12 * balanced.moment_rate
 
@@ -165,15 +180,23 @@ def test_neutral_rear_difference_is_the_law_for_the_rear_wheels():
 def test_dropped_steering_rate_is_what_separates_w12_from_the_car():
     """With the steering rate d1' has + Theta' too, so the car answers (N - j w)/(D + j w): more than W12 at any w."""
     frequency, force = 5.0, 0.4 * 2000.0
-    _, w12 = dataclasses.replace(CAR, drive_force=2000.0, front_share=0.4).transfer_function().freqresp([frequency])
+    _, w12 = (
+        dataclasses.replace(CAR, drive_force=2000.0, front_share=0.4)
+        .transfer_function()
+        .freqresp([frequency])
+    )
     half, v_over, k = 1.35, 7.0, 120e3
     a = np.array([[-2 * k / (2400 * v_over), -v_over], [0.0, -2 * half**2 * k / (4200 * v_over)]])
     b = np.array([(k + force) / 2400, half * (k + force) / 4200])
     _, r = np.linalg.solve(1j * frequency * np.eye(2) - a, b)
     complete = 2.7 * r / v_over - 1
     model = dataclasses.replace(CAR, drive_force=2000.0, front_share=0.4)
-    assert complete == pytest.approx(model.response_with_steering_rate(np.array([frequency]))[0], rel=1e-12)
-    assert complete == pytest.approx(w12[0] - 1j * frequency / (CAR.damping + 1j * frequency), rel=1e-12)
+    assert complete == pytest.approx(
+        model.response_with_steering_rate(np.array([frequency]))[0], rel=1e-12
+    )
+    assert complete == pytest.approx(
+        w12[0] - 1j * frequency / (CAR.damping + 1j * frequency), rel=1e-12
+    )
 
 
 def test_understeer_of_ge_and_ni():
@@ -251,15 +274,21 @@ ICE = four_by_four(curve="two_exponential", coefficients=(0.35, 0.05, 0.15, 0.0)
 
 def with_front_share(share: float, force: float, accelerates: bool = False) -> OperatingPoint:
     half_front, half_rear = force * 0.35 * share / 2, force * 0.35 * (1 - share) / 2
-    return OperatingPoint(CAR.speed, 0.0, Wheels(half_front, half_front, half_rear, half_rear), accelerates)
+    return OperatingPoint(
+        CAR.speed, 0.0, Wheels(half_front, half_front, half_rear, half_rear), accelerates
+    )
 
 
-@pytest.mark.parametrize(("share", "accelerates"), [(0.0, False), (0.4, False), (0.0, True), (0.4, True)])
+@pytest.mark.parametrize(
+    ("share", "accelerates"), [(0.0, False), (0.4, False), (0.0, True), (0.4, True)]
+)
 def test_linearised_plant_is_w12_with_the_steering_rate(share, accelerates):
     """2 % up to 10 Hz: the stiffest carcass that there is still delays the forces by 2 ms, W12 knows no delay."""
     force = 2000.0
     plant = linearised(LINEAR, with_front_share(share, force, accelerates))
-    model = dataclasses.replace(CAR, drive_force=force, front_share=share, longitudinal_acceleration=plant.acceleration)
+    model = dataclasses.replace(
+        CAR, drive_force=force, front_share=share, longitudinal_acceleration=plant.acceleration
+    )
     assert plant.acceleration == pytest.approx(force / CAR.mass if accelerates else 0.0, rel=0.01)
     frequency = 2 * np.pi * np.array([0.01, 0.1, 1.0, 3.0, 10.0])
     expected = model.response_with_steering_rate(frequency)
@@ -268,7 +297,8 @@ def test_linearised_plant_is_w12_with_the_steering_rate(share, accelerates):
 
 def test_linearised_plant_has_the_closed_form_of_a_steady_turn():
     """Yaw rate gain u/(L + K u^2) of Ge & Ni at 5 m/s, straight ahead: to 1e-6, the size of the differences."""
-    free = dataclasses.replace(GE_NI, rolling_resistance=0.0, drag_coefficient=0.0)  # resistances act across the bend
+    # resistances act across the bend
+    free = dataclasses.replace(GE_NI, rolling_resistance=0.0, drag_coefficient=0.0)
     plant = linearised(free, OperatingPoint(5.0))
     expected = 5.0 / (1.72 + understeer_gradient(GE_NI) * 25.0)
     assert plant.response(np.array([0.0]))[0, 1].real == pytest.approx(expected, rel=1e-6)
@@ -296,9 +326,9 @@ def test_linearised_plant_moves_as_the_nonlinear_one():
 def test_neutral_share_of_eq_4_holds_without_load_transfer_only():
     """Eq 4's 2 J_z/(m L^2) = 0.48 steers neutrally with linear tyres, and nearly so on ice.
 
-    On ice the slip of the drive takes cornering stiffness away from its axle, so rear drive oversteers where W12
-    understeers. With a centre of mass at 0.65 m the acceleration moves load, and so cornering stiffness, to the rear:
-    the car understeers with 0.48.
+    On ice the slip of the drive takes cornering stiffness away from its axle, so rear drive
+    oversteers where W12 understeers. With a centre of mass at 0.65 m the acceleration moves load,
+    and so cornering stiffness, to the rear: the car understeers with 0.48.
     """
     neutral = CAR.neutral_share_of_acceleration
     assert neutral == pytest.approx(0.480, abs=5e-4)
@@ -324,17 +354,25 @@ def test_no_linear_model_of_a_motion_that_is_not_steady():
 
 def test_command_line_prints_how_a_vehicle_steers(tmp_path, capsys):
     analyse(["ge_ni2005", "--speed", "5", "--out", str(tmp_path)])
-    printed = {line[:52].strip(): line[52:].split() for line in capsys.readouterr().out.splitlines()}
+    printed = {
+        line[:52].strip(): line[52:].split() for line in capsys.readouterr().out.splitlines()
+    }
     assert printed["understeer gradient"] == ["0.0022494", "rad", "s^2/m"]
     assert printed["characteristic speed"] == ["27.652", "m/s"]
-    assert not [label for label in printed if label.startswith(("critical", "W12", "acceleration", "front share"))]
+    assert not [
+        label
+        for label in printed
+        if label.startswith(("critical", "W12", "acceleration", "front share"))
+    ]
     assert (tmp_path / "bode_ge_ni2005.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_command_line_prints_what_a_drive_force_does(tmp_path, capsys):
     """W12 = N/(D + s): N > 0 by the force of the front wheels alone; without a force there is nothing to say."""
     analyse(["audi_a2", "--drive-force", "1000", "--out", str(tmp_path)])
-    printed = {line[:52].strip(): line[52:].split() for line in capsys.readouterr().out.splitlines()}
+    printed = {
+        line[:52].strip(): line[52:].split() for line in capsys.readouterr().out.splitlines()
+    }
     assert float(printed["W12: excitation N, 0 if the car steers neutrally"][0]) > 0.0
 
 
@@ -347,6 +385,9 @@ def test_linear_models_are_of_a_car_that_goes_ahead(tmp_path, capsys, speed):
 
 def test_command_line_says_in_one_line_what_is_wrong(tmp_path):
     turning_in = ["audi_a2", "--speed", "25", "--road-wheel-angle", "10"]
-    for words, line in ((["audi_a3"], "unknown vehicle 'audi_a3'"), (turning_in, "no steady motion at 25 m/s")):
+    for words, line in (
+        (["audi_a3"], "unknown vehicle 'audi_a3'"),
+        (turning_in, "no steady motion at 25 m/s"),
+    ):
         with pytest.raises(SystemExit, match=f"^error: {line}"):
             analyse([*words, "--out", str(tmp_path)])

@@ -55,25 +55,47 @@ def test_a_law_file_and_a_law_with_its_parameter_file_are_ranked_beside_the_othe
     weak = parameter_file(tmp_path, "{largest: 1.0}")
     out = tmp_path / "out"
     adding = ["--add", EXAMPLE, "--add", f"{EXAMPLE}={weak}"]
-    run_benchmark([*adding, "--cells", CELL, "--laws", "equal_torque", "--draws", "2", "--out", str(out)])
+    run_benchmark(
+        [*adding, "--cells", CELL, "--laws", "equal_torque", "--draws", "2", "--out", str(out)]
+    )
     scores = json.loads((out / "board.json").read_text())["scores"]
     assert list(scores) == ["equal_torque", "yaw_moment", "tuned"]
     assert scores["tuned"]["handling"]["value"] == pytest.approx(1.0, abs=0.01)
     assert abs(scores["yaw_moment"]["handling"]["value"] - 1.0) > 0.02
 
 
-def test_a_law_may_name_the_traction_control_as_well(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+def test_a_law_may_name_the_traction_control_as_well(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
     """Brakes on snow lock all wheels with equal torques, and an ABS by the drives takes most of the slip from them.
 
     The line beside the run drives it as a scenario, with its signal hash.
     """
     cell, out, file = "compact_ev:rear:brake:snow:*", tmp_path / "out", tmp_path / "firm.yaml"
     file.write_text("/**/asr:\n  ros__parameters: {method: blended_brakes, slip.target: 0.05}\n")
-    words = ["--add", f"equal_torque={file}", "--cells", cell, "--laws", "equal_torque", "--draws", "1", "--no-report"]
+    words = [
+        "--add",
+        f"equal_torque={file}",
+        "--cells",
+        cell,
+        "--laws",
+        "equal_torque",
+        "--draws",
+        "1",
+        "--no-report",
+    ]
     run_benchmark([*words, "--out", str(out)])
     equal, firm = json.loads((out / "runs.json").read_text())["runs"]
     assert firm["slip_energy"] < 0.2 * equal["slip_energy"]
-    main([*shlex.split(firm["command"])[1:], "--offline", "--no-report", "--out", str(tmp_path / "alone")])
+    main(
+        [
+            *shlex.split(firm["command"])[1:],
+            "--offline",
+            "--no-report",
+            "--out",
+            str(tmp_path / "alone"),
+        ]
+    )
     assert f"signal hash {firm['signal_hash']}\n" in capsys.readouterr().out
     board, names = with_added(read_board("small"), ["least_squares"])
     assert board.laws["least_squares"] == {"method": "equal_torque", "asr.method": "least_squares"}
@@ -84,20 +106,33 @@ def test_what_cannot_be_added_is_one_line(tmp_path: Path):
     board, law = read_board("small"), tmp_path / "my_law.py"
     law.write_text(LAW.replace("@compilable\n", ""))
     found, names = with_added(board, [str(law)])
-    with pytest.raises(ParameterError, match="law my_law runs in plain Python, allowed on a board are laws that run"):
+    with pytest.raises(
+        ParameterError,
+        match="law my_law runs in plain Python, allowed on a board are laws that run",
+    ):
         check_laws(found, names, names)
     law.write_text(LAW)
     found, names = with_added(board, [f"{law}={parameter_file(tmp_path, '{pull: 5.0}')}"])
-    with pytest.raises(ParameterError, match=r"law tuned with compact_ev:rear: .*not alike") as refused:
+    with pytest.raises(
+        ParameterError, match=r"law tuned with compact_ev:rear: .*not alike"
+    ) as refused:
         check_laws(found, names, names)
     assert "\n" not in str(refused.value)
     found, names = with_added(board, [f"pi={parameter_file(tmp_path, '{smallest_speed: 5.0}')}"])
-    with pytest.raises(ParameterError, match="law tuned: unknown parameter of electronic_differential"):
+    with pytest.raises(
+        ParameterError, match="law tuned: unknown parameter of electronic_differential"
+    ):
         check_laws(found, names, names)
-    of_asr = {"equal_torque": {"method": "equal_torque", "asr.method": "off", "asr.least_slip": 0.1}}
-    with pytest.raises(ParameterError, match="parameter least_slip is refused: asr method off does not have it"):
+    of_asr = {
+        "equal_torque": {"method": "equal_torque", "asr.method": "off", "asr.least_slip": 0.1}
+    }
+    with pytest.raises(
+        ParameterError, match="parameter least_slip is refused: asr method off does not have it"
+    ):
         check_laws(replace(board, laws=of_asr), ["equal_torque"], [])
-    with pytest.raises(ParameterError, match="--add 'pi': the board has a law 'pi', expected another name"):
+    with pytest.raises(
+        ParameterError, match="--add 'pi': the board has a law 'pi', expected another name"
+    ):
         with_added(board, ["pi"])
 
 

@@ -44,14 +44,18 @@ def test_cells_are_cars_by_manoeuvres_by_roads():
         SMALL.cells("x:y")
 
 
-def test_a_metric_with_the_name_of_a_field_is_refused_before_anything_is_driven(result: BoardResult):
+def test_a_metric_with_the_name_of_a_field_is_refused_before_anything_is_driven(
+    result: BoardResult,
+):
     """Every field of the record of a run, and every name that the search of a speed keeps beside metrics."""
     step = SMALL.manoeuvres["step_steer"]
     (cell,) = SMALL.cells(STEP)
     fields = next(iter(result.runs())).keys() - named_metrics(step.measured).keys()
     for name in (*fields, "clean", "runs_driven"):
         named = replace(step, recorded=[f"{name} [rad/s] = largest_magnitude(imu.yaw_rate)"])
-        with pytest.raises(ParameterError, match=f"metric {name} of step_steer has the name of a field"):
+        with pytest.raises(
+            ParameterError, match=f"metric {name} of step_steer has the name of a field"
+        ):
             values_of(replace(SMALL, manoeuvres={"step_steer": named}), cell)
 
 
@@ -64,7 +68,9 @@ def test_every_cell_has_a_graph_and_every_law_suits_it():
 def test_draws_are_those_of_the_seed_within_their_bounds():
     (cell,) = SMALL.cells(STEP)
     base = run_of(SMALL, cell, values_of(SMALL, cell)).configurations
-    one, again, other = (drawn(board, cell, base) for board in (SMALL, SMALL, replace(SMALL, seed=2)))
+    one, again, other = (
+        drawn(board, cell, base) for board in (SMALL, SMALL, replace(SMALL, seed=2))
+    )
     assert one == again != other
     mass = np.array(one.values["*.vehicle.mass"]) / 1600.0
     assert ((mass >= 1.0) & (mass <= 1.2)).all()
@@ -103,22 +109,36 @@ def test_the_command_of_a_run_drives_it_again(result: BoardResult):
     assert (run.name, len(given.run)) == ("left", 1)
     motion = true_motion(run_offline(run.configurations, run.duration), run.configurations)
     for name, metric in named_metrics(SMALL.manoeuvres["step_steer"].measured).items():
-        assert metric.measured(driven_run(motion, run.configurations)).value == result.cells[0].metrics["pi"][name][1]
+        assert (
+            metric.measured(driven_run(motion, run.configurations)).value
+            == result.cells[0].metrics["pi"][name][1]
+        )
 
 
 def test_the_command_writes_scores_and_all_runs(tmp_path: Path, capsys):
     words = ["benchmark", "--cells", STEP, "--laws", "pi", "--draws", "1", "--out", str(tmp_path)]
     main(words)
-    board, runs = (json.loads((tmp_path / f"{name}.json").read_text()) for name in ("board", "runs"))
+    board, runs = (
+        json.loads((tmp_path / f"{name}.json").read_text()) for name in ("board", "runs")
+    )
     assert [each["law"] for each in runs["runs"]] == LAWS
     assert len(board["profiles"]["pi"]["energy"]["low"]) == len(board["profiles"]["cost"])
     assert board["probability_of_improvement"]["pi"]["equal_torque"]["energy"]["value"] == 1.0
     assert 0 < board["step_time_ns"]["equal_torque"] < board["step_time_ns"]["pi"]  # a tenth
     assert (tmp_path / "board.png").stat().st_size > 10_000
-    assert set(board["scores"]["pi"]) == {"handling", "worst tenth", "energy", "unstable", "demand_met"}
+    assert set(board["scores"]["pi"]) == {
+        "handling",
+        "worst tenth",
+        "energy",
+        "unstable",
+        "demand_met",
+    }
     printed = capsys.readouterr().out
     assert f"hash of all runs {board['hash']}" in printed
-    assert f"scripts/run.sh benchmark small --draws 1 --cells '{STEP}:v3' --drive equal_torque:0" in printed
+    assert (
+        f"scripts/run.sh benchmark small --draws 1 --cells '{STEP}:v3' --drive equal_torque:0"
+        in printed
+    )
     assert "driven before" not in printed
     part = next(Path(os.environ["EV_STACK_RESULTS"]).glob("*/*.cell"))
     part.write_bytes(part.read_bytes()[::-1])
@@ -134,8 +154,12 @@ def test_the_command_beside_a_cell_gives_the_hash_of_the_board(
     result: BoardResult, way: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ):
     """Whatever drives the run: the batch of the board, the offline runner, nodes in one process over DDS."""
-    (expected,) = [run["signal_hash"] for run in result.runs() if (run["law"], run["draw"]) == ("pi", 1)]
-    words = shlex.split(replace(result, words=["benchmark", "small", "--draws", "3"]).once_more(0, 1, 1))
+    (expected,) = [
+        run["signal_hash"] for run in result.runs() if (run["law"], run["draw"]) == ("pi", 1)
+    ]
+    words = shlex.split(
+        replace(result, words=["benchmark", "small", "--draws", "3"]).once_more(0, 1, 1)
+    )
     assert words[:2] == ["scripts/run.sh", "benchmark"]
     main([*words[1:], way, "--no-report", "--out", str(tmp_path)])
     assert f"signal hash {expected}\n" in capsys.readouterr().out
@@ -144,10 +168,16 @@ def test_the_command_beside_a_cell_gives_the_hash_of_the_board(
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        (["--drive", "pi:10"], "--drive 'pi:10' is refused, expected LAW:DRAW with a draw from 0 to 9"),
+        (
+            ["--drive", "pi:10"],
+            "--drive 'pi:10' is refused, expected LAW:DRAW with a draw from 0 to 9",
+        ),
         (["--drive", "none:1"], "unknown law 'none'"),
         (["--drive", "pi:1"], "--drive is for one cell, 36 fit '*'; expected --cells ID"),
-        (["--offline"], "--offline and --in-process are refused: a board is driven in batches, allowed with --drive"),
+        (
+            ["--offline"],
+            "--offline and --in-process are refused: a board is driven in batches, allowed with --drive",
+        ),
     ],
 )
 def test_what_cannot_be_driven_alone_is_one_line(words: list[str], line: str):
@@ -164,7 +194,11 @@ def test_what_cannot_be_driven_alone_is_one_line(words: list[str], line: str):
         ("seed: 1", "sed: 1", "unknown entry of a board 'sed'"),
         ("reference: equal_torque", "reference: none", "unknown reference 'none'"),
         ("roads: [dry, wet, snow]", "roads: [mud]", "unknown road of step_steer 'mud'"),
-        ("energy: [battery_energy]", "energy: [distance]", "metric distance of step_steer is better neither"),
+        (
+            "energy: [battery_energy]",
+            "energy: [distance]",
+            "metric distance of step_steer is better neither",
+        ),
         (
             "dry: {left: [dry_asphalt],",
             "dry: {left: [dry_asphalt, ice],",
@@ -176,16 +210,44 @@ def test_what_cannot_be_driven_alone_is_one_line(words: list[str], line: str):
             "handling: [1,",
             "handling of manoeuvre step_steer is [1, 'peak_sideslip'], expected a list, each element a text",
         ),
-        ("unstable: 0.5 ", "unstable: .nan ", "unstable of a board is nan, expected a finite number"),
+        (
+            "unstable: 0.5 ",
+            "unstable: .nan ",
+            "unstable of a board is nan, expected a finite number",
+        ),
         ("seed: 1", "seed: -1", "seed is -1, unstable 0.5, expected 0 or more, above 0 to 1.57"),
-        ("unstable: 0.5 ", "unstable: 1.6 ", "seed is 1, unstable 1.6, expected 0 or more, above 0 to 1.57"),
-        ("peak_slip: 0.02", "peak_slip: .inf", "scales lacks a number above 0 for peak_slip of launch"),
-        ("peak_slip: 0.02", "peak_slip: 0", "scales lacks a number above 0 for peak_slip of launch"),
-        ("factor: [1.0, 1.2]", "factor: [1.2, 1.0]", "variation of *.vehicle.mass has the bounds [1.2, 1.0]"),
+        (
+            "unstable: 0.5 ",
+            "unstable: 1.6 ",
+            "seed is 1, unstable 1.6, expected 0 or more, above 0 to 1.57",
+        ),
+        (
+            "peak_slip: 0.02",
+            "peak_slip: .inf",
+            "scales lacks a number above 0 for peak_slip of launch",
+        ),
+        (
+            "peak_slip: 0.02",
+            "peak_slip: 0",
+            "scales lacks a number above 0 for peak_slip of launch",
+        ),
+        (
+            "factor: [1.0, 1.2]",
+            "factor: [1.2, 1.0]",
+            "variation of *.vehicle.mass has the bounds [1.2, 1.0]",
+        ),
         ("{method: load_proportional}", "{}", "law load_proportional lacks method"),
         ("  pi: [pi.*]", "  pi: pi.*", "tuned has pi with 'pi.*', expected a list of texts"),
-        ("{method: load_proportional}", "{method: open, asr.backstop: 1}", "law load_proportional lacks asr.method"),
-        ("closed: [pi,", "closed: [pi_neutral,", "closed has laws that differ in one of method, reference,"),
+        (
+            "{method: load_proportional}",
+            "{method: open, asr.backstop: 1}",
+            "law load_proportional lacks asr.method",
+        ),
+        (
+            "closed: [pi,",
+            "closed: [pi_neutral,",
+            "closed has laws that differ in one of method, reference,",
+        ),
     ],
 )
 def test_what_is_wrong_in_a_board_is_one_line(tmp_path: Path, old: str, new: str, line: str):

@@ -93,7 +93,8 @@ def with_cheats(tmp_path: Path) -> tuple[Board, list[str]]:
 def test_no_law_that_does_less_ranks_above_equal_torques(with_cheats: tuple[Board, list[str]]):
     """In handling, worst tenth and energy. Without cheating the law is `equal_torque`, to the bit.
 
-    Once dropping all torques was first in handling and in energy, and dropping the brakes first in the worst tenth.
+    Once dropping all torques was first in handling and in energy, and dropping the brakes first in
+    the worst tenth.
     """
     board, cheats = with_cheats
     laws = ["equal_torque", *cheats]
@@ -108,38 +109,58 @@ def test_no_law_that_does_less_ranks_above_equal_torques(with_cheats: tuple[Boar
     assert result.met[laws.index("nothing")].mean() < 0.5
 
 
-@pytest.mark.parametrize(("law", "pedal"), [("no_brakes", "brake"), ("no_drive", "drive"), ("nothing", "drive")])
-def test_a_law_under_which_a_pedal_has_no_effect_is_refused(with_cheats: tuple[Board, list[str]], law: str, pedal: str):
+@pytest.mark.parametrize(
+    ("law", "pedal"), [("no_brakes", "brake"), ("no_drive", "drive"), ("nothing", "drive")]
+)
+def test_a_law_under_which_a_pedal_has_no_effect_is_refused(
+    with_cheats: tuple[Board, list[str]], law: str, pedal: str
+):
     board, _ = with_cheats
-    with pytest.raises(ParameterError, match=rf"law {law} with .*: .*DriverCommand\.{pedal} has no effect"):
+    with pytest.raises(
+        ParameterError, match=rf"law {law} with .*: .*DriverCommand\.{pedal} has no effect"
+    ):
         check_laws(board, [law], [law])
 
 
-MANOEUVRE = Manoeuvre("s", 1.0, [], ["peak_sideslip", "peak_slip"], [], demand=["way [m] = last(pose.x)"])
+MANOEUVRE = Manoeuvre(
+    "s", 1.0, [], ["peak_sideslip", "peak_slip"], [], demand=["way [m] = last(pose.x)"]
+)
 SCALES = {"peak_sideslip": 0.01, "peak_slip": 0.01, "way": 1.0}
 
 
-def costs(way: list[float], peak_slip: float = 0.2, cost: str = "handling", sideslip: float = 0.05) -> list[float]:
+def costs(
+    way: list[float], peak_slip: float = 0.2, cost: str = "handling", sideslip: float = 0.05
+) -> list[float]:
     """Of a law with half the sideslip of the reference, which goes 10 m in each draw."""
     board = replace(read_board("small"), reference="one", scales=SCALES)
     ones = np.ones(len(way))
     metrics = {
         "one": {"peak_sideslip": 0.1 * ones, "peak_slip": 0.2 * ones, "way": 10.0 * ones},
-        "law": {"peak_sideslip": sideslip * ones, "peak_slip": peak_slip * ones, "way": np.array(way)},
+        "law": {
+            "peak_sideslip": sideslip * ones,
+            "peak_slip": peak_slip * ones,
+            "way": np.array(way),
+        },
     }
     return costs_of(board, MANOEUVRE, cost, metrics, np.zeros((2, len(way)), bool))[1].tolist()
 
 
 def test_a_run_pays_for_what_it_misses_of_the_demand():
     """All of it or more: its own cost, 0.75; 0.8: 0.8*0.75 + 0.2*3 = 1.2; less than a half, or no number: 3."""
-    assert costs([10.0, 12.0, 8.0, 4.9, np.nan]) == pytest.approx([0.75, 0.75, 1.2, LARGEST, LARGEST])
+    assert costs([10.0, 12.0, 8.0, 4.9, np.nan]) == pytest.approx(
+        [0.75, 0.75, 1.2, LARGEST, LARGEST]
+    )
     assert costs([10.0, 8.0, 4.0], cost="energy") == pytest.approx([1.0, 1.4, LARGEST])
 
 
 @given(
-    sideslip=st.floats(0.0, 1.0), slip=st.floats(0.0, 1.0), ways=st.tuples(st.floats(-5.0, 15.0), st.floats(-5.0, 15.0))
+    sideslip=st.floats(0.0, 1.0),
+    slip=st.floats(0.0, 1.0),
+    ways=st.tuples(st.floats(-5.0, 15.0), st.floats(-5.0, 15.0)),
 )
-def test_a_run_that_meets_less_never_costs_less(sideslip: float, slip: float, ways: tuple[float, float]):
+def test_a_run_that_meets_less_never_costs_less(
+    sideslip: float, slip: float, ways: tuple[float, float]
+):
     """With the same numbers otherwise, whatever they are; it costs its own cost at least, and LARGEST at most."""
     more, less, whole = costs([max(ways), min(ways), 10.0], slip, sideslip=sideslip)
     assert 0.0 <= whole <= more <= less <= LARGEST
@@ -153,8 +174,13 @@ def test_a_run_that_lacks_one_of_two_numbers_costs_most():
 def test_a_demand_near_zero_is_held_against_its_scale():
     """A car that keeps its speed gains 0.01 m/s: 1 m/s less is half of the scale of 2 m/s."""
     board = replace(read_board("small"), reference="one", scales={"gained": 2.0})
-    held = replace(MANOEUVRE, demand=["gained [m/s] = last(twist.longitudinal) - first(twist.longitudinal)"])
-    metrics = {"one": {"gained": np.array([0.01, -0.01, np.nan])}, "law": {"gained": np.array([-0.99, 1.0, 5.0])}}
+    held = replace(
+        MANOEUVRE, demand=["gained [m/s] = last(twist.longitudinal) - first(twist.longitudinal)"]
+    )
+    metrics = {
+        "one": {"gained": np.array([0.01, -0.01, np.nan])},
+        "law": {"gained": np.array([-0.99, 1.0, 5.0])},
+    }
     assert demand_met(board, held, metrics)[1] == pytest.approx([0.5, 1.0, 1.0])
 
 
@@ -164,14 +190,24 @@ def test_of_several_demands_the_least_share_counts():
     two = replace(MANOEUVRE, demand=[*MANOEUVRE.demand, "kept [m/s] = last(twist.longitudinal)"])
     one = {"way": np.full(4, 10.0), "kept": np.zeros(4)}
     law = {"way": np.array([9.0, 10.0, 9.0, 12.0]), "kept": np.array([0.0, -0.5, -0.5, -0.5])}
-    assert demand_met(board, two, {"one": one, "law": law})[1] == pytest.approx([0.9, 0.5, 0.5, 0.5])
+    assert demand_met(board, two, {"one": one, "law": law})[1] == pytest.approx(
+        [0.9, 0.5, 0.5, 0.5]
+    )
 
 
 @pytest.mark.parametrize(
     ("old", "new", "line"),
     [
-        ('    demand: ["way_gone [m] = last(pose.x)"]\n', "", "launch lacks demand, expected are metrics of what"),
-        ('"way_gone [m] = last(pose.x)"', "peak_slip", "demand of launch is peak_slip, which is better low, expected"),
+        (
+            '    demand: ["way_gone [m] = last(pose.x)"]\n',
+            "",
+            "launch lacks demand, expected are metrics of what",
+        ),
+        (
+            '"way_gone [m] = last(pose.x)"',
+            "peak_slip",
+            "demand of launch is peak_slip, which is better low, expected",
+        ),
         ("way_gone: 1.0, ", "", "scales lacks a number above 0 for way_gone of launch"),
     ],
 )

@@ -12,9 +12,12 @@ from ev_study.benchmark.ranking.drawing import undominated
 def test_a_profile_is_the_share_of_runs_that_cost_no_more():
     """Costs 0.5, 1, 1.5 and 2 in one cell, 1 in all draws of another one: half of them is known without a doubt."""
     costs = np.array([[[0.5, 1.0, 1.5, 2.0], [1.0, 1.0, 1.0, 1.0]]])
-    value, low, high = (dict(zip(COSTS_SHOWN.round(2), of[0], strict=True)) for of in performance_profiles(costs, 1))
+    value, low, high = (
+        dict(zip(COSTS_SHOWN.round(2), of[0], strict=True)) for of in performance_profiles(costs, 1)
+    )
     assert [value[x] for x in (0.45, 0.5, 1.0, 1.5, 3.0)] == [0.0, 0.125, 0.75, 0.875, 1.0]
-    assert (low[0.95], high[0.95]) == (0.0, 0.375)  # one draw of four: none to three of them in 95 % of the boards
+    # one draw of four: none to three of them in 95 % of the boards
+    assert (low[0.95], high[0.95]) == (0.0, 0.375)
     assert low[1.0] >= 0.5
     assert low[3.0] == high[3.0] == 1.0
 
@@ -33,7 +36,8 @@ def test_the_interval_of_an_improvement_is_that_of_a_share():
     """60 of 100 draws are better: a share whose standard deviation is 0.049, the bootstrap gives about 1.96 of it."""
     better = np.where(np.arange(100) < 60, 0.9, 1.1)[None, :]
     _, low, high = improvement(np.stack([np.ones((1, 100)), better]), seed=1)
-    assert (high - low)[1, 0] == pytest.approx(2 * 1.96 * 0.049, rel=0.15)  # of 1000 boards: ends to some per cent
+    # of 1000 boards: ends to some per cent
+    assert (high - low)[1, 0] == pytest.approx(2 * 1.96 * 0.049, rel=0.15)
 
 
 def test_the_front_has_the_laws_that_no_other_one_dominates():

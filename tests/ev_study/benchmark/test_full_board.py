@@ -53,7 +53,9 @@ def driven(board: Board, pattern: str) -> Recording:
 def test_every_cell_has_a_graph_and_draws(board: Board):
     cells = board.cells("*:handling:*")
     assert len(cells) == 5 * 36 - 11
-    assert {cell.manoeuvre for cell in cells if cell.car == "racing_car:all"}.isdisjoint({"launch", "brake"})
+    assert {cell.manoeuvre for cell in cells if cell.car == "racing_car:all"}.isdisjoint(
+        {"launch", "brake"}
+    )
     for cell in cells[::11]:  # names and values do not depend on the car and the road alone
         assert drawn(board, cell, run_of(board, cell, values_of(board, cell)).configurations).values
 
@@ -77,7 +79,9 @@ def test_the_entry_speed_is_clean_and_the_next_one_is_not(board: Board):
         assert ((speeds > 12.0) & (speeds < 32.0)).all()
         for more, are_clean in ((0.0, 1.0), (RESOLUTION, 0.0)):
             vary = {**runs.vary, **at_speeds(speeds + more)}
-            driven = batch_by_period(runs.run.configurations, 14.0, vary, metrics=[clean(board, runs.run)])
+            driven = batch_by_period(
+                runs.run.configurations, 14.0, vary, metrics=[clean(board, runs.run)]
+            )
             assert (driven.metrics[CLEAN] == are_clean).all()
 
 
@@ -91,14 +95,20 @@ def test_a_run_that_ended_early_is_driven_again_by_its_command(board: Board):
     assert signal_hash(signals) == found.hashes["pi"][1]
     assert run.duration == signals.time[-1] < 14.0
     x = signals.channels["pose.x"]
-    rear = run.configurations["plant"].common.vehicle.centre_of_mass_to_rear_axle + run.course.overhang
+    rear = (
+        run.configurations["plant"].common.vehicle.centre_of_mass_to_rear_axle + run.course.overhang
+    )
     assert x[-1] - rear >= run.course.end[-1] > x[signals.time <= run.duration - 1.0][-1] - rear
-    words, alone = drive_law(replace(board, draws=1), cell, laws_in_cell(board, cell, ["pi"])["pi"].only(1))
+    words, alone = drive_law(
+        replace(board, draws=1), cell, laws_in_cell(board, cell, ["pi"])["pi"].only(1)
+    )
     assert shlex.join(words[0]) == found.commands["pi"][1]
     assert alone[HASH].tolist() == [signal_hash(signals)]
 
 
-@pytest.mark.parametrize("path", sorted(files_in_config("benchmarks/tuned").values()), ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path", sorted(files_in_config("benchmarks/tuned").values()), ids=lambda path: path.stem
+)
 def test_its_laws_have_the_tuned_numbers(board: Board, path: Path):
     """To four digits."""
     tuned = yaml.safe_load(path.read_text())["/**/electronic_differential"]["ros__parameters"]
@@ -107,7 +117,10 @@ def test_its_laws_have_the_tuned_numbers(board: Board, path: Path):
 
 
 def test_both_laws_that_know_all_differ_in_their_reference_alone(board: Board):
-    assert board.laws["all_known_neutral"] == {**board.laws["lqr_all_known"], "reference": "neutral"}
+    assert board.laws["all_known_neutral"] == {
+        **board.laws["lqr_all_known"],
+        "reference": "neutral",
+    }
 
 
 @pytest.mark.parametrize("count", [2, 4, 64])
@@ -125,7 +138,9 @@ def test_the_last_place_is_found_from_any_start(count: int, start: int):
     assert all(0 < place < count for _, place in asked)
 
 
-def test_all_that_is_kept_of_a_search_is_of_the_run_at_the_speed_it_found(board: Board, monkeypatch):
+def test_all_that_is_kept_of_a_search_is_of_the_run_at_the_speed_it_found(
+    board: Board, monkeypatch
+):
     """Metrics, hash and end; of a draw that is clean nowhere those of the lowest speed, also where that run failed."""
     limits, fails = np.array([31.0, 25.3, 14.6, 11.0, 5.0]), np.array([99.0, 26.0, 14.7, 99.0, 0.0])
     runs = np.zeros(5)
@@ -139,7 +154,9 @@ def test_all_that_is_kept_of_a_search_is_of_the_run_at_the_speed_it_found(board:
 
     monkeypatch.setattr(entry_speed, "drive", drive)
     lanes = replace(board.manoeuvres["double_lane_change"], halvings=6)
-    at, found = entry_speed.at_highest_clean(replace(board, draws=5), lanes, None, {"draw": [*range(5)]}, None)
+    at, found = entry_speed.at_highest_clean(
+        replace(board, draws=5), lanes, None, {"draw": [*range(5)]}, None
+    )
     speeds = at[f"{MASTER}.initial_speed"]
     assert speeds == [30.75, 25.125, 14.5, 12.0, 12.0]  # 12 m/s and multiples of 20/64 m/s
     assert found[CLEAN].tolist() == [True, True, True, False, False]
@@ -160,7 +177,10 @@ def test_a_car_that_is_clean_at_no_speed_counts_as_unstable(board: Board):
 def test_a_run_is_held_against_the_road_of_its_own_driver(board: Board):
     """On the skidpad at 8.5 m/s, 0.5 m beside the middle: to the end of a road of 1.5 m, and not of one of 0.8 m."""
     (cell,) = board.cells(f"{CAR}:skidpad:dry:handling:*")
-    runs, manoeuvre = laws_in_cell(board, cell, ["equal_torque"])["equal_torque"], board.manoeuvres["skidpad"]
+    runs, manoeuvre = (
+        laws_in_cell(board, cell, ["equal_torque"])["equal_torque"],
+        board.manoeuvres["skidpad"],
+    )
     vary = at_speeds(np.full(2, 8.5)) | {"driver.path.width": [0.8, 1.5]}
     found = entry_speed.drive(board, manoeuvre, runs.run, vary, None)
     assert found[CLEAN].tolist() == [0.0, 1.0]
@@ -179,21 +199,35 @@ def test_a_lap_is_driven_with_its_highest_clean_scale(board: Board):
 
 def test_what_is_recorded_counts_in_no_cost(board: Board):
     """Understeer as designed takes more angle than that of the car with equal torques; its medians are written."""
-    ramp, more = board.manoeuvres["slow_ramp"], ["way [m] = last(pose.x)", "lap_time"]  # which a ramp does not have
+    # which a ramp does not have
+    ramp, more = board.manoeuvres["slow_ramp"], ["way [m] = last(pose.x)", "lap_time"]
     ramp = replace(ramp, recorded=[*ramp.recorded, *more])
     one = replace(board, draws=1, variations=[], manoeuvres={"slow_ramp": ramp})
     (cell,) = one.cells(f"{CAR}:slow_ramp:dry:handling:*")
-    result = BoardResult(one, ["equal_torque", "pi"], [drive_cell(one, cell, ["equal_torque", "pi"])])
+    result = BoardResult(
+        one, ["equal_torque", "pi"], [drive_cell(one, cell, ["equal_torque", "pi"])]
+    )
     plain, designed = result.recorded["understeer_gradient"]
     assert designed > 2.0 * plain > 0.0
     assert result.as_json()["recorded"]["pi"]["understeer_gradient"] == designed
-    assert any(line.startswith("| pi |") and f"{designed:.3g}" in line for line in overview(result).splitlines())
-    assert set(result.recorded) == {"understeer_gradient", "torque_activity", "high_friction_use", "way", "lap_time"}
+    assert any(
+        line.startswith("| pi |") and f"{designed:.3g}" in line
+        for line in overview(result).splitlines()
+    )
+    assert set(result.recorded) == {
+        "understeer_gradient",
+        "torque_activity",
+        "high_friction_use",
+        "way",
+        "lap_time",
+    }
     assert result.recorded["way"][0] > 0.0
     assert result.as_json()["recorded"]["pi"]["lap_time"] is None
     unrecorded = replace(one, manoeuvres={"slow_ramp": replace(ramp, recorded=[])})
     again = BoardResult(unrecorded, result.laws, result.cells)
-    assert {cost: of.tolist() for cost, of in again.costs.items()} == {c: of.tolist() for c, of in result.costs.items()}
+    assert {cost: of.tolist() for cost, of in again.costs.items()} == {
+        c: of.tolist() for c, of in result.costs.items()
+    }
 
 
 def test_the_step_is_that_of_the_very_car(board: Board):
@@ -214,10 +248,22 @@ def test_the_friction_jumps_where_the_road_has_it(board: Board):
 @pytest.mark.parametrize(
     ("old", "new", "line"),
     [
-        ("entry_speed: [12.0, 32.0]", "entry_speed: [32.0, 12.0]", "entry_speed of double_lane_change is [32.0, 12.0]"),
-        ("entry_speed: [12.0, 32.0]", "halvings: 4", "entry_speed of double_lane_change is measured, allowed with"),
+        (
+            "entry_speed: [12.0, 32.0]",
+            "entry_speed: [32.0, 12.0]",
+            "entry_speed of double_lane_change is [32.0, 12.0]",
+        ),
+        (
+            "entry_speed: [12.0, 32.0]",
+            "halvings: 4",
+            "entry_speed of double_lane_change is measured, allowed with",
+        ),
         ("steering_on: dry ", "steering_on: mud ", "unknown road of step_steer 'mud'"),
-        ('without: ["racing_car:all"]', "without: [kart]", "unknown car of power_on_in_bend 'kart'"),
+        (
+            'without: ["racing_car:all"]',
+            "without: [kart]",
+            "unknown car of power_on_in_bend 'kart'",
+        ),
         (
             "speed_scale: [0.5, 1.1]",
             "speed_scale: [0.5]",

@@ -40,32 +40,60 @@ def test_a_seed_makes_other_cars_roads_and_draws():
 
 def test_every_held_out_cell_has_a_graph():
     board = replace(held_out(SMALL, 1), draws=1)
-    for cell in board.cells("*:handling:*")[::5]:  # both cars, names and values do not depend on the road
+    # both cars, names and values do not depend on the road
+    for cell in board.cells("*:handling:*")[::5]:
         assert drawn(board, cell, run_of(board, cell, values_of(board, cell)).configurations).values
 
 
 def test_the_command_drives_them_and_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
-    words = ["--held-out", "7", "--draws", "1", "--laws", "pi", "--cells", f"audi_a2:front:{STEP}", "--no-report"]
+    words = [
+        "--held-out",
+        "7",
+        "--draws",
+        "1",
+        "--laws",
+        "pi",
+        "--cells",
+        f"audi_a2:front:{STEP}",
+        "--no-report",
+    ]
     run_benchmark([*words, "--out", str(tmp_path)])
     assert json.loads((tmp_path / "board.json").read_text())["held_out"] == 7
     assert (
-        "benchmark small --draws 1 --held-out 7 --cells 'audi_a2:front:step_steer:wet:*:v3'" in capsys.readouterr().out
+        "benchmark small --draws 1 --held-out 7 --cells 'audi_a2:front:step_steer:wet:*:v3'"
+        in capsys.readouterr().out
     )
     with pytest.raises(ParameterError, match="unknown law ''; known: equal_torque"):
         run_benchmark(["--laws", "", "--out", str(tmp_path)])
     with pytest.raises(ParameterError, match="--seed is refused beside --held-out"):
         run_benchmark(["--held-out", "7", "--seed", "1"])
-    with pytest.raises(ParameterError, match="board small has no held_out cases, allowed with an entry held_out"):
+    with pytest.raises(
+        ParameterError, match="board small has no held_out cases, allowed with an entry held_out"
+    ):
         held_out(replace(SMALL, held_out=None), 1)
 
 
-def test_of_a_secret_board_nothing_but_scores_is_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+def test_of_a_secret_board_nothing_but_scores_is_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
     """No road, no cell, no run, no metric: the board differs from small in the name of a road and what it records."""
     path, out = tmp_path / "secret.yaml", tmp_path / "out"
     text = files_in_config("benchmarks")["small"].read_text()
     path.write_text("recorded: [distance]\n" + re.sub(r"\bwet\b", "puddle", text))
     cells = "layout_1_8_c:all:step_steer:puddle:*"
-    words = ["--secret", str(path), "--draws", "1", "--laws", "pi", "--cells", cells, "--no-report", "--out", str(out)]
+    words = [
+        "--secret",
+        str(path),
+        "--draws",
+        "1",
+        "--laws",
+        "pi",
+        "--cells",
+        cells,
+        "--no-report",
+        "--out",
+        str(out),
+    ]
     run_benchmark(words)
     written = {each.name for each in out.iterdir()} - {"ev_stack_manifest.json"}
     assert written == {"board.json"}

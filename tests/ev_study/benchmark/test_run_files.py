@@ -51,10 +51,14 @@ class Invented(Sequence[DrivenCell]):
 
 @pytest.fixture
 def result() -> BoardResult:
-    return BoardResult(BOARD, LAWS, Invented(BOARD.cells("layout_1_8_c:all:*")), ["benchmark", "small"])
+    return BoardResult(
+        BOARD, LAWS, Invented(BOARD.cells("layout_1_8_c:all:*")), ["benchmark", "small"]
+    )
 
 
-def test_many_runs_stand_one_a_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, result: BoardResult):
+def test_many_runs_stand_one_a_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, result: BoardResult
+):
     for most in (run_files.MOST_IN_JSON, 1):
         (tmp_path / str(most)).mkdir()
         monkeypatch.setattr(run_files, "MOST_IN_JSON", most)
@@ -64,7 +68,9 @@ def test_many_runs_stand_one_a_line(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert [*map(json.loads, lines)] == json.loads(whole.read_text())["runs"] == [*result.runs()]
 
 
-def test_parquet_has_the_same_records(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, result: BoardResult):
+def test_parquet_has_the_same_records(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, result: BoardResult
+):
     """In several groups of rows; empty is what a manoeuvre does not measure, and what has no number.
 
     A first run without numbers, and with the name of a law from a file, tells no kind of a column.
@@ -77,7 +83,9 @@ def test_parquet_has_the_same_records(tmp_path: Path, monkeypatch: pytest.Monkey
     assert set(rows[0]) == {name for run in runs for name in run}
 
 
-def test_no_more_than_two_cells_are_held_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, result: BoardResult):
+def test_no_more_than_two_cells_are_held_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, result: BoardResult
+):
     """Memory does not grow with the cells: one that is looked at while the next one is read."""
     monkeypatch.setattr(run_files, "MOST_IN_JSON", 1)
     result.as_json()

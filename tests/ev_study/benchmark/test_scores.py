@@ -9,7 +9,14 @@ import pytest
 
 from ev_study.benchmark.board import read_board
 from ev_study.benchmark.manoeuvre import Manoeuvre
-from ev_study.benchmark.ranking.scores import LARGEST, bootstrap, costs_of, interquartile_mean, ranked, tail_mean
+from ev_study.benchmark.ranking.scores import (
+    LARGEST,
+    bootstrap,
+    costs_of,
+    interquartile_mean,
+    ranked,
+    tail_mean,
+)
 
 NONE_UNSTABLE = np.zeros((2, 3), bool)
 BOARD = replace(read_board("small"), reference="without", scales={"peak_sideslip": 0.01})
@@ -18,19 +25,28 @@ MANOEUVRE = Manoeuvre("s", 1.0, [], handling=["peak_sideslip"], energy=[])
 
 def costs(of_reference, of_law, unstable=NONE_UNSTABLE) -> np.ndarray:
     """Of a law beside the reference, by its sideslip [rad]."""
-    metrics = {"without": {"peak_sideslip": np.array(of_reference)}, "law": {"peak_sideslip": np.array(of_law)}}
+    metrics = {
+        "without": {"peak_sideslip": np.array(of_reference)},
+        "law": {"peak_sideslip": np.array(of_law)},
+    }
     return costs_of(BOARD, MANOEUVRE, "handling", metrics, unstable)
 
 
 def test_a_cost_is_a_ratio_and_the_reference_costs_one():
     """Half, twice, and five times, which is cut to 3."""
-    assert costs([0.1, 0.1, 0.1], [0.05, 0.2, 0.5]).tolist() == [[1.0, 1.0, 1.0], pytest.approx([0.5, 2.0, LARGEST])]
+    assert costs([0.1, 0.1, 0.1], [0.05, 0.2, 0.5]).tolist() == [
+        [1.0, 1.0, 1.0],
+        pytest.approx([0.5, 2.0, LARGEST]),
+    ]
 
 
 def test_a_cost_without_metrics_is_one_unless_the_run_is_lost():
     unstable = np.array([[False, False, False], [False, True, False]])
     metrics = {"without": {}, "law": {}}
-    assert costs_of(BOARD, MANOEUVRE, "energy", metrics, unstable).tolist() == [[1.0] * 3, [1.0, LARGEST, 1.0]]
+    assert costs_of(BOARD, MANOEUVRE, "energy", metrics, unstable).tolist() == [
+        [1.0] * 3,
+        [1.0, LARGEST, 1.0],
+    ]
 
 
 def test_what_is_below_the_scale_is_no_difference():
@@ -75,7 +91,10 @@ def test_a_law_has_the_same_boards_beside_any_others(statistic):
     """To the bit: a division is ranked by the columns of its laws."""
     costs = np.random.default_rng(5).lognormal(size=(5, 3, 37))
     some = [3, 0]
-    assert bootstrap(costs[some], statistic, seed=1).tolist() == bootstrap(costs, statistic, seed=1)[:, some].tolist()
+    assert (
+        bootstrap(costs[some], statistic, seed=1).tolist()
+        == bootstrap(costs, statistic, seed=1)[:, some].tolist()
+    )
 
 
 def test_the_interval_holds_the_true_mean_about_as_often_as_it_says():

@@ -27,7 +27,9 @@ EXAMPLE = Path(__file__).parents[3] / "docs" / "examples" / "yaw_moment.py"
 CELL = "layout_1_8_c:all:step_steer:wet:*"
 WORDS = ["pi", "--free", "pi.*,wanted.lag", "--cells", CELL, "--draws", "1", "--budget", "9"]
 SMALL = read_board("small")
-SMALL = replace(SMALL, draws=1, laws={**SMALL.laws, "asr": {**SMALL.laws["pi"], "asr.method": "pi_slip"}})
+SMALL = replace(
+    SMALL, draws=1, laws={**SMALL.laws, "asr": {**SMALL.laws["pi"], "asr.method": "pi_slip"}}
+)
 
 
 @pytest.fixture(scope="module")
@@ -88,10 +90,13 @@ def test_a_number_without_bounds_is_searched_around_a_positive_start_and_else_re
     assert (bounded.low, bounded.high, bounded.share) == (-1.0, 1.0, 0.5)
     assert gain.value(gain.share) == pytest.approx(gain.start)
     with pytest.raises(
-        ParameterError, match=r"^number offset of law own starts at 0 and has no bounds on both sides, "
+        ParameterError,
+        match=r"^number offset of law own starts at 0 and has no bounds on both sides, ",
     ):
         free_parameters("own", own, ["*"])
-    with pytest.raises(ParameterError, match=r"^number fixed of law own has nothing between 1 and 1, expected a ra"):
+    with pytest.raises(
+        ParameterError, match=r"^number fixed of law own has nothing between 1 and 1, expected a ra"
+    ):
         free_parameters("own", own, ["gain", "lag", "fixed"])
 
 
@@ -120,7 +125,9 @@ def test_the_cost_is_what_ranks():
 def test_other_runs_choose_among_the_best(training: Training, monkeypatch: pytest.MonkeyPatch):
     """The start stays where none of the best candidates is better on them, and nobody else is asked for."""
     free = free_parameters("pi", configurations("pi"), ["pi.*"])
-    monkeypatch.setattr(Training, "costs", lambda self, found: np.array([each["pi.bandwidth"] for each in found]))
+    monkeypatch.setattr(
+        Training, "costs", lambda self, found: np.array([each["pi.bandwidth"] for each in found])
+    )
     found = list(search(training, free, 12, 1, lambda shares, compute: compute(shares)))
     asked = []
 
@@ -130,7 +137,9 @@ def test_other_runs_choose_among_the_best(training: Training, monkeypatch: pytes
 
     best, cost, before = chosen(found, training, free, 3, growing)
     assert (best.values, cost, before, len(asked)) == (found[0].values, 0.0, 0.0, 4)
-    best, cost, _ = chosen(found, training, free, 3, lambda shares, compute: -np.arange(float(len(shares))))
+    best, cost, _ = chosen(
+        found, training, free, 3, lambda shares, compute: -np.arange(float(len(shares)))
+    )
     assert (best.cost, cost) == (sorted(each.cost for each in found[1:])[2], -3.0)
 
 
@@ -147,7 +156,9 @@ def test_candidates_are_judged_one_by_one_and_misfits_cost_most(training: Traini
     assert costs.tolist() == [*training.costs([one]), costs[1], *training.costs([other])]
 
 
-def test_a_stopped_search_goes_on_and_gives_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys):
+def test_a_stopped_search_goes_on_and_gives_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys
+):
     """Stopped in its second generation; the cost falls, and the parameter file brings it onto the board."""
     whole, stopped = tmp_path / "whole", tmp_path / "stopped"
     run_tune([*WORDS, "--out", str(whole)])
@@ -190,7 +201,9 @@ def test_a_stopped_search_goes_on_and_gives_the_same(tmp_path: Path, monkeypatch
     assert "pi_tuned" in capsys.readouterr().out
 
 
-def test_candidates_are_held_against_the_reference_in_their_own_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_candidates_are_held_against_the_reference_in_their_own_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     """Other cars validate than train; the reference is asked for by the numbers of the cells of both."""
     made: list[Training] = []
 
@@ -204,9 +217,14 @@ def test_candidates_are_held_against_the_reference_in_their_own_runs(tmp_path: P
     assert len(made) == 2
     for each in made:
         for _, of in each._cells:
-            (alone,) = Reference(each._board, [of.cell], None).driven(lambda points, compute: compute(points))
+            (alone,) = Reference(each._board, [of.cell], None).driven(
+                lambda points, compute: compute(points)
+            )
             for name, values in alone.metrics[SMALL.reference].items():
-                assert np.array_equal(values, of.metrics[SMALL.reference][name], equal_nan=True), (of.cell, name)
+                assert np.array_equal(values, of.metrics[SMALL.reference][name], equal_nan=True), (
+                    of.cell,
+                    name,
+                )
 
 
 def test_a_search_goes_on_only_while_no_file_of_its_runs_has_changed(tmp_path: Path):

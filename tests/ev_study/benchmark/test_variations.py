@@ -20,7 +20,12 @@ from ev_study.benchmark.cell_runs import law_of, run_of, values_of
 from ev_study.benchmark.draws import drawn, own_draws
 from ev_study.benchmark.driving import DrivenCell, drive_cell, laws_in_cell
 from ev_study.benchmark.kept_cells import KeptCells
-from ev_study.benchmark.ranking.varied import Difference, Varied, differences_by_variation, mantel_haenszel
+from ev_study.benchmark.ranking.varied import (
+    Difference,
+    Varied,
+    differences_by_variation,
+    mantel_haenszel,
+)
 
 PERIODS = [0.005, 0.02]
 VARIATIONS = [
@@ -57,7 +62,9 @@ def driven(board: Board) -> DrivenCell:
 def stated(driven: DrivenCell, law: str, name: str) -> list[str]:
     """What the command of each draw sets a parameter to."""
     words = [shlex.split(each) for each in driven.commands[law]]
-    return [word.partition("=")[2] for each in words for word in each if word.startswith(f"{name}=")]
+    return [
+        word.partition("=")[2] for each in words for word in each if word.startswith(f"{name}=")
+    ]
 
 
 def test_all_laws_have_the_same_periods_and_faults(driven: DrivenCell):
@@ -66,11 +73,25 @@ def test_all_laws_have_the_same_periods_and_faults(driven: DrivenCell):
         assert 1 < len(set(stated(driven, "pi", name))) <= len(stated(driven, "pi", name)) == DRAWS
 
 
-def test_a_run_alone_has_the_hash_of_the_board(driven: DrivenCell, path: Path, tmp_path: Path, capsys):
+def test_a_run_alone_has_the_hash_of_the_board(
+    driven: DrivenCell, path: Path, tmp_path: Path, capsys
+):
     """One with another control period than the scenario's, and one with a fault."""
     faults = stated(driven, "pi", "plant.faults")
-    for draw in {next(n for n, each in enumerate(faults) if ("motor" in each) == has) for has in (True, False)}:
-        words = ["benchmark", str(path), "--cells", STEP, "--drive", f"pi:{draw}", "--offline", "--no-report"]
+    for draw in {
+        next(n for n, each in enumerate(faults) if ("motor" in each) == has)
+        for has in (True, False)
+    }:
+        words = [
+            "benchmark",
+            str(path),
+            "--cells",
+            STEP,
+            "--drive",
+            f"pi:{draw}",
+            "--offline",
+            "--no-report",
+        ]
         main([*words, "--out", str(tmp_path / str(draw))])
         assert f"signal hash {driven.hashes['pi'][draw]}\n" in capsys.readouterr().out
 
@@ -89,19 +110,29 @@ def test_draws_are_within_what_is_declared(board: Board):
     assert set(wheels) == set(board.layouts["all"])
     assert (min(map(float, shares)) >= 0.0) and (max(map(float, shares)) <= 0.5)
     assert (min(map(float, begins)) >= 0.5) and (max(map(float, begins)) <= 1.0)
-    others = replace(many, variations=[*many.variations, Variation("plant.sensors.wheel_speed.noise", value=[0, 1])])
+    others = replace(
+        many,
+        variations=[*many.variations, Variation("plant.sensors.wheel_speed.noise", value=[0, 1])],
+    )
     assert drawn(others, cell, base).values["plant.faults"] == values["plant.faults"]
 
 
 def counted(board: Board, cell: Cell, drawn_as: np.ndarray) -> dict[str, Varied]:
     """A law that costs nothing but 1 in some runs, and another one that always costs 1."""
-    return differences_by_variation(board, [cell], {"cost": np.array([[drawn_as], [np.ones(board.draws)]], float)})
+    return differences_by_variation(
+        board, [cell], {"cost": np.array([[drawn_as], [np.ones(board.draws)]], float)}
+    )
 
 
 @pytest.mark.parametrize(
     ("variation", "least", "most", "is_most"),
     [
-        (Variation("*.vehicle.mass", factor=[1.0, 1.3]), "1 to 1.1", "1.2 to 1.3", lambda mass, car: mass >= 1.2 * car),
+        (
+            Variation("*.vehicle.mass", factor=[1.0, 1.3]),
+            "1 to 1.1",
+            "1.2 to 1.3",
+            lambda mass, car: mass >= 1.2 * car,
+        ),
         (
             Variation(f"{YAW_RATE}.noise", value=[0.0, 0.3]),
             "0 to 0.1",
@@ -110,7 +141,12 @@ def counted(board: Board, cell: Cell, drawn_as: np.ndarray) -> dict[str, Varied]
         ),
         (Variation(f"{YAW_RATE}.delay", count=[0, 2]), "0", "2", lambda x, _: x == 2),
         (Variation(f"{YAW_RATE}.delay", count=[0, 9]), "0 to 3", "6 to 9", lambda x, _: x >= 6),
-        (Variation("*.control_period", choice=[0.005, 0.01, 0.02]), "0.005", "0.02", lambda x, _: x == 0.02),
+        (
+            Variation("*.control_period", choice=[0.005, 0.01, 0.02]),
+            "0.005",
+            "0.02",
+            lambda x, _: x == 0.02,
+        ),
         (
             Variation(MOTOR_FAULT, value=[0, 0.5], begin=[0.5, 1.0], probability=0.2),
             "none",
@@ -141,7 +177,9 @@ def test_what_a_board_does_not_vary_or_has_too_few_runs_of_makes_no_difference(b
     assert counted(one, cell, np.zeros(DRAWS)) == {}
     few = replace(board, draws=1)
     words = [
-        of.in_words(1.0, 2) for each in counted(few, cell, np.zeros(1)).values() for of in each.differences["cost"]
+        of.in_words(1.0, 2)
+        for each in counted(few, cell, np.zeros(1)).values()
+        for of in each.differences["cost"]
     ]
     assert words == ["-"] * 4
 
@@ -150,8 +188,8 @@ def test_what_a_board_does_not_vary_or_has_too_few_runs_of_makes_no_difference(b
 def test_differences_are_as_sure_as_they_say(cells: int, draws: int, spread: float):
     """Cells cost much more or less than others, have more runs with the most by chance, and those scatter more.
 
-    Of 600 boards 95 % within four standard deviations of a binomial distribution, or more of those with few runs: the
-    freedom of the fewer runs is the careful choice.
+    Of 600 boards 95 % within four standard deviations of a binomial distribution, or more of those
+    with few runs: the freedom of the fewer runs is the careful choice.
     """
     random, effect, held = np.random.default_rng(1), 0.3, []
     for _ in range(600):
@@ -163,7 +201,11 @@ def test_differences_are_as_sure_as_they_say(cells: int, draws: int, spread: flo
             held.append(abs(found.value - effect) <= found.half)
     expected, deviation = 0.95 * len(held), np.sqrt(0.95 * 0.05 * len(held))
     assert len(held) > 450
-    assert expected - 4 * deviation < sum(held) < (expected + 4 * deviation if cells > 1 else len(held) + 1)
+    assert (
+        expected - 4 * deviation
+        < sum(held)
+        < (expected + 4 * deviation if cells > 1 else len(held) + 1)
+    )
 
 
 def test_what_a_law_believes_is_its_own_factor_by_what_is_told(board: Board):
@@ -186,7 +228,9 @@ def test_a_drawn_fault_comes_beside_those_of_the_run(board: Board):
     limps = replace(step, values={**step.values, "plant.faults": [fault]})
     limping = replace(board, manoeuvres={"step_steer": limps})
     (cell,) = limping.cells(STEP)
-    faults = drawn(limping, cell, run_of(limping, cell, values_of(limping, cell)).configurations).values["plant.faults"]
+    faults = drawn(
+        limping, cell, run_of(limping, cell, values_of(limping, cell)).configurations
+    ).values["plant.faults"]
     assert {each[0] for each in faults} == {fault}
     assert {len(each) for each in faults} == {1, 2}
 
@@ -197,7 +241,12 @@ PERIOD, MASS = "*.control_period", "*.vehicle.mass"
 @pytest.mark.parametrize(
     ("variations", "values", "law", "line"),
     [
-        ([Variation(MASS, factor=[1, 2])] * 2, {}, {}, f"the board varies {MASS}, and {MASS} is varied already"),
+        (
+            [Variation(MASS, factor=[1, 2])] * 2,
+            {},
+            {},
+            f"the board varies {MASS}, and {MASS} is varied already",
+        ),
         (
             [Variation("plant.initial_speed", value=[1, 2])],
             {"plant.initial_speed": 3.0},
@@ -210,7 +259,12 @@ PERIOD, MASS = "*.control_period", "*.vehicle.mass"
             {"control_period": 0.02},
             f"law pi: it states electronic_differential.control_period, and {PERIOD} is varied already",
         ),
-        ([], {}, {"seed": 3}, "law pi: it states electronic_differential.seed, and *.seed is varied already"),
+        (
+            [],
+            {},
+            {"seed": 3},
+            "law pi: it states electronic_differential.seed, and *.seed is varied already",
+        ),
     ],
 )
 def test_nothing_that_is_stated_is_overwritten_by_what_is_drawn(
@@ -228,9 +282,14 @@ def test_a_manoeuvre_sets_no_parameter_that_a_law_plays_without(board: Board):
     """The law would be driven with its default, and the printed line with what the manoeuvre sets."""
     step, law = board.manoeuvres["step_steer"], {"method": "equal_torque", "asr.method": "pi_slip"}
     values = {**step.values, "asr.method": "pi_slip", "asr.natural_frequency": 10.0}
-    own = replace(board, manoeuvres={"step_steer": replace(step, values=values)}, laws={**board.laws, "own": law})
+    own = replace(
+        board,
+        manoeuvres={"step_steer": replace(step, values=values)},
+        laws={**board.laws, "own": law},
+    )
     with pytest.raises(
-        ParameterError, match=r"step_steer sets asr\.natural_frequency, which law own does not take over"
+        ParameterError,
+        match=r"step_steer sets asr\.natural_frequency, which law own does not take over",
     ):
         laws_in_cell(own, own.cells(STEP)[0], ["own"])
 
@@ -238,7 +297,9 @@ def test_a_manoeuvre_sets_no_parameter_that_a_law_plays_without(board: Board):
 def test_what_is_searched_is_not_drawn(board: Board):
     searched = replace(board.manoeuvres["step_steer"], entry_speed=[5.0, 10.0])
     own = replace(
-        board, manoeuvres={"step_steer": searched}, variations=[Variation("plant.initial_speed", value=[1, 2])]
+        board,
+        manoeuvres={"step_steer": searched},
+        variations=[Variation("plant.initial_speed", value=[1, 2])],
     )
     with pytest.raises(ParameterError, match=re.escape("the board varies plant.initial_speed")):
         values_of(own, own.cells(STEP)[0])
@@ -247,11 +308,20 @@ def test_what_is_searched_is_not_drawn(board: Board):
 @pytest.mark.parametrize(
     ("changed", "line"),
     [
-        ({"value": [0.5, 1.5]}, "variation of motor_fault needs value and begin, expected two shares within 0 to 1"),
+        (
+            {"value": [0.5, 1.5]},
+            "variation of motor_fault needs value and begin, expected two shares within 0 to 1",
+        ),
         ({"begin": []}, "variation of motor_fault needs value and begin"),
         ({"probability": 1.5}, "variation of motor_fault has the probability 1.5, expected 0 to 1"),
-        ({"choice": [0.1]}, "variation of motor_fault has the bounds [0.0, 0.5], expected two that rise"),
-        ({"parameter": "friction"}, "variation of friction has begin or probability, allowed for motor_fault alone"),
+        (
+            {"choice": [0.1]},
+            "variation of motor_fault has the bounds [0.0, 0.5], expected two that rise",
+        ),
+        (
+            {"parameter": "friction"},
+            "variation of friction has begin or probability, allowed for motor_fault alone",
+        ),
     ],
 )
 def test_what_is_wrong_is_one_line(path: Path, tmp_path: Path, changed: dict, line: str):
@@ -270,8 +340,14 @@ ED = "electronic_differential"
 @pytest.mark.parametrize(
     ("variation", "line"),
     [
-        (Variation("driver.nothing", value=[0, 1]), "driver.nothing by value [0, 1]: unknown parameter of driver"),
-        (Variation("nobody.mass", value=[0, 1]), "nobody.mass by value [0, 1]: unknown role 'nobody'; known: *, asr,"),
+        (
+            Variation("driver.nothing", value=[0, 1]),
+            "driver.nothing by value [0, 1]: unknown parameter of driver",
+        ),
+        (
+            Variation("nobody.mass", value=[0, 1]),
+            "nobody.mass by value [0, 1]: unknown role 'nobody'; known: *, asr,",
+        ),
         (
             Variation("*.vehicle.masss", factor=[0.9, 1.1]),
             "*.vehicle.masss by factor [0.9, 1.1]: unknown parameter of plant 'vehicle.masss'; did you mean",
@@ -284,7 +360,10 @@ ED = "electronic_differential"
             Variation(f"{YAW_RATE}.delay", count=[0, 2000]),
             "plant.sensors.imu_yaw_rate.delay by count [0, 2000]: parameter sensors.imu_yaw_rate.delay: 2000 is",
         ),
-        (Variation(PERIOD, choice=[0.01, 7.0]), f"{PERIOD} by choice [0.01, 7.0]: parameter control_period: 7.0 is"),
+        (
+            Variation(PERIOD, choice=[0.01, 7.0]),
+            f"{PERIOD} by choice [0.01, 7.0]: parameter control_period: 7.0 is",
+        ),
         (
             Variation(f"{ED}.pi.bandwidth", factor=[0.5, 1.0]),
             f"{ED}.pi.bandwidth by factor [0.5, 1.0]: it is a number of a law, of which each has its own",

@@ -40,10 +40,13 @@ def driven(duration: float = 12.0, seed: int = 0) -> Recording:
 def columns_of(recording: Recording, noise: float = 0.0, seed: int = 0) -> dict[str, np.ndarray]:
     """The columns that `MAPPING` describes: other units, SAE axes, a sensor beside the centre of mass.
 
-    `noise` is that of the yaw rate [rad/s], a tenth of it that of the lateral velocity over 1 s [m/s].
+    `noise` is that of the yaw rate [rad/s], a tenth of it that of the lateral velocity over 1 s
+    [m/s].
     """
     random = np.random.Generator(np.random.PCG64(seed))
-    of = {name: recording.channels[channel] for name, channel in CHANNELS.items() if channel != "time"}
+    of = {
+        name: recording.channels[channel] for name, channel in CHANNELS.items() if channel != "time"
+    }
     rate = of["r"] + noise * random.standard_normal(len(of["r"]))
     lateral = of["vy"] + noise * random.standard_normal(len(rate))
     yaw = np.gradient(of["r"], PERIOD)
@@ -61,7 +64,12 @@ def write(folder: Path, columns: dict[str, np.ndarray], name: str = "made.csv") 
     """The record and its mapping beside it; packed if the name ends with .xz."""
     path = folder / name
     rows = np.stack(list(columns.values()), axis=1)
-    text = ",".join(columns) + "\n" + "\n".join(",".join(f"{x:.9g}" for x in row) for row in rows) + "\n"
+    text = (
+        ",".join(columns)
+        + "\n"
+        + "\n".join(",".join(f"{x:.9g}" for x in row) for row in rows)
+        + "\n"
+    )
     path.write_bytes(lzma.compress(text.encode()) if name.endswith(".xz") else text.encode())
     path.with_name("made.yaml").write_text(MAPPING)
     return path

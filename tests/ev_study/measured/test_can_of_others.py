@@ -13,7 +13,12 @@ from hypothesis import strategies as st
 
 from ev_msgs_py.refusal import ParameterError
 from ev_study.measured.records.mapping import read_record
-from ev_study.measured.records.record import LONGITUDINAL, STEERING_WHEEL_ANGLE, YAW_RATE, MeasuredRecord
+from ev_study.measured.records.record import (
+    LONGITUDINAL,
+    STEERING_WHEEL_ANGLE,
+    YAW_RATE,
+    MeasuredRecord,
+)
 
 STEPS, PERIOD = 200, 0.01
 DBC = """VERSION ""
@@ -50,17 +55,27 @@ def lines() -> list[Line]:
     for n in range(STEPS):
         time = 100.0 + n * PERIOD
         found.append((time, "can0", "1A4", speed(n).to_bytes(2, "little") + bytes(6)))
-        found.append((time + 0.001, "can0", "220", rate(n).to_bytes(2, "little", signed=True) + bytes(6)))
-        found.append((time + 0.002, "can0", "025", (3 * n).to_bytes(2, "big", signed=True) + bytes(6)))
+        found.append(
+            (time + 0.001, "can0", "220", rate(n).to_bytes(2, "little", signed=True) + bytes(6))
+        )
+        found.append(
+            (time + 0.002, "can0", "025", (3 * n).to_bytes(2, "big", signed=True) + bytes(6))
+        )
     return found
 
 
 def text_of(frames: Iterable[Line]) -> str:
-    return "".join(f"({time:.6f}) {bus} {name}#{data.hex().upper()}\n" for time, bus, name, data in frames)
+    return "".join(
+        f"({time:.6f}) {bus} {name}#{data.hex().upper()}\n" for time, bus, name, data in frames
+    )
 
 
 def read(
-    folder: Path, frames: Iterable[Line], dbc: bytes = DBC.encode(), mapping: str = MAPPING, name: str = "drive.log"
+    folder: Path,
+    frames: Iterable[Line],
+    dbc: bytes = DBC.encode(),
+    mapping: str = MAPPING,
+    name: str = "drive.log",
 ) -> MeasuredRecord:
     (folder / name).write_text(text_of(frames))
     (folder / "car.dbc").write_bytes(dbc)
@@ -102,7 +117,10 @@ def changed(at: int, change: Callable[[Line], Line]) -> list[Line]:
 def test_a_frame_that_is_too_short_is_passed_over_and_counted(tmp_path, clean):
     """One of 200: bridged by a line for 20 ms, where the speed turns from falling by 0.1 km/h a step to rising."""
     record = read(tmp_path, changed(300, lambda line: (*line[:3], b"\1")))
-    assert any(note == "1 of 200 frames of SPEED passed over: too short for SPEED.V" for note in record.notes)
+    assert any(
+        note == "1 of 200 frames of SPEED passed over: too short for SPEED.V"
+        for note in record.notes
+    )
     assert record.valid.all()
     assert_same(record, clean, 0.04)
 
@@ -114,7 +132,9 @@ def test_frames_shorter_than_the_dbc_have_the_bits_that_they_have(tmp_path, clea
     assert record.notes == ()
     assert_same(record, clean)
     wanted = MAPPING + "  motor_temperatures.winding.front_left: YAW.TEMP\n"
-    assert "200 of 200 frames of YAW passed over: too short for YAW.TEMP" in refusal(tmp_path, short, mapping=wanted)
+    assert "200 of 200 frames of YAW passed over: too short for YAW.TEMP" in refusal(
+        tmp_path, short, mapping=wanted
+    )
 
 
 PAGES = DBC.replace(
@@ -130,17 +150,24 @@ def test_a_page_that_the_dbc_does_not_have_is_passed_over_and_counted(tmp_path, 
     for n in range(40):
         frames.append((100.005 + n * PERIOD, "can0", "1A4", bytes((1, 2, 7, 0, 0, 0, 0, 0))))
     record = read(tmp_path, sorted(frames), PAGES)
-    assert record.notes == ("40 of 240 frames of SPEED passed over: expected multiplexer id 0 or 1, but got 7",)
+    assert record.notes == (
+        "40 of 240 frames of SPEED passed over: expected multiplexer id 0 or 1, but got 7",
+    )
     assert_same(record, clean)
 
 
 def test_a_value_beyond_the_range_of_the_dbc_is_passed_over_and_counted(tmp_path, clean):
     """0x7FFF is 327.67 deg/s where 200 are declared: a control unit sends it for "not available"."""
     record = read(tmp_path, changed(301, lambda line: (*line[:3], b"\xff\x7f" + bytes(6))))
-    assert any("YAW.RATE: 1 of 200 values passed over, expected in the DBC's range of -200" in n for n in record.notes)
+    assert any(
+        "YAW.RATE: 1 of 200 values passed over, expected in the DBC's range of -200" in n
+        for n in record.notes
+    )
     assert_same(record, clean, 0.04)  # a line for 20 ms where the speed turns, as above
     every = [(*line[:3], b"\xff\x7f" + bytes(6)) if line[2] == "220" else line for line in lines()]
-    assert "no frame with YAW.RATE that can be read; YAW.RATE: 200 of 200 values" in refusal(tmp_path, every)
+    assert "no frame with YAW.RATE that can be read; YAW.RATE: 200 of 200 values" in refusal(
+        tmp_path, every
+    )
 
 
 def test_a_range_of_zero_to_zero_is_none(tmp_path, clean):
@@ -151,17 +178,23 @@ def test_a_range_of_zero_to_zero_is_none(tmp_path, clean):
         assert_same(record, clean)
 
 
-@pytest.mark.parametrize(("at", "data"), [(301, b"\xd0\x3f"), (300, b"\x10\x27")], ids=["yaw rate", "speed"])
+@pytest.mark.parametrize(
+    ("at", "data"), [(301, b"\xd0\x3f"), (300, b"\x10\x27")], ids=["yaw rate", "speed"]
+)
 def test_a_spike_within_the_range_is_bridged(tmp_path, clean, at, data):
     """The yaw rate jumps by 163 deg/s and back within 10 ms, the speed by 12 m/s: no car does."""
     record = read(tmp_path, changed(at, lambda line: (*line[:3], data + bytes(6))))
-    assert any("1 of 200 samples passed over, which jump as no car does" in note for note in record.notes)
+    assert any(
+        "1 of 200 samples passed over, which jump as no car does" in note for note in record.notes
+    )
     assert_same(record, clean, 0.06)
 
 
 @pytest.mark.parametrize("frames", [1, 3, 8])
 @pytest.mark.parametrize("place", ["beginning", "end"])
-def test_values_of_a_sensor_that_has_not_begun_or_has_ended_are_passed_over(tmp_path, clean, frames, place):
+def test_values_of_a_sensor_that_has_not_begun_or_has_ended_are_passed_over(
+    tmp_path, clean, frames, place
+):
     """182 km/h more than the car drives, in the first or last frames: it is they that are wrong, not the one beside."""
     of_speed = range(0, 3 * STEPS, 3)
     spoilt = of_speed[:frames] if place == "beginning" else of_speed[-frames:]
@@ -169,7 +202,10 @@ def test_values_of_a_sensor_that_has_not_begun_or_has_ended_are_passed_over(tmp_
     for n in spoilt:
         found[n] = (*found[n][:3], (speed(n // 3) + 18200).to_bytes(2, "little") + bytes(6))
     record = read(tmp_path, found)
-    assert f"twist.longitudinal: {frames} of 200 samples passed over, which jump as no car does" in record.notes
+    assert (
+        f"twist.longitudinal: {frames} of 200 samples passed over, which jump as no car does"
+        in record.notes
+    )
     apart = np.abs(record[LONGITUDINAL] - clean[LONGITUDINAL])
     assert apart.max() < 0.3  # 8 frames in which the speed changes by 0.1 km/h each
     assert record.valid.all() == (frames <= 5)  # 0.05 s are bridged
@@ -180,12 +216,20 @@ def test_the_same_id_on_two_buses_is_refused_or_chosen(tmp_path, clean):
     frames = lines()
     for n in range(STEPS):
         frames.append(
-            (100.006 + n * PERIOD, "can1", "220", (rate(n) + 3000).to_bytes(2, "little", signed=True) + bytes(6))
+            (
+                100.006 + n * PERIOD,
+                "can1",
+                "220",
+                (rate(n) + 3000).to_bytes(2, "little", signed=True) + bytes(6),
+            )
         )
     frames.sort()
-    assert "0x220 (YAW) is on can0 and can1, expected one of them as `channel`" in refusal(tmp_path, frames)
+    assert "0x220 (YAW) is on can0 and can1, expected one of them as `channel`" in refusal(
+        tmp_path, frames
+    )
     assert_same(read(tmp_path, frames, mapping=MAPPING + "channel: can0\n"), clean)
-    other = read(tmp_path, frames, mapping=MAPPING + "channel: can1\n")  # speed and angle are on the first one alone
+    # speed and angle are on the first one alone
+    other = read(tmp_path, frames, mapping=MAPPING + "channel: can1\n")
     assert other[YAW_RATE].min() == pytest.approx(np.radians(20.0), abs=1e-3)
     assert "can0 and can1" in refusal(tmp_path, frames, mapping=MAPPING + "channel: can7\n")
 
@@ -207,7 +251,10 @@ def test_comments_of_a_dbc_are_in_any_encoding(tmp_path, clean, comment, encodin
 
 
 def test_a_unit_with_a_degree_sign_is_understood_in_any_encoding(tmp_path, clean):
-    dbc, mapping = DBC.replace('"deg"', '"°"').replace('"deg/s"', '"°/s"'), MAPPING.replace(", unit: deg/s", "")
+    dbc, mapping = (
+        DBC.replace('"deg"', '"°"').replace('"deg/s"', '"°/s"'),
+        MAPPING.replace(", unit: deg/s", ""),
+    )
     for encoding in ("utf-8", "cp1252"):
         assert_same(read(tmp_path, lines(), dbc.encode(encoding), mapping), clean)
 
@@ -221,16 +268,30 @@ def test_without_a_unit_in_the_mapping_that_of_the_dbc_counts(tmp_path, clean):
     assert record.notes == ()
     assert_same(record, clean)
     record = read(tmp_path, lines(), DBC.replace('"deg/s"', '""').encode(), plain)
-    assert record.notes == ("YAW.RATE has no unit, neither in the file nor in the mapping, and is taken as rad/s",)
+    assert record.notes == (
+        "YAW.RATE has no unit, neither in the file nor in the mapping, and is taken as rad/s",
+    )
 
 
 @pytest.mark.parametrize(
     ("change", "line"),
     [
-        (("unit: km/h", "unit: mph"), "SPEED.V is in mph by the mapping and in 'km/h' by the file, expected the same"),
-        (("unit: km/h", "unit: degC"), "SPEED.V is in degC by the mapping and in 'km/h' by the file"),
-        (("{column: YAW.RATE, unit: deg/s}", "SPEED.V"), "the unit is km/h, expected rad/s, deg/s, rpm"),
-        (("{column: YAW.RATE, unit: deg/s}", "YAW.TEMP"), "the unit is degC, expected rad/s, deg/s, rpm"),
+        (
+            ("unit: km/h", "unit: mph"),
+            "SPEED.V is in mph by the mapping and in 'km/h' by the file, expected the same",
+        ),
+        (
+            ("unit: km/h", "unit: degC"),
+            "SPEED.V is in degC by the mapping and in 'km/h' by the file",
+        ),
+        (
+            ("{column: YAW.RATE, unit: deg/s}", "SPEED.V"),
+            "the unit is km/h, expected rad/s, deg/s, rpm",
+        ),
+        (
+            ("{column: YAW.RATE, unit: deg/s}", "YAW.TEMP"),
+            "the unit is degC, expected rad/s, deg/s, rpm",
+        ),
         (("unit: deg/s", "unit: deg/s, radius: 0.3"), "radius is refused"),
     ],
 )
@@ -254,7 +315,9 @@ def test_a_wheel_speed_in_km_h_needs_the_radius_of_the_wheel(tmp_path):
         tmp_path, lines(), mapping=mapping
     )
     record = read(
-        tmp_path, lines(), mapping=mapping.replace(f"{wheel}: SPEED.V", f"{wheel}: {{column: SPEED.V, radius: 0.3}}")
+        tmp_path,
+        lines(),
+        mapping=mapping.replace(f"{wheel}: SPEED.V", f"{wheel}: {{column: SPEED.V, radius: 0.3}}"),
     )
     assert record[wheel] == pytest.approx(record[LONGITUDINAL] / 0.3)
 
@@ -273,10 +336,20 @@ def truck(source: int, start: int = 0) -> list[Line]:
     found = []
     for n in range(start, STEPS):
         found.append(
-            (n * PERIOD, "can0", f"18FEFC{source:02X}", b"\xff" + (14000 + n).to_bytes(2, "little") + bytes(5))
+            (
+                n * PERIOD,
+                "can0",
+                f"18FEFC{source:02X}",
+                b"\xff" + (14000 + n).to_bytes(2, "little") + bytes(5),
+            )
         )
         found.append(
-            (n * PERIOD, "can0", f"18F009{source:02X}", bytes(3) + (32112 + n).to_bytes(2, "little") + bytes(3))
+            (
+                n * PERIOD,
+                "can0",
+                f"18F009{source:02X}",
+                bytes(3) + (32112 + n).to_bytes(2, "little") + bytes(3),
+            )
         )
     return found
 
@@ -286,7 +359,9 @@ def test_the_null_address_of_a_j1939_dbc_means_any_source(tmp_path):
     record = read(tmp_path, truck(0x0B), J1939.encode(), OF_J1939)
     assert_same(record, read(tmp_path, truck(0xFE), J1939.encode(), OF_J1939))
     assert record[LONGITUDINAL][0] == pytest.approx(14000 / 256 / 3.6)
-    line = refusal(tmp_path, sorted(truck(0x0B) + truck(0x21)), dbc=J1939.encode(), mapping=OF_J1939)
+    line = refusal(
+        tmp_path, sorted(truck(0x0B) + truck(0x21)), dbc=J1939.encode(), mapping=OF_J1939
+    )
     assert "CCVS1 comes as 18FEFC0B and 18FEFC21, expected a DBC with one of these ids" in line
 
 
@@ -294,7 +369,10 @@ def test_another_source_than_that_of_the_dbc_is_named(tmp_path):
     """0x98FEFC21: a DBC that means one control unit."""
     dbc = J1939.replace("2566847742", str(0x98FEFC21)).encode()
     line = refusal(tmp_path, truck(0x0B), dbc=dbc, mapping=OF_J1939)
-    assert "no frame with CCVS1.V: the DBC has it as 18FEFC21, the log has 18FEFC0B; priority or source differ" in line
+    assert (
+        "no frame with CCVS1.V: the DBC has it as 18FEFC21, the log has 18FEFC0B; priority or source differ"
+        in line
+    )
 
 
 @pytest.mark.parametrize("base", ["absolute", "relative"])
@@ -320,7 +398,9 @@ def test_the_buses_of_an_asc_file_have_the_numbers_that_it_writes(tmp_path, clea
             rows.append(
                 f"{time - 100.0 + 0.0001 * bus:11.6f} {bus}  {int(name, 16):X}             Rx   d 8 {shown.hex(' ')}"
             )
-    head = "date Mon May 4 10:00:00 2026\nbase hex  timestamps absolute\nno internal events logged\n"
+    head = (
+        "date Mon May 4 10:00:00 2026\nbase hex  timestamps absolute\nno internal events logged\n"
+    )
     (tmp_path / "drive.asc").write_text(head + "\n".join(rows) + "\n")
     with pytest.raises(ParameterError, match="is on 1 and 2, expected one of them as `channel`"):
         read_record(tmp_path / "drive.asc", tmp_path / "drive.yaml")
@@ -332,7 +412,10 @@ def test_the_buses_of_an_asc_file_have_the_numbers_that_it_writes(tmp_path, clea
 
 def test_what_is_no_log_is_refused_by_its_suffix_or_where_it_ends(tmp_path, clean):
     line = refusal(tmp_path, lines(), name="drive.dat")
-    assert "drive.dat: expected a file ending with .csv, .csv.xz, .log, .asc, .trc, .blf, .mf4, " in line
+    assert (
+        "drive.dat: expected a file ending with .csv, .csv.xz, .log, .asc, .trc, .blf, .mf4, "
+        in line
+    )
     text = text_of(lines())
     (tmp_path / "drive.log").write_text(text[: len(text) // 2 - 30])
     with pytest.raises(ParameterError, match=r"cannot be read behind frame \d+ at 10\d\.\d+ s: "):
@@ -350,19 +433,23 @@ def goes_back(frames: list) -> bool:
     return False
 
 
-@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 @example(spoilt={0: "early"})
 @example(spoilt={3 * STEPS - 1: "late"})
 @given(
     spoilt=st.dictionaries(
-        st.integers(0, 3 * STEPS - 1), st.sampled_from(["lost", "cut", "late", "early", "twice"]), max_size=12
+        st.integers(0, 3 * STEPS - 1),
+        st.sampled_from(["lost", "cut", "late", "early", "twice"]),
+        max_size=12,
     )
 )
 def test_a_few_spoilt_frames_never_move_the_others(tmp_path, spoilt):
     """Lost, cut, stamped ahead or behind by hours, doubled: the rest stays within what 0.1 s of the drive changes.
 
-    Instants that are believed differ by no more than a line over 12 frames in a row does; what was cut or stamped wrong
-    is in the notes.
+    Instants that are believed differ by no more than a line over 12 frames in a row does; what was
+    cut or stamped wrong is in the notes.
     """
     frames = []
     for place, line in enumerate(lines()):
@@ -378,8 +465,14 @@ def test_a_few_spoilt_frames_never_move_the_others(tmp_path, spoilt):
     inner = range(15, STEPS - 15)
     if all(place // 3 in inner for place in spoilt):
         assert len(record.valid) == len(clean.valid)
-        for channel, tolerance in ((YAW_RATE, 0.03), (LONGITUDINAL, 1.4), (STEERING_WHEEL_ANGLE, 1e-6)):
+        for channel, tolerance in (
+            (YAW_RATE, 0.03),
+            (LONGITUDINAL, 1.4),
+            (STEERING_WHEEL_ANGLE, 1e-6),
+        ):
             apart = np.abs(record[channel] - clean[channel])[record.valid]
             assert apart.max() <= tolerance, channel
     assert goes_back(frames) <= any("do not increase" in note for note in record.notes)
-    assert any(kind == "cut" for kind in spoilt.values()) == any("too short" in note for note in record.notes)
+    assert any(kind == "cut" for kind in spoilt.values()) == any(
+        "too short" in note for note in record.notes
+    )

@@ -11,7 +11,12 @@ import pytest
 
 from ev_stack.commands.run_scenario import main
 from ev_study.measured.comparisons.comparison import FILE, declared
-from ev_study.measured.comparisons.planar_mechanics import SINGLE_TRACK, TWO_TRACK, equations_at_end, wheel_on_arm
+from ev_study.measured.comparisons.planar_mechanics import (
+    SINGLE_TRACK,
+    TWO_TRACK,
+    equations_at_end,
+    wheel_on_arm,
+)
 
 TIME = np.linspace(0.0, 2.0, 1001)
 ROOT = Path(__file__).parents[3]
@@ -19,7 +24,9 @@ ROOT = Path(__file__).parents[3]
 
 def write(file: Path, columns: dict[str, np.ndarray]) -> None:
     """As the library does: names in quotes."""
-    rows = "\n".join(",".join(f"{x:.12g}" for x in row) for row in np.stack(list(columns.values()), axis=1))
+    rows = "\n".join(
+        ",".join(f"{x:.12g}" for x in row) for row in np.stack(list(columns.values()), axis=1)
+    )
     text = ",".join(f'"{name}"' for name in columns) + "\n" + rows
     file.write_bytes(lzma.compress(text.encode(), preset=0))
 
@@ -28,7 +35,8 @@ def results(folder: Path, angle: np.ndarray, error: float) -> None:
     """Results of the library's equations with a trail, whose yaw angles are a share too large."""
     folder.mkdir()
     (one, turned), (other, other_turned) = (
-        (p, t.real) for p, t in (equations_at_end(car, TIME, angle) for car in (TWO_TRACK, SINGLE_TRACK))
+        (p, t.real)
+        for p, t in (equations_at_end(car, TIME, angle) for car in (TWO_TRACK, SINGLE_TRACK))
     )
     same = np.ones(len(TIME))
     write(
@@ -48,13 +56,17 @@ def results(folder: Path, angle: np.ndarray, error: float) -> None:
         ("TestSlipBasedWheel", (0.04, 0.12, (0.05, 0.15))),
     ):
         turned, radius = wheel_on_arm(10.0, *of)
-        write(folder / f"{name}.csv.xz", {"Time": TIME, "body.phi": turned * same, "prismatic.s": radius * same})
+        write(
+            folder / f"{name}.csv.xz",
+            {"Time": TIME, "body.phi": turned * same, "prismatic.s": radius * same},
+        )
 
 
 def test_a_plant_without_steered_mass_is_that_of_the_equations_without_it(tmp_path, capsys):
     """The plant and Newton-Euler by scipy, with the same wheel curve, part by less than 0.5 % in place and yaw.
 
-    Results whose yaw angle is 1 % off do not hold. The reference results themselves are not ours to keep.
+    Results whose yaw angle is 1 % off do not hold. The reference results themselves are not ours to
+    keep.
     """
     results(tmp_path / "planar_mechanics", 0.3 * np.sin(TIME), 0.01)
     out = tmp_path / "out"
@@ -73,7 +85,17 @@ def test_a_plant_without_steered_mass_is_that_of_the_equations_without_it(tmp_pa
 
 def test_a_folder_without_data_is_refused(tmp_path):
     with pytest.raises(SystemExit, match="has no measured data"):
-        main(["verdicts", "--data", str(tmp_path), "--only", "measured", "--out", str(tmp_path / "out")])
+        main(
+            [
+                "verdicts",
+                "--data",
+                str(tmp_path),
+                "--only",
+                "measured",
+                "--out",
+                str(tmp_path / "out"),
+            ]
+        )
 
 
 def test_every_comparison_that_is_declared_is_kept():

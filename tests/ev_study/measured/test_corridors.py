@@ -31,11 +31,17 @@ def test_what_lies_inside_by_instants_ranges_and_medians():
     assert (at.tolist(), one.tolist(), other.tolist()) == ([-9.5, 3.5], [-5.0, 5.0], [-6.6, 6.4])
     assert found.share_of_ranges == 0.5
     simulated[1, -50:] = np.nan  # the car has left all numbers behind, not the judge
-    assert Corridor("rad", 1.0, 0.1, (acceleration, acceleration), simulated, measured).share == pytest.approx(
-        150 / 380
+    assert Corridor(
+        "rad", 1.0, 0.1, (acceleration, acceleration), simulated, measured
+    ).share == pytest.approx(150 / 380)
+    none = Corridor(
+        "rad", 1.0, 0.1, (acceleration, acceleration), simulated, np.full_like(simulated, np.nan)
     )
-    none = Corridor("rad", 1.0, 0.1, (acceleration, acceleration), simulated, np.full_like(simulated, np.nan))
-    assert np.isnan(none.share) and none.as_json() == {"share": None, "share_of_ranges": None, "by_range": {}}
+    assert np.isnan(none.share) and none.as_json() == {
+        "share": None,
+        "share_of_ranges": None,
+        "by_range": {},
+    }
 
 
 @pytest.mark.parametrize("ahead", [1.0, -1.0])
@@ -46,11 +52,20 @@ def test_steering_is_compared_by_curvature_and_at_rest_not_at_all(ahead):
     """
     speed, angle = np.array([[10.0 * ahead, 0.1]]), np.full((1, 2), 0.0524)
     slower, faster = (ahead * np.array([[rate, rate]]) for rate in (0.10, 0.12))
-    signals = {LONGITUDINAL: speed, YAW_RATE: slower, ROAD_WHEEL_ANGLE: angle, SIDESLIP: 0.0 * angle}
+    signals = {
+        LONGITUDINAL: speed,
+        YAW_RATE: slower,
+        ROAD_WHEEL_ANGLE: angle,
+        SIDESLIP: 0.0 * angle,
+    }
     measured = {LONGITUDINAL: speed, YAW_RATE: faster, SIDESLIP: 0.0 * angle}
     plant = SimpleNamespace(common=SimpleNamespace(vehicle=SimpleNamespace(wheelbase=2.5)))
-    replay = SimpleNamespace(measured=measured.get, compared=[YAW_RATE, SIDESLIP], configurations={"plant": plant})
-    found = corridors_of(replay, signals, CorridorParameters(steering_angle_offset=0.004, steering_angle_gain=0.0))
+    replay = SimpleNamespace(
+        measured=measured.get, compared=[YAW_RATE, SIDESLIP], configurations={"plant": plant}
+    )
+    found = corridors_of(
+        replay, signals, CorridorParameters(steering_angle_offset=0.004, steering_angle_gain=0.0)
+    )
     steering = found[STEERING]
     assert steering.simulated[0, 0] == pytest.approx(0.0524 - np.arctan(0.025))
     assert (steering.simulated - steering.measured)[0, 0] == pytest.approx(0.005, rel=1e-2)

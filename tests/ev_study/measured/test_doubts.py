@@ -35,29 +35,51 @@ from ev_study.measured.replays.open_loop import OpenLoop, graph, windows_of
 from ev_study.measured.replays.plausibility import contradictions
 from ev_study.studies.result_store import Answers
 
-CHANNELS = (LONGITUDINAL, LATERAL, YAW_RATE, ROAD_WHEEL_ANGLE, LATERAL_ACCELERATION, LONGITUDINAL_ACCELERATION)
+CHANNELS = (
+    LONGITUDINAL,
+    LATERAL,
+    YAW_RATE,
+    ROAD_WHEEL_ANGLE,
+    LATERAL_ACCELERATION,
+    LONGITUDINAL_ACCELERATION,
+)
 
 
 def record_of(changed: dict[str, np.ndarray] | None = None) -> MeasuredRecord:
     run = driven()
     values = {name: run.channels[name] for name in CHANNELS} | (changed or {})
     noise = ColumnParameters(noise=0.001)
-    return measured("made", "", {n: (Sampled(run.time, v), noise) for n, v in values.items()}, MaskParameters())
+    return measured(
+        "made", "", {n: (Sampled(run.time, v), noise) for n, v in values.items()}, MaskParameters()
+    )
 
 
-def replay_of(record: MeasuredRecord, length: float = 2.0, end: float = 1.0, inertia: float = 1.0) -> OpenLoop:
+def replay_of(
+    record: MeasuredRecord, length: float = 2.0, end: float = 1.0, inertia: float = 1.0
+) -> OpenLoop:
     own = graph(CAR, PERIOD)["plant"].common.vehicle.yaw_inertia
     begun = graph(CAR, PERIOD, Overrides(values=[("*", "vehicle.yaw_inertia", inertia * own)]))
-    return OpenLoop(record, windows_of(record, length, 0.0, end), begun, (LATERAL, YAW_RATE, LATERAL_ACCELERATION))
+    return OpenLoop(
+        record,
+        windows_of(record, length, 0.0, end),
+        begun,
+        (LATERAL, YAW_RATE, LATERAL_ACCELERATION),
+    )
 
 
 def test_a_record_of_a_car_contradicts_itself_in_nothing():
     """Forwards, in reverse, and turned to the other side; with noise as well."""
     random = np.random.Generator(np.random.PCG64(0))
-    noise = {n: driven().channels[n] + 0.02 * random.standard_normal(len(driven().time)) for n in CHANNELS}
+    noise = {
+        n: driven().channels[n] + 0.02 * random.standard_normal(len(driven().time))
+        for n in CHANNELS
+    }
     assert contradictions(replay_of(record_of())) == []
     assert contradictions(replay_of(record_of(noise))) == []
-    mirrored = {n: -driven().channels[n] for n in (LATERAL, YAW_RATE, ROAD_WHEEL_ANGLE, LATERAL_ACCELERATION)}
+    mirrored = {
+        n: -driven().channels[n]
+        for n in (LATERAL, YAW_RATE, ROAD_WHEEL_ANGLE, LATERAL_ACCELERATION)
+    }
     assert contradictions(replay_of(record_of(mirrored))) == []
 
 
@@ -66,15 +88,25 @@ WRONG = [
     (YAW_RATE, 57.3, "twist.yaw_rate is .* times as large as speed times steering angle .*: unit"),
     (YAW_RATE, 0.0, "twist.yaw_rate is 0 throughout though the car turns: not measured"),
     (ROAD_WHEEL_ANGLE, 0.0, "road_wheel_angle is 0 throughout"),
-    (LATERAL_ACCELERATION, -1.0, "imu.lateral_acceleration has the opposite sign of speed times yaw rate"),
+    (
+        LATERAL_ACCELERATION,
+        -1.0,
+        "imu.lateral_acceleration has the opposite sign of speed times yaw rate",
+    ),
     (LATERAL_ACCELERATION, 1 / 9.81, "imu.lateral_acceleration is 0.1.* unit"),
     (LONGITUDINAL, 3.6, "imu.lateral_acceleration is 0.2.* unit"),
-    (LONGITUDINAL_ACCELERATION, -1.0, "imu.longitudinal_acceleration has the opposite sign of the change of speed"),
+    (
+        LONGITUDINAL_ACCELERATION,
+        -1.0,
+        "imu.longitudinal_acceleration has the opposite sign of the change of speed",
+    ),
     (LATERAL, 0.0, "twist.lateral is 0 throughout"),
 ]
 
 
-@pytest.mark.parametrize(("name", "factor", "line"), WRONG, ids=[f"{n} times {f:.3g}" for n, f, _ in WRONG])
+@pytest.mark.parametrize(
+    ("name", "factor", "line"), WRONG, ids=[f"{n} times {f:.3g}" for n, f, _ in WRONG]
+)
 def test_a_sensor_of_another_sign_or_unit_or_that_measures_nothing_is_named(name, factor, line):
     found = contradictions(replay_of(record_of({name: factor * driven().channels[name]})))
     assert found
@@ -127,7 +159,9 @@ def test_an_option_is_a_finite_number(option, value, tmp_path):
 
 def fitted(replay: OpenLoop, most: int) -> Identified:
     free = free_parameters(["yaw"], replay.configurations)
-    found = identify(replay, free, (YAW_RATE, SIDESLIP), every=5, width=1.0, starts=1, seed=0, most=most)
+    found = identify(
+        replay, free, (YAW_RATE, SIDESLIP), every=5, width=1.0, starts=1, seed=0, most=most
+    )
     known = knowledge(found.residuals, found.derivatives, found.values, free, 1.0, 0)
     return Identified(free, found, known, {PARTS[0]: replay}, {}, {}, "")
 
@@ -149,18 +183,23 @@ def test_a_search_out_of_steps_gives_no_interval_and_one_that_ends_does():
 def test_what_the_scale_of_a_sensor_does_to_parameters_is_known_beforehand(channel):
     """A fit to a record whose sensor shows 2 % too much finds what was foretold, to 5 % of the larger moves.
 
-    A per cent of the speed moves inertia and cornering stiffness by 2 %, many of their deviations: the errors that are
-    left are the same, so no fit sees it.
+    A per cent of the speed moves inertia and cornering stiffness by 2 %, many of their deviations:
+    the errors that are left are the same, so no fit sees it.
     """
     random = np.random.Generator(np.random.PCG64(0))
     noise = {YAW_RATE: 0.01, LATERAL: 0.05, LONGITUDINAL: 0.05}
-    noisy = {n: driven().channels[n] + size * random.standard_normal(len(driven().time)) for n, size in noise.items()}
+    noisy = {
+        n: driven().channels[n] + size * random.standard_normal(len(driven().time))
+        for n, size in noise.items()
+    }
     replay = replay_of(record_of(noisy), inertia=1.1)
     names = ["yaw", "vehicle.tyre.front_mf.pky1", "vehicle.tyre.rear_mf.pky1"]
     free = free_parameters(names, replay.configurations)
 
     def fit(of: OpenLoop) -> Fitted:
-        return identify(of, free, (YAW_RATE, SIDESLIP), every=5, width=1.0, starts=1, seed=0, most=25)
+        return identify(
+            of, free, (YAW_RATE, SIDESLIP), every=5, width=1.0, starts=1, seed=0, most=25
+        )
 
     found, other = fit(replay), fit(replay.scaled(channel, 1.02))
     moved = 2.0 * moved_by_scales(replay, free, found, 5, 1.0)[channel]
@@ -179,7 +218,9 @@ def test_the_error_that_is_left_is_that_of_what_was_measured(monkeypatch, share)
     replay = replay_of(record)
     weights = {YAW_RATE: 0.02, SIDESLIP: 0.01}
     of = Residuals(replay, free_parameters(["yaw"], replay.configurations), weights, 5, 1.0)
-    off = np.concatenate([np.isfinite(replay.measured(name)[:, ::5]).astype(float) for name in weights], axis=1)
+    off = np.concatenate(
+        [np.isfinite(replay.measured(name)[:, ::5]).astype(float) for name in weights], axis=1
+    )
     monkeypatch.setattr(of, "at", lambda points: off[None])
     assert of.left(of.begin, dict.fromkeys(weights, 0.0)) == pytest.approx(weights)
 
@@ -193,25 +234,38 @@ def test_a_late_yaw_rate_is_named_and_gives_no_interval():
     rate = driven().channels[YAW_RATE]
     late = np.concatenate([np.full(5, rate[0]), rate[:-5]])
     found = fitted(replay_of(record_of({YAW_RATE: late}), inertia=1.1), 25)
-    assert any("twist.yaw_rate is measured 0.0" in each and " late" in each for each in found.doubts), found.doubts
+    assert any(
+        "twist.yaw_rate is measured 0.0" in each and " late" in each for each in found.doubts
+    ), found.doubts
     assert np.isnan(found.intervals).all()
 
 
-@pytest.mark.parametrize("late", [0.25, 0.35, 1.0, None], ids=["0.25 s", "0.35 s", "1 s", "of another drive"])
+@pytest.mark.parametrize(
+    "late", [0.25, 0.35, 1.0, None], ids=["0.25 s", "0.35 s", "1 s", "of another drive"]
+)
 def test_a_yaw_rate_that_is_not_that_of_the_car_gives_no_interval(late):
     """So late that its replay has less than half of it, beyond the lags that are looked for, or quite another one."""
     rate = driven().channels[YAW_RATE]
     back = round((late or 0.0) / PERIOD)
-    other = np.concatenate([np.full(back, rate[0]), rate[: len(rate) - back]]) if late else rate[::-1]
+    other = (
+        np.concatenate([np.full(back, rate[0]), rate[: len(rate) - back]]) if late else rate[::-1]
+    )
     found = fitted(replay_of(record_of({YAW_RATE: other}), inertia=1.1), 25)
-    assert any("off twist.yaw_rate in the median window, which itself deviates by" in each for each in found.doubts)
+    assert any(
+        "off twist.yaw_rate in the median window, which itself deviates by" in each
+        for each in found.doubts
+    )
     assert np.isnan(found.intervals).all()
 
 
 @pytest.mark.parametrize(
     ("name", "offset", "line"),
     [
-        (YAW_RATE, 0.02, r"the fit is -0\.0\d+ rad/s off twist\.yaw_rate on average: offset of a sensor"),
+        (
+            YAW_RATE,
+            0.02,
+            r"the fit is -0\.0\d+ rad/s off twist\.yaw_rate on average: offset of a sensor",
+        ),
         (YAW_RATE, -0.02, r"the fit is \+0\.0\d+ rad/s off twist\.yaw_rate on average"),
         (LATERAL, 0.2, r"the fit is -0\.0\d+ rad off sideslip on average"),
         (ROAD_WHEEL_ANGLE, 0.02, r"the fit is \+0\.\d+ rad/s off twist\.yaw_rate on average"),
@@ -221,7 +275,12 @@ def test_a_yaw_rate_that_is_not_that_of_the_car_gives_no_interval(late):
 )
 def test_an_offset_of_a_sensor_is_named_and_gives_no_interval(name, offset, line):
     """All windows have it, so their differences, by which intervals are as wide as they are, do not show it."""
-    found = fitted(replay_of(replace(record_of({name: driven().channels[name] + offset}), noise={}), inertia=1.1), 25)
+    found = fitted(
+        replay_of(
+            replace(record_of({name: driven().channels[name] + offset}), noise={}), inertia=1.1
+        ),
+        25,
+    )
     assert any(re.search(line, each) for each in found.doubts) == bool(line), found.doubts
     assert np.isnan(found.intervals).all() == bool(line)
 
@@ -240,7 +299,9 @@ def test_a_signal_that_got_worse_is_named():
     """A result that is further from the record than the start was is no optimum of it."""
     found = fitted(replay_of(record_of()), 25)
     worse = replace(found, fitted=replace(found.fitted, values=1.5 * found.fitted.values))
-    assert any("twist.yaw_rate is reproduced worse than at the start" in each for each in worse.doubts)
+    assert any(
+        "twist.yaw_rate is reproduced worse than at the start" in each for each in worse.doubts
+    )
 
 
 def test_no_signal_weighs_more_than_its_sensor_allows():
@@ -256,11 +317,23 @@ def test_no_signal_weighs_more_than_its_sensor_allows():
 def test_a_fit_of_which_answers_are_kept_is_that_of_one_without():
     """Both fits ask at one point, by other weights; once more all of it is kept, and the bits are the same."""
     noise = 0.01 * np.random.Generator(np.random.PCG64(1)).standard_normal(len(driven().time))
-    replay = replay_of(replace(record_of({YAW_RATE: driven().channels[YAW_RATE] + noise}), noise={}), inertia=1.2)
+    replay = replay_of(
+        replace(record_of({YAW_RATE: driven().channels[YAW_RATE] + noise}), noise={}), inertia=1.2
+    )
     free = free_parameters(["yaw"], replay.configurations)
     results: dict[str, bytes] = {}
     plain, *others = (
-        identify(replay, free, (YAW_RATE, LATERAL), every=5, width=1.0, starts=1, seed=0, most=10, answers=answers)
+        identify(
+            replay,
+            free,
+            (YAW_RATE, LATERAL),
+            every=5,
+            width=1.0,
+            starts=1,
+            seed=0,
+            most=10,
+            answers=answers,
+        )
         for answers in (None, Answers(results, "a"), Answers(results, "a"))
     )
     for other in others:
@@ -274,7 +347,9 @@ def test_what_was_not_measured_is_no_error():
     record = record_of()
     record.channels[SIDESLIP][:100] = np.nan
     replay = replay_of(record, inertia=1.5)
-    of = Residuals(replay, free_parameters(["yaw"], replay.configurations), {SIDESLIP: 0.001}, 1, 1.0)
+    of = Residuals(
+        replay, free_parameters(["yaw"], replay.configurations), {SIDESLIP: 0.001}, 1, 1.0
+    )
     first = of.at(of.begin[None])[0][0]
     assert (first[:100] == 0.0).all()
     assert np.abs(first[100:]).max() > 0.0

@@ -27,7 +27,9 @@ def test_windows_ranges_and_a_window_that_left():
     simulated = SINE + np.array([[0.1], [0.2]])
     assert by_window(simulated, SINE) == pytest.approx([0.1, 0.2])
     of = by_range(simulated, SINE, np.array([[1.0], [9.0]]) * np.ones_like(SINE))
-    assert {name: each.rms for name, each in of.items()} == pytest.approx({"0 to 2": 0.1, "above 8": 0.2})
+    assert {name: each.rms for name, each in of.items()} == pytest.approx(
+        {"0 to 2": 0.1, "above 8": 0.2}
+    )
     gone = np.zeros((3, 5))
     gone[1, 3], gone[2, 4] = np.radians(21.0), np.nan
     assert spins(gone, np.zeros((3, 5))).tolist() == [False, True, True]

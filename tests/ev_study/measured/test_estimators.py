@@ -18,20 +18,39 @@ KINEMATIC = "slip_angle_observer.kinematic_share=1.0"
 def columns(with_wheels: bool = True) -> dict[str, np.ndarray]:
     """Those of a car that begins straight ahead, so that an estimator which knows nothing begins right."""
     more = {"ax": "imu.longitudinal_acceleration", **(WHEELS if with_wheels else {})}
-    return columns_of(driven()) | {name: driven().channels[channel] for name, channel in more.items()}
+    return columns_of(driven()) | {
+        name: driven().channels[channel] for name, channel in more.items()
+    }
 
 
 def validated(folder, of: dict[str, np.ndarray], *more: str) -> dict:
     record = write(folder, of)
     mapping = record.with_suffix(".yaml")
     channels = {"ax": "imu.longitudinal_acceleration", **WHEELS}
-    lines = [f"  {channel}: {{column: {name}}}\n" for name, channel in channels.items() if name in of]
+    lines = [
+        f"  {channel}: {{column: {name}}}\n" for name, channel in channels.items() if name in of
+    ]
     mapping.write_text(mapping.read_text() + "".join(lines))
-    main(["validate", str(record), "--vehicle", CAR, "--window", "2", "--no-report", "--out", str(folder), *more])
+    main(
+        [
+            "validate",
+            str(record),
+            "--vehicle",
+            CAR,
+            "--window",
+            "2",
+            "--no-report",
+            "--out",
+            str(folder),
+            *more,
+        ]
+    )
     return json.loads((folder / "summary.json").read_text())
 
 
-def test_kinematics_with_a_true_accelerometer_have_the_sideslip_and_wheels_the_speed(tmp_path, capsys):
+def test_kinematics_with_a_true_accelerometer_have_the_sideslip_and_wheels_the_speed(
+    tmp_path, capsys
+):
     """Steps of 10 ms of v' = a_y - r u are off by half a step, 1 % of motions at 5 rad/s and less; tyres slip by 1 %.
 
     The linear tyre of the default, stiffer than that of this car, is off by more.
@@ -43,11 +62,15 @@ def test_kinematics_with_a_true_accelerometer_have_the_sideslip_and_wheels_the_s
     assert speed["errors"]["rms"] < 0.01 * 20.0
     assert speed["estimates"] == "twist.longitudinal"
     assert "reference_speed: twist.longitudinal" in capsys.readouterr().out
-    stiffer = validated(tmp_path, columns(), "--estimators")["estimators"]["slip_angle_observer"]["errors"]
+    stiffer = validated(tmp_path, columns(), "--estimators")["estimators"]["slip_angle_observer"][
+        "errors"
+    ]
     assert stiffer["rms"] > 3.0 * found["slip_angle_observer"]["errors"]["rms"]
 
 
-def test_an_estimator_begins_anew_behind_a_gap_and_one_without_its_channels_is_named(tmp_path, capsys):
+def test_an_estimator_begins_anew_behind_a_gap_and_one_without_its_channels_is_named(
+    tmp_path, capsys
+):
     """With kinematics alone all that is off behind the gap is the lateral velocity which it began without."""
     of = columns(with_wheels=False)
     lateral = driven().channels["twist.lateral"]
@@ -55,19 +78,26 @@ def test_an_estimator_begins_anew_behind_a_gap_and_one_without_its_channels_is_n
     gap = {name: np.delete(values, range(last - 100, last)) for name, values in of.items()}
     found = validated(tmp_path, gap, "--estimators", "--set", KINEMATIC)
     windows = found["estimators"]["slip_angle_observer"]["by_window"]
-    behind = next(n for n, begin in enumerate(found["by_window"]["begin"]) if begin >= 0.01 * last - 1e-6)
+    behind = next(
+        n for n, begin in enumerate(found["by_window"]["begin"]) if begin >= 0.01 * last - 1e-6
+    )
     assert windows[behind] == pytest.approx(abs(lateral[last]) / 20.0, rel=0.2)
     assert max(windows[:behind]) < 0.2 * windows[behind]
     assert (
-        "reference_speed is not judged, the record has no wheel_states.velocity.front_left" in capsys.readouterr().out
+        "reference_speed is not judged, the record has no wheel_states.velocity.front_left"
+        in capsys.readouterr().out
     )
 
 
 def test_what_cannot_be_judged_or_set_is_refused(tmp_path):
     of = columns(with_wheels=False)
-    with pytest.raises(SystemExit, match=r"slip_angle_observer\.kinematic_share is refused without --estimators"):
+    with pytest.raises(
+        SystemExit, match=r"slip_angle_observer\.kinematic_share is refused without --estimators"
+    ):
         validated(tmp_path, of, "--set", KINEMATIC)
-    with pytest.raises(SystemExit, match=r"slip_angle_observer: parameter kinematic_share: 2\.0 is refused"):
+    with pytest.raises(
+        SystemExit, match=r"slip_angle_observer: parameter kinematic_share: 2\.0 is refused"
+    ):
         validated(tmp_path, of, "--estimators", "--set", KINEMATIC.replace("1.0", "2.0"))
     with pytest.raises(SystemExit, match="unknown parameter 'width'"):
         validated(tmp_path, of, "--set", "corridor.width=1.0")

@@ -33,12 +33,21 @@ SHORTEST = 0.2  # [s] of a window
 
 
 def record_of(columns: dict[str, np.ndarray], time: np.ndarray = TIME) -> MeasuredRecord:
-    sampled = {name: (Sampled(time, values), ColumnParameters()) for name, values in columns.items()}
+    sampled = {
+        name: (Sampled(time, values), ColumnParameters()) for name, values in columns.items()
+    }
     return measured("made", "", sampled, MaskParameters())
 
 
-# By channel a level that the sensor may show instead: farther off than any step of a car, 3.3 m/s and 1.2 rad/s.
-FAILED = [(LONGITUDINAL, 0.0), (LONGITUDINAL, 182.0), (LATERAL, 20.0), (YAW_RATE, 5.0), (ROAD_WHEEL_ANGLE, -0.4)]
+# By channel a level that the sensor may show instead: farther off than any step of a car, 3.3 m/s
+# and 1.2 rad/s.
+FAILED = [
+    (LONGITUDINAL, 0.0),
+    (LONGITUDINAL, 182.0),
+    (LATERAL, 20.0),
+    (YAW_RATE, 5.0),
+    (ROAD_WHEEL_ANGLE, -0.4),
+]
 
 
 @settings(deadline=None, max_examples=200)
@@ -49,11 +58,15 @@ FAILED = [(LONGITUDINAL, 0.0), (LONGITUDINAL, 182.0), (LATERAL, 20.0), (YAW_RATE
     empty=st.tuples(st.integers(0, 4), st.integers(0, 4)),
     seed=st.integers(0, 99),
 )
-def test_no_number_of_a_sensor_that_fails_for_a_while_is_believed(failed, begin, length, empty, seed):
+def test_no_number_of_a_sensor_that_fails_for_a_while_is_believed(
+    failed, begin, length, empty, seed
+):
     """However long it is off, up to half of the record, and with cells without a number before and behind that."""
     channel, level = failed
     end = begin + length
-    values = TRUTH[channel] + 0.1 * NOISE * np.random.Generator(np.random.PCG64(seed)).standard_normal(SAMPLES)
+    values = TRUTH[channel] + 0.1 * NOISE * np.random.Generator(
+        np.random.PCG64(seed)
+    ).standard_normal(SAMPLES)
     values[begin:end] = level
     if channel != ROAD_WHEEL_ANGLE:  # whose steps are looked at when it has been interpolated
         values[begin - empty[0] : begin] = np.nan
@@ -68,7 +81,9 @@ def test_no_number_of_a_sensor_that_fails_for_a_while_is_believed(failed, begin,
         assert left_out[-1] <= end + empty[1]
 
 
-@pytest.mark.parametrize(("channel", "step"), [(LONGITUDINAL, 10.0), (YAW_RATE, -2.0), (LATERAL, 6.0)])
+@pytest.mark.parametrize(
+    ("channel", "step"), [(LONGITUDINAL, 10.0), (YAW_RATE, -2.0), (LATERAL, 6.0)]
+)
 def test_no_window_leads_across_a_jump_that_stays(channel, step):
     """One of both sides is wrong, and nobody knows which: a car jumps on neither."""
     columns = {**TRUTH, channel: TRUTH[channel] + step * (TIME > 3.004)}
@@ -77,7 +92,10 @@ def test_no_window_leads_across_a_jump_that_stays(channel, step):
     begin, end = record.time[windows.first], record.time[windows.first + windows.size - 1]
     assert not ((begin < 3.005) & (end > 3.005)).any()
     assert begin[begin > 3.005][0] == pytest.approx(3.02)
-    assert any(note.startswith(channel) and "jumps for good at 3.01 s, where windows" in note for note in record.notes)
+    assert any(
+        note.startswith(channel) and "jumps for good at 3.01 s, where windows" in note
+        for note in record.notes
+    )
 
 
 @settings(deadline=None, max_examples=60)
@@ -85,7 +103,8 @@ def test_no_window_leads_across_a_jump_that_stays(channel, step):
 def test_no_window_leads_across_a_clock_that_is_set_back(back, at):
     """By three samples and more: what is behind is that much later, whichever samples of both are passed over."""
     time = TIME - PERIOD * back * (np.arange(SAMPLES) >= at)
-    record = record_of({**TRUTH, LONGITUDINAL: 20.0 + 5.0 * (np.arange(SAMPLES) >= at)}, time)  # two drives in one
+    # two drives in one
+    record = record_of({**TRUTH, LONGITUDINAL: 20.0 + 5.0 * (np.arange(SAMPLES) >= at)}, time)
     windows = windows_of(record, SHORTEST)
     inside = windows.of(record[LONGITUDINAL])
     assert (np.ptp(inside, axis=1) < 1e-6).all()
@@ -95,7 +114,8 @@ def test_a_clock_that_is_set_back_is_named_with_its_time():
     time = TIME - 0.5 * (np.arange(SAMPLES) >= 400)
     record = record_of(dict(TRUTH), time)
     assert (
-        "49 of 600 samples passed over, whose times do not increase; it steps back at 3.52 s, where" in record.notes[0]
+        "49 of 600 samples passed over, whose times do not increase; it steps back at 3.52 s, where"
+        in record.notes[0]
     )
     assert record.notes[0].startswith(f"{LONGITUDINAL}, {LATERAL}, ")
 
@@ -121,7 +141,8 @@ def test_samples_in_bursts_have_the_period_of_their_sensor(together, apart):
     number = np.arange(SAMPLES)
     arrival = PERIOD * together * (number // together + 1) + apart * (number % together)
     record = record_of(dict(TRUTH), arrival)
-    assert record.period == pytest.approx(PERIOD, rel=0.03)  # the first burst and the last one have no other side
+    # the first burst and the last one have no other side
+    assert record.period == pytest.approx(PERIOD, rel=0.03)
     assert record.valid.all()
     assert "samples come in bursts" in record.notes[-1]
     late = PERIOD * together + apart * together
@@ -131,7 +152,9 @@ def test_samples_in_bursts_have_the_period_of_their_sensor(together, apart):
 
 def test_samples_that_are_lost_are_no_bursts():
     """Every fourth one of a log, and a part of it at a tenth of the rate."""
-    kept = (np.arange(SAMPLES) % 4 > 0) & ((np.arange(SAMPLES) < 400) | (np.arange(SAMPLES) % 10 == 0))
+    kept = (np.arange(SAMPLES) % 4 > 0) & (
+        (np.arange(SAMPLES) < 400) | (np.arange(SAMPLES) % 10 == 0)
+    )
     columns = {name: values[kept] for name, values in TRUTH.items()}
     record = record_of(columns, TIME[kept])
     assert record.period == PERIOD

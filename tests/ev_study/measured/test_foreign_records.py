@@ -17,13 +17,22 @@ from ev_stack.recording.recording import save
 from ev_stack.scenarios.about import vehicle_of
 from ev_stack.scenarios.scenario import Overrides, load_scenario
 from ev_study.measured.records.mapping import read_record, read_standard
-from ev_study.measured.records.record import LATERAL, LONGITUDINAL, ROAD_WHEEL_ANGLE, SIDESLIP, YAW_RATE
+from ev_study.measured.records.record import (
+    LATERAL,
+    LONGITUDINAL,
+    ROAD_WHEEL_ANGLE,
+    SIDESLIP,
+    YAW_RATE,
+)
 
 EPOCH = 1_700_000_000  # s
 
 
 def write_bag(
-    folder: Path, topics: tuple[str, ...] = ("/imu", "/odom", "/steering"), aside: float = 1.0, unstamped: str = ""
+    folder: Path,
+    topics: tuple[str, ...] = ("/imu", "/odom", "/steering"),
+    aside: float = 1.0,
+    unstamped: str = "",
 ) -> Path:
     """What rosbag2 records of a car with standard messages: 100 Hz imu, 50 Hz odometry and steering, no lateral one."""
     from rosbags.rosbag2 import StoragePlugin, Writer
@@ -41,7 +50,9 @@ def write_bag(
 
     def imu(stamp, c, n):
         rate = vector(0.0, 0.0, c[YAW_RATE][n])
-        force = vector(c["imu.longitudinal_acceleration"][n], c["imu.lateral_acceleration"][n], 9.81)
+        force = vector(
+            c["imu.longitudinal_acceleration"][n], c["imu.lateral_acceleration"][n], 9.81
+        )
         return of["sensor_msgs/msg/Imu"](stamp, still, zeros[:9], rate, zeros[:9], force, zeros[:9])
 
     def odom(stamp, c, n):
@@ -83,19 +94,45 @@ def test_a_bag_of_standard_messages_needs_no_mapping(tmp_path):
     assert record.begin == EPOCH
     size = len(record.valid)
     for channel in (YAW_RATE, LONGITUDINAL, LATERAL, ROAD_WHEEL_ANGLE):
-        assert record[channel] == pytest.approx(driven().channels[channel][:size], abs=5e-4), channel
+        assert record[channel] == pytest.approx(driven().channels[channel][:size], abs=5e-4), (
+            channel
+        )
     assert any("taken as measured at the centre of mass" in note for note in record.notes)
 
 
 def test_a_car_is_identified_from_a_bag_that_knows_no_lateral_velocity(tmp_path, capsys):
     """Odometry of wheels has zero there: each window begins 1 s earlier, and the yaw rate alone is compared.
 
-    Yaw inertia begun 20 % off comes back to 2 %, without noise; what is left is the way into the window.
+    Yaw inertia begun 20 % off comes back to 2 %, without noise; what is left is the way into the
+    window.
     """
     bag = write_bag(tmp_path, aside=0.0)
-    of = ["identify", str(bag), "--vehicle", CAR, "--free", "vehicle.yaw_inertia", "--window", "2", "--steps", "5"]
-    main([*of, "--set", "*.vehicle.yaw_inertia=3000.0", "--no-report", "--out", str(tmp_path / "out")])
-    assert "note: twist.yaw_rate is /imu:angular_velocity.z, taken as measured" in capsys.readouterr().out
+    of = [
+        "identify",
+        str(bag),
+        "--vehicle",
+        CAR,
+        "--free",
+        "vehicle.yaw_inertia",
+        "--window",
+        "2",
+        "--steps",
+        "5",
+    ]
+    main(
+        [
+            *of,
+            "--set",
+            "*.vehicle.yaw_inertia=3000.0",
+            "--no-report",
+            "--out",
+            str(tmp_path / "out"),
+        ]
+    )
+    assert (
+        "note: twist.yaw_rate is /imu:angular_velocity.z, taken as measured"
+        in capsys.readouterr().out
+    )
     found = json.loads((tmp_path / "out" / "summary.json").read_text())
     truth = vehicle_of(CAR).yaw_inertia
     assert found["identified"]["vehicle.yaw_inertia"]["value"] == pytest.approx(truth, rel=0.02)
@@ -120,8 +157,12 @@ def test_a_topic_without_stamps_beside_others_with_stamps_is_named(tmp_path):
         (tmp_path / name).mkdir()
     record = read_standard(write_bag(tmp_path / "without", unstamped="/odom"))
     count = len(driven().time[::2])
-    assert f"/odom: {count} messages without a stamp count by when they were recorded" in record.notes
-    assert not any("without a stamp" in note for note in read_standard(write_bag(tmp_path / "all")).notes)
+    assert (
+        f"/odom: {count} messages without a stamp count by when they were recorded" in record.notes
+    )
+    assert not any(
+        "without a stamp" in note for note in read_standard(write_bag(tmp_path / "all")).notes
+    )
 
 
 def test_a_mapping_names_fields_of_a_bag(tmp_path):
@@ -137,7 +178,12 @@ def test_a_mapping_names_fields_of_a_bag(tmp_path):
         -driven().channels[YAW_RATE][: len(record.valid)], abs=2e-7
     )  # doubles of the epoch
     assert not record[SIDESLIP].any()
-    for wrong in ("/imu:angular_velocity", "/imu:nothing.z", "/nowhere:x", "/imu:angular_velocity_covariance[9]"):
+    for wrong in (
+        "/imu:angular_velocity",
+        "/imu:nothing.z",
+        "/nowhere:x",
+        "/imu:angular_velocity_covariance[9]",
+    ):
         mapping.write_text(f"channels:\n  twist.yaw_rate: '{wrong}'\n")
         with pytest.raises(ParameterError, match=r"is no number of|unknown topic"):
             read_record(bag, mapping)
@@ -176,14 +222,22 @@ def write_log(folder: Path, suffix: str) -> Path:
     with can.Logger(path) as log:
         for n in range(0, len(driven().time), 2):
             time = EPOCH + n * PERIOD
-            motion = known.encode_message("MOTION", {"YAW_RATE": c[YAW_RATE][n], "SPEED": 3.6 * c[LONGITUDINAL][n]})
+            motion = known.encode_message(
+                "MOTION", {"YAW_RATE": c[YAW_RATE][n], "SPEED": 3.6 * c[LONGITUDINAL][n]}
+            )
             angle = known.encode_message("STEERING", {"ANGLE": np.degrees(c[ROAD_WHEEL_ANGLE][n])})
             for frame_id, data in ((256, motion), (257, angle), (0x7FF, b"\1")):
-                log(can.Message(timestamp=time, arbitration_id=frame_id, data=data, is_extended_id=False))
+                log(
+                    can.Message(
+                        timestamp=time, arbitration_id=frame_id, data=data, is_extended_id=False
+                    )
+                )
     return path
 
 
-@pytest.mark.parametrize("suffix", [".log", ".asc", ".blf", *([".mf4"] if find_spec("asammdf") else [])])
+@pytest.mark.parametrize(
+    "suffix", [".log", ".asc", ".blf", *([".mf4"] if find_spec("asammdf") else [])]
+)
 def test_a_can_log_is_read_by_its_dbc(tmp_path, suffix):
     """To half a digit of the DBC, at 50 Hz; .asc has times to 1e-6 s."""
     path = write_log(tmp_path, suffix)
@@ -192,7 +246,9 @@ def test_a_can_log_is_read_by_its_dbc(tmp_path, suffix):
     assert record.valid.all()
     size = len(record.valid)
     assert record[YAW_RATE] == pytest.approx(driven().channels[YAW_RATE][::2][:size], abs=6e-5)
-    assert record[LONGITUDINAL] == pytest.approx(driven().channels[LONGITUDINAL][::2][:size], abs=0.0015)
+    assert record[LONGITUDINAL] == pytest.approx(
+        driven().channels[LONGITUDINAL][::2][:size], abs=0.0015
+    )
     assert len(record.digest) == 64
 
 
@@ -216,11 +272,15 @@ def test_what_a_can_log_lacks_is_refused(tmp_path):
         (tmp_path / "drive.mf4").write_bytes(b"")
         for text in (CAN_MAPPING, CAN_MAPPING.replace("dbc: car.dbc", "")):
             mapping.write_text(text)
-            with pytest.raises(ParameterError, match="needs the Python package asammdf, which is missing"):
+            with pytest.raises(
+                ParameterError, match="needs the Python package asammdf, which is missing"
+            ):
                 read_record(tmp_path / "drive.mf4", mapping)
 
 
-@pytest.mark.skipif(not find_spec("asammdf"), reason="asammdf is not installed: only what it refuses is tested")
+@pytest.mark.skipif(
+    not find_spec("asammdf"), reason="asammdf is not installed: only what it refuses is tested"
+)
 def test_channels_of_an_mdf_file_are_read_by_name(tmp_path):
     """As a measuring tool has them, each over its own times; what is not there, or no number, is refused."""
     from asammdf import MDF, Signal
@@ -249,7 +309,16 @@ def test_pedals_drive_the_car_as_the_imposed_speed_does(tmp_path):
     run = load_scenario("double_lane_change", Overrides(duration=6.0)).runs[0]
     save(run_offline(run.configurations, 6.0), tmp_path / "signals.npz")
     for impose in ("pedals", "torques"):
-        of = ["validate", str(tmp_path / "signals.npz"), "--vehicle", "audi_a2", "--window", "2", "--impose", impose]
+        of = [
+            "validate",
+            str(tmp_path / "signals.npz"),
+            "--vehicle",
+            "audi_a2",
+            "--window",
+            "2",
+            "--impose",
+            impose,
+        ]
         main([*of, "--no-report", "--out", str(tmp_path / impose)])
         found = json.loads((tmp_path / impose / "summary.json").read_text())["errors"]
         assert found["twist.longitudinal"]["rms"] < 0.02

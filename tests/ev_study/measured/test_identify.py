@@ -22,29 +22,52 @@ from ev_study.measured.replays.open_loop import graph
 FREE = ("vehicle.yaw_inertia", "vehicle.tyre.front_mf.pky1", "steering_column.offset")
 
 
-def test_a_simulated_car_with_noise_gives_back_its_parameters_within_their_intervals(tmp_path, capsys):
+def test_a_simulated_car_with_noise_gives_back_its_parameters_within_their_intervals(
+    tmp_path, capsys
+):
     """Begun 20 % off, with noise of 0.01 rad/s: within twice the interval (the study counts how often within it).
 
     The same command gives the same bits, and the vehicle file is one that validate takes.
     """
     record = str(write(tmp_path, columns_of(driven(), noise=0.01)))
-    off = ["*.vehicle.yaw_inertia=3000.0", "*.vehicle.frontal_area=2.3", "plant.imposed_front_braking=0.7"]
-    of = ["identify", record, "--vehicle", CAR, "--window", "2", "--free", *FREE, "--no-report", "--steps", "8"]
+    off = [
+        "*.vehicle.yaw_inertia=3000.0",
+        "*.vehicle.frontal_area=2.3",
+        "plant.imposed_front_braking=0.7",
+    ]
+    of = [
+        "identify",
+        record,
+        "--vehicle",
+        CAR,
+        "--window",
+        "2",
+        "--free",
+        *FREE,
+        "--no-report",
+        "--steps",
+        "8",
+    ]
     of += [word for each in off for word in ("--set", each)]
     main([*of, "--out", str(tmp_path / "one")])
     out = capsys.readouterr().out
     assert "held out" in out
     found = json.loads((tmp_path / "one" / "summary.json").read_text())
     car = vehicle_of(CAR)
-    truth = dict(zip(FREE, (car.yaw_inertia, car.tyre.front_mf[MF_NAMES.index("pky1")], 0.0), strict=True))
+    truth = dict(
+        zip(FREE, (car.yaw_inertia, car.tyre.front_mf[MF_NAMES.index("pky1")], 0.0), strict=True)
+    )
     for name, each in found["identified"].items():
         low, high = each["interval"]
         width = max(high - low, 4.0 * each["deviation"])
         assert abs(each["value"] - truth[name]) < width, name
-        # Known to an eighth at the least, the offset to 0.15 deg: a fit of four windows has a deviation of 1.4 % of the
-        # yaw inertia, but its bootstrap is stretched by Student's quantile of three degrees of freedom, 3.2 for 1.96.
+        # Known to an eighth at the least, the offset to 0.15 deg: a fit of four windows has a
+        # deviation of 1.4 % of the yaw inertia, but its bootstrap is stretched by Student's
+        # quantile of three degrees of freedom, 3.2 for 1.96.
         assert width < 0.25 * max(abs(truth[name]), 0.02), name
-    assert found["identified"]["vehicle.yaw_inertia"]["source"].startswith("identified from made.csv, SHA-256 ")
+    assert found["identified"]["vehicle.yaw_inertia"]["source"].startswith(
+        "identified from made.csv, SHA-256 "
+    )
     errors = found["before_and_after"]["held out"]["twist.yaw_rate"]
     assert errors["rms_after"] == pytest.approx(0.01, rel=0.2)  # the noise is what is left
     main([*of, "--out", str(tmp_path / "two")])
@@ -74,7 +97,17 @@ def test_a_search_that_was_stopped_goes_on_with_the_same_bits(tmp_path, monkeypa
         return computed(self, points)
 
     record = str(write(tmp_path, columns_of(driven(), noise=0.01)))
-    of = ["identify", record, "--vehicle", CAR, "--window", "2", "--free", "vehicle.yaw_inertia", "--no-report"]
+    of = [
+        "identify",
+        record,
+        "--vehicle",
+        CAR,
+        "--window",
+        "2",
+        "--free",
+        "vehicle.yaw_inertia",
+        "--no-report",
+    ]
     of += ["--steps", "3", "--set", "*.vehicle.yaw_inertia=3000.0"]
     main([*of, "--out", str(tmp_path / "whole")])
     monkeypatch.setenv("EV_STACK_RESULTS", str(tmp_path / "results"))
@@ -84,7 +117,10 @@ def test_a_search_that_was_stopped_goes_on_with_the_same_bits(tmp_path, monkeypa
     capsys.readouterr()
     main([*of, "--out", str(tmp_path / "stopped")])
     assert "went on behind 4 evaluations" in capsys.readouterr().out
-    texts = [(tmp_path / each / "vehicle.yaml").read_text().splitlines()[2:] for each in ("whole", "stopped")]
+    texts = [
+        (tmp_path / each / "vehicle.yaml").read_text().splitlines()[2:]
+        for each in ("whole", "stopped")
+    ]
     assert texts[0] == texts[1]
 
 
@@ -106,7 +142,9 @@ def test_few_windows_do_not_make_an_interval_narrower_than_its_deviation():
     """Three windows, of which each draw of the bootstrap has at most three: at least 1.96 deviations to either side."""
     random = np.random.Generator(np.random.PCG64(2))
     derivatives, residuals = random.standard_normal((3, 50, 1)), random.standard_normal((3, 50))
-    known = knowledge(residuals, derivatives, np.ones(1), [FreeParameter("a", "1", 0.0, 2.0, 1.0, 1.0)], 1.0, 0)
+    known = knowledge(
+        residuals, derivatives, np.ones(1), [FreeParameter("a", "1", 0.0, 2.0, 1.0, 1.0)], 1.0, 0
+    )
     (low, high), (deviation,) = known.interval[0], known.deviation
     assert low <= 1.0 - 1.96 * deviation
     assert high >= 1.0 + 1.96 * deviation
@@ -120,10 +158,15 @@ def test_what_cannot_be_told_is_named_by_its_parameters():
     residuals = random.standard_normal((12, 50))
     free = [FreeParameter(name, "1", 0.0, 2.0, 1.0, 1.0) for name in ("a", "b", "c")]
     known = knowledge(residuals, derivatives, np.ones(3), free, 1.0, 0)
-    assert [line.partition(" together")[0] for line in in_words(known, free)] in (["a - b"], ["b - a"])
+    assert [line.partition(" together")[0] for line in in_words(known, free)] in (
+        ["a - b"],
+        ["b - a"],
+    )
     assert known.deviation[:2] == pytest.approx(np.sqrt(0.5), rel=0.01)
     assert known.deviation[2] == pytest.approx(1.0 / np.sqrt(600.0), rel=0.3)
-    assert known.interval[2, 1] - known.interval[2, 0] == pytest.approx(4.0 / np.sqrt(600.0), rel=0.5)
+    assert known.interval[2, 1] - known.interval[2, 0] == pytest.approx(
+        4.0 / np.sqrt(600.0), rel=0.5
+    )
 
 
 @pytest.mark.parametrize(

@@ -29,7 +29,9 @@ def write(folder: Path, change: tuple[str, str] = ("", "")) -> Path:
             speed = rpm * np.pi / 30.0
             loss = sum(
                 value * term
-                for value, term in zip(LOSSES.values(), (torque**2, speed, speed**2, 1.0, torque), strict=True)
+                for value, term in zip(
+                    LOSSES.values(), (torque**2, speed, speed**2, 1.0, torque), strict=True
+                )
             )
             efficiency = speed * torque / (speed * torque + loss)
             lines.append(f"{rpm},{torque},{efficiency:.12g}" if speed * torque < 150e3 else ",,")
@@ -44,7 +46,9 @@ def test_the_losses_of_a_map_come_back(tmp_path, capsys):
     main(["identify", "--motor", str(path), "--out", str(tmp_path / "out")])
     assert "rows left out" in capsys.readouterr().out
     given = ParameterFile(tmp_path / "out" / "motor.yaml").values_for("/ev/plant")
-    assert given == pytest.approx({f"vehicle.motor.{name}": value for name, value in LOSSES.items()}, rel=1e-6)
+    assert given == pytest.approx(
+        {f"vehicle.motor.{name}": value for name, value in LOSSES.items()}, rel=1e-6
+    )
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["errors"]["held_out"]["largest"] < 1e-6
     assert (tmp_path / "out" / "error_map.png").stat().st_size > 10_000
@@ -52,7 +56,10 @@ def test_the_losses_of_a_map_come_back(tmp_path, capsys):
 
 @pytest.mark.parametrize(
     ("change", "message"),
-    [(("torque_nm", "torque"), "unknown column"), (("500.0,30.0,", "-500.0,30.0,"), "expected speed and torque")],
+    [
+        (("torque_nm", "torque"), "unknown column"),
+        (("500.0,30.0,", "-500.0,30.0,"), "expected speed and torque"),
+    ],
 )
 def test_what_is_no_map_is_refused(tmp_path, change, message):
     with pytest.raises(ValueError, match=message):

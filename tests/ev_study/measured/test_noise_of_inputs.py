@@ -23,18 +23,32 @@ from ev_study.measured.records.record import (
 )
 from ev_study.measured.replays.errors import spins
 from ev_study.measured.replays.open_loop import OpenLoop, graph, windows_of
-from ev_study.measured.replays.smoothing import LEFT, LOWEST, SMOOTHED, cut_off_of, noise_of, smoothed
+from ev_study.measured.replays.smoothing import (
+    LEFT,
+    LOWEST,
+    SMOOTHED,
+    cut_off_of,
+    noise_of,
+    smoothed,
+)
 from ev_study.measured.replays.validation import Validation, signals_to_show
 
 IMPOSED_AND_COMPARED = (LONGITUDINAL, LATERAL, YAW_RATE, ROAD_WHEEL_ANGLE)
 
 
-def record_of(changed: dict[str, np.ndarray] | None = None, places: dict[str, float] | None = None) -> MeasuredRecord:
+def record_of(
+    changed: dict[str, np.ndarray] | None = None, places: dict[str, float] | None = None
+) -> MeasuredRecord:
     """The made record with other values of some channels, measured so far ahead of the centre of mass [m]."""
     run = driven()
     values = {name: run.channels[name] for name in IMPOSED_AND_COMPARED} | (changed or {})
     placed = {name: ColumnParameters(x=(places or {}).get(name, 0.0)) for name in values}
-    return measured("made", "", {n: (Sampled(run.time, v), placed[n]) for n, v in values.items()}, MaskParameters())
+    return measured(
+        "made",
+        "",
+        {n: (Sampled(run.time, v), placed[n]) for n, v in values.items()},
+        MaskParameters(),
+    )
 
 
 def validated(record: MeasuredRecord) -> Validation:
@@ -46,8 +60,8 @@ def validated(record: MeasuredRecord) -> Validation:
 def test_noise_of_the_imposed_speed_is_no_force_of_the_tyres(kind):
     """A yaw rate within 0.0006 rad/s of the true one, a seventh of what raw differences of such speeds gave it.
 
-    Noise of 0.05 m/s at 100 Hz, steps of 0.1 m/s, and a speed of 10 Hz that is held. The line on it has the
-    acceleration of the raw samples.
+    Noise of 0.05 m/s at 100 Hz, steps of 0.1 m/s, and a speed of 10 Hz that is held. The line on it
+    has the acceleration of the raw samples.
     """
     random, speed = np.random.Generator(np.random.PCG64(0)), driven().channels[LONGITUDINAL]
     given = {
@@ -60,16 +74,21 @@ def test_noise_of_the_imposed_speed_is_no_force_of_the_tyres(kind):
     assert np.sqrt(np.mean(errors**2)) < 6e-4
     (line,) = [note for note in found.notes() if "imposed speed is smoothed" in note]
     if kind == "noise":
-        assert float(line.rpartition(" ")[2]) == pytest.approx(7.1, rel=0.05)  # m/s^2, 0.05 sqrt(2)/0.01
+        # m/s^2, 0.05 sqrt(2)/0.01
+        assert float(line.rpartition(" ")[2]) == pytest.approx(7.1, rel=0.05)
 
 
 def test_a_window_begins_from_smoothed_values():
     """Of noise of 0.01 rad/s and 0.05 m/s about a quarter is left where a window begins, in reverse as well."""
     random = np.random.Generator(np.random.PCG64(0))
     sizes = {YAW_RATE: 0.01, LATERAL: 0.05}
-    noise = {name: size * random.standard_normal(len(driven().time)) for name, size in sizes.items()}
+    noise = {
+        name: size * random.standard_normal(len(driven().time)) for name, size in sizes.items()
+    }
     for sign in (1.0, -1.0):
-        record = record_of({name: sign * driven().channels[name] + each for name, each in noise.items()})
+        record = record_of(
+            {name: sign * driven().channels[name] + each for name, each in noise.items()}
+        )
         for name, each in noise.items():
             left = smoothed(record, name) - sign * driven().channels[name]
             assert np.std(left[50:-50]) < 0.4 * np.std(each)
@@ -95,17 +114,22 @@ def test_a_record_without_noise_stays_as_it_is():
 
 
 @settings(max_examples=30, deadline=None)
-@given(seed=st.integers(0, 1000), noise=st.floats(0.003, 0.2), rate=st.sampled_from([20, 50, 100, 200]))
+@given(
+    seed=st.integers(0, 1000), noise=st.floats(0.003, 0.2), rate=st.sampled_from([20, 50, 100, 200])
+)
 def test_the_noise_that_is_left_makes_a_hundredth_of_what_a_car_does(seed, noise, rate):
     """White noise of any size on a car that brakes and drives off with up to 5 m/s^2, sampled at 20 to 200 Hz.
 
-    Of 0.1 m/s^2 a tenth more for its chance, unless the lowest cut-off was needed. Less noise has a higher cut-off.
+    Of 0.1 m/s^2 a tenth more for its chance, unless the lowest cut-off was needed. Less noise has a
+    higher cut-off.
     """
     time = np.arange(0.0, 60.0, 1.0 / rate)
     true = 20.0 + 10.0 * np.sin(0.5 * time)
     random = np.random.Generator(np.random.PCG64(seed))
     values = true + noise * random.standard_normal(len(time))
-    record = measured("made", "", {LONGITUDINAL: (Sampled(time, values), ColumnParameters())}, MaskParameters())
+    record = measured(
+        "made", "", {LONGITUDINAL: (Sampled(time, values), ColumnParameters())}, MaskParameters()
+    )
     assert noise_of(record, LONGITUDINAL) == pytest.approx(noise, rel=0.15)
     cut_off = cut_off_of(record, LONGITUDINAL)
     left = np.diff(smoothed(record, LONGITUDINAL) - true)[rate:-rate] * rate
@@ -119,9 +143,14 @@ def test_noise_of_a_slow_sensor_is_seen_between_its_own_samples(rate):
     """A speed of 10 to 50 Hz beside a yaw rate of 100 Hz: straight lines between its samples hide no noise."""
     run = driven()
     random, slow = np.random.Generator(np.random.PCG64(0)), run.time[:: 100 // rate]
-    values = np.interp(slow, run.time, run.channels[LONGITUDINAL]) + 0.05 * random.standard_normal(len(slow))
+    values = np.interp(slow, run.time, run.channels[LONGITUDINAL]) + 0.05 * random.standard_normal(
+        len(slow)
+    )
     columns = {LONGITUDINAL: (Sampled(slow, values), ColumnParameters())}
-    columns |= {n: (Sampled(run.time, run.channels[n]), ColumnParameters()) for n in (YAW_RATE, ROAD_WHEEL_ANGLE)}
+    columns |= {
+        n: (Sampled(run.time, run.channels[n]), ColumnParameters())
+        for n in (YAW_RATE, ROAD_WHEEL_ANGLE)
+    }
     record = measured("made", "", columns, MaskParameters())
     assert noise_of(record, LONGITUDINAL) == pytest.approx(0.05, rel=0.3)  # of 120 samples or more
     assert LOWEST <= cut_off_of(record, LONGITUDINAL) < 3.0
@@ -132,8 +161,14 @@ def test_noise_of_a_slow_sideslip_sensor_is_seen_in_the_lateral_velocity_that_fo
     run = driven()
     random, slow = np.random.Generator(np.random.PCG64(0)), run.time[::5]
     angle = np.arctan2(run.channels[LATERAL], run.channels[LONGITUDINAL])[::5]
-    columns = {n: (Sampled(run.time, run.channels[n]), ColumnParameters()) for n in (YAW_RATE, LONGITUDINAL)}
-    columns[SIDESLIP] = (Sampled(slow, angle + 0.005 * random.standard_normal(len(slow))), ColumnParameters())
+    columns = {
+        n: (Sampled(run.time, run.channels[n]), ColumnParameters())
+        for n in (YAW_RATE, LONGITUDINAL)
+    }
+    columns[SIDESLIP] = (
+        Sampled(slow, angle + 0.005 * random.standard_normal(len(slow))),
+        ColumnParameters(),
+    )
     record = measured("made", "", columns, MaskParameters())
     expected = 0.005 * float(np.sqrt(np.mean(run.channels[LONGITUDINAL] ** 2)))
     assert noise_of(record, LATERAL) == pytest.approx(expected, rel=0.3)  # of 240 samples
@@ -163,12 +198,18 @@ def test_a_car_at_rest_has_no_sideslip_and_no_window():
 def test_no_spin_is_judged_where_no_sideslip_was_measured():
     """An angle that is off by 90 deg where none was measured; a number that is not finite spins all the same."""
     measured_angle = np.array([[np.nan, 0.0], [0.0, 0.0], [np.nan, 0.0]])
-    assert spins(np.array([[1.6, 0.0], [1.6, 0.0], [np.nan, 0.0]]), measured_angle).tolist() == [False, True, True]
+    assert spins(np.array([[1.6, 0.0], [1.6, 0.0], [np.nan, 0.0]]), measured_angle).tolist() == [
+        False,
+        True,
+        True,
+    ]
 
 
 @pytest.mark.parametrize("mirror", [1.0, -1.0])
 @pytest.mark.parametrize("direction", [1.0, -1.0])
-def test_a_sideslip_sensor_is_moved_to_the_centre_of_mass_and_gives_the_lateral_velocity(mirror, direction):
+def test_a_sideslip_sensor_is_moved_to_the_centre_of_mass_and_gives_the_lateral_velocity(
+    mirror, direction
+):
     """1.5 m ahead the velocity to the side is v + 1.5 r: forwards, in reverse, and turned to the other side."""
     run = driven()
     speed, lateral, rate = (run.channels[n] for n in (LONGITUDINAL, LATERAL, YAW_RATE))
@@ -186,7 +227,9 @@ def test_a_sideslip_sensor_is_moved_to_the_centre_of_mass_and_gives_the_lateral_
 
 def test_a_place_is_refused_for_a_channel_that_has_none():
     """An angle of the steering is the same wherever it is measured; a yaw rate too, but its sensor has a place."""
-    with pytest.raises(ParameterError, match=r"road_wheel_angle: x and y are refused, expected for twist"):
+    with pytest.raises(
+        ParameterError, match=r"road_wheel_angle: x and y are refused, expected for twist"
+    ):
         record_of(places={ROAD_WHEEL_ANGLE: 1.0})
     assert np.array_equal(record_of(places={YAW_RATE: 1.0})[YAW_RATE], record_of()[YAW_RATE])
 

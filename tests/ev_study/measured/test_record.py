@@ -16,7 +16,8 @@ from ev_study.measured.replays.open_loop import windows_of
 def test_units_axes_and_place_of_the_sensor_are_taken_back(tmp_path, name):
     """km/h, degrees, SAE axes, a sensor 1 m ahead and 0.5 m to the left: to the digits of the file.
 
-    The acceleration goes through two derivatives of the yaw rate, one of the file's digits: 1e-4 m/s^2.
+    The acceleration goes through two derivatives of the yaw rate, one of the file's digits: 1e-4
+    m/s^2.
     """
     path = write(tmp_path, columns_of(driven()), name)
     record = read_record(path, tmp_path / "made.yaml")
@@ -33,11 +34,27 @@ def test_units_axes_and_place_of_the_sensor_are_taken_back(tmp_path, name):
 @pytest.mark.parametrize(
     ("channel", "sign"),
     [
-        *((f"twist.{name}", sign) for name, sign in (("longitudinal", 1.0), ("lateral", -1.0), ("yaw_rate", -1.0))),
-        *((f"imu.{name}", sign) for name, sign in (("longitudinal_acceleration", 1.0), ("lateral_acceleration", -1.0))),
-        *((f"steering_column.state.{name}", -1.0) for name in ("angle", "rate", "hand_torque", "road_wheel_rate")),
-        *((f"{name}.rear_left", 1.0) for name in ("wheel_states.velocity", "tire_forces.load", "torque_command.drive")),
-        *(("tire_forces.lateral_force.front_left", -1.0), (SIDESLIP, -1.0), ("rear_steering.state.angle", -1.0)),
+        *(
+            (f"twist.{name}", sign)
+            for name, sign in (("longitudinal", 1.0), ("lateral", -1.0), ("yaw_rate", -1.0))
+        ),
+        *(
+            (f"imu.{name}", sign)
+            for name, sign in (("longitudinal_acceleration", 1.0), ("lateral_acceleration", -1.0))
+        ),
+        *(
+            (f"steering_column.state.{name}", -1.0)
+            for name in ("angle", "rate", "hand_torque", "road_wheel_rate")
+        ),
+        *(
+            (f"{name}.rear_left", 1.0)
+            for name in ("wheel_states.velocity", "tire_forces.load", "torque_command.drive")
+        ),
+        *(
+            ("tire_forces.lateral_force.front_left", -1.0),
+            (SIDESLIP, -1.0),
+            ("rear_steering.state.angle", -1.0),
+        ),
     ],
 )
 def test_the_axes_of_sae_turn_the_sign_of_all_that_points_to_the_left(channel, sign):
@@ -52,7 +69,9 @@ def test_a_short_spike_is_bridged_and_a_gap_is_masked(tmp_path):
     columns["steer"][300] += 10.0
     kept = np.ones(len(columns["t"]), bool)
     kept[700:750] = False
-    record = read_record(write(tmp_path, {n: v[kept] for n, v in columns.items()}), tmp_path / "made.yaml")
+    record = read_record(
+        write(tmp_path, {n: v[kept] for n, v in columns.items()}), tmp_path / "made.yaml"
+    )
     angle = "steering_column.state.road_wheel_angle"
     # a line for 20 ms of sines of up to 5 rad/s and 0.7 deg: 0.0122 * 25 * 0.02^2 / 8
     assert record[angle][:700] == pytest.approx(driven().channels[angle][:700], abs=2e-5)
@@ -62,7 +81,8 @@ def test_a_short_spike_is_bridged_and_a_gap_is_masked(tmp_path):
     begins = windows_of(record, 2.0).first
     assert begins.tolist() == [0, 200, 400, 750, 950]
     with pytest.raises(
-        ParameterError, match=r"^no window of 5 s without a gap from 8\.0 s to 12\.0 s of .*made\.csv, expected a"
+        ParameterError,
+        match=r"^no window of 5 s without a gap from 8\.0 s to 12\.0 s of .*made\.csv, expected a",
     ):
         windows_of(record, 5.0, 2 / 3)
     assert record.notes == ("51 instants in 2 jumps and gaps, 1 of them bridged, 1 masked",)

@@ -23,6 +23,8 @@ def test_the_key_of_a_search_changes_with_all_that_its_answers_depend_on():
     replays["less noise"] = replay_of(replace(record, noise={}))
     replays["slower sensors"] = replay_of(replace(record, spacing={}))
     replays["of another"] = replay_of(record_of({YAW_RATE: 1.01 * record[YAW_RATE]}))
-    keys = {search_key(replay, "choice") for replay in replays.values()} | {search_key(replays["as it is"], "other")}
+    keys = {search_key(replay, "choice") for replay in replays.values()} | {
+        search_key(replays["as it is"], "other")
+    }
     assert len(keys) == len(replays) + 1
     assert search_key(replays["as it is"], "choice") == search_key(replay_of(record), "choice")

@@ -44,13 +44,18 @@ def test_an_xz_file_is_read_to_the_end_of_its_last_stream_or_refused(tmp_path):
     assert_whole(read(tmp_path, lzma.compress(text[:at]) + lzma.compress(text[at:]), "made.csv.xz"))
     whole = lzma.compress(text)
     for end in (len(whole) // 2, len(whole) - 1):
-        with pytest.raises(ParameterError, match=r"made\.csv\.xz is no CSV table .*ended before the end-of-stream"):
+        with pytest.raises(
+            ParameterError, match=r"made\.csv\.xz is no CSV table .*ended before the end-of-stream"
+        ):
             read(tmp_path, whole[:end], "made.csv.xz")
 
 
 def test_a_row_that_is_cut_off_is_named(tmp_path):
     lines = text_of(tmp_path).splitlines()
-    with pytest.raises(ParameterError, match=rf"made\.csv: line {len(lines)} has 3 cells, expected 6, as the header"):
+    with pytest.raises(
+        ParameterError,
+        match=rf"made\.csv: line {len(lines)} has 3 cells, expected 6, as the header",
+    ):
         read(tmp_path, "\n".join([*lines[:-1], ",".join(lines[-1].split(",")[:3])]))
 
 
@@ -72,7 +77,8 @@ def test_a_row_of_units_is_held_against_the_mapping(tmp_path):
     header, _, rows = text_of(tmp_path).partition("\n")
     assert_whole(read(tmp_path, f"{header}\nms,[km/h],m/s,deg/s,m/s^2,°\n{rows}"))
     with pytest.raises(
-        ParameterError, match=r"twist\.yaw_rate: r is in deg/s by the mapping and in 'rad/s' by the file"
+        ParameterError,
+        match=r"twist\.yaw_rate: r is in deg/s by the mapping and in 'rad/s' by the file",
     ):
         read(tmp_path, f"{header}\nms,km/h,m/s,rad/s,m/s2,deg\n{rows}")
 
@@ -95,7 +101,9 @@ def test_a_unit_in_brackets_of_the_header_counts_as_a_row_of_units_does(tmp_path
     mapping.write_text(named)
     assert_whole(read_record(tmp_path / "made.csv", mapping))
     mapping.write_text(named.replace("r [deg/s]',", "r [deg/s]', unit: rad/s,"))
-    with pytest.raises(ParameterError, match=r"is in rad/s by the mapping and in 'deg/s' by the file"):
+    with pytest.raises(
+        ParameterError, match=r"is in rad/s by the mapping and in 'deg/s' by the file"
+    ):
         read_record(tmp_path / "made.csv", mapping)
 
 
@@ -103,7 +111,8 @@ def test_a_time_as_text_is_refused_and_another_text_counted(tmp_path):
     header, first, *rows = text_of(tmp_path).splitlines()
     clock = [",".join(["2026-05-04T10:00:00", *row.split(",")[1:]]) for row in rows]
     with pytest.raises(
-        ParameterError, match=r"made\.csv: t: 1200 cells are no numbers, such as '2026-.* in line 3, exp"
+        ParameterError,
+        match=r"made\.csv: t: 1200 cells are no numbers, such as '2026-.* in line 3, exp",
     ):
         read(tmp_path, "\n".join([header, first, *clock]))
     cells = rows[500].split(",")
@@ -131,7 +140,9 @@ def test_a_clock_that_was_set_late_or_runs_backwards_is_named(tmp_path):
     record = read_record(write(tmp_path, columns), tmp_path / "made.yaml")
     assert "100 of 1201 samples passed over" in record.notes[0]
     columns["t"] = columns["t"][::-1]
-    with pytest.raises(ParameterError, match=r"does not increase, .*: \d+ of 1201 samples are not later"):
+    with pytest.raises(
+        ParameterError, match=r"does not increase, .*: \d+ of 1201 samples are not later"
+    ):
         read_record(write(tmp_path, columns), tmp_path / "made.yaml")
 
 
@@ -141,7 +152,9 @@ def test_times_of_another_unit_that_leave_no_period_are_refused(tmp_path):
     columns["t"] = 1e-3 * columns["t"]
     path, mapping = write(tmp_path, columns), tmp_path / "made.yaml"
     mapping.write_text(MAPPING.replace("unit: ms", "unit: us"))
-    with pytest.raises(ParameterError, match=r"made\.csv: samples are 1e-08 s apart, .*: unit of the time\?"):
+    with pytest.raises(
+        ParameterError, match=r"made\.csv: samples are 1e-08 s apart, .*: unit of the time\?"
+    ):
         read_record(path, mapping)
 
 
@@ -176,12 +189,16 @@ def test_a_stamp_of_a_bag_from_the_future_costs_one_message(tmp_path, monkeypatc
     record = read_record(bag, tmp_path / "bag.yaml")
     assert record.notes[0].startswith("twist.yaw_rate: 1 of ")
     assert record.valid.all()
-    assert record[YAW_RATE] == pytest.approx(driven().channels[YAW_RATE][: len(record.valid)], abs=1e-3)
+    assert record[YAW_RATE] == pytest.approx(
+        driven().channels[YAW_RATE][: len(record.valid)], abs=1e-3
+    )
 
 
 @settings(deadline=None)
 @given(
-    wrong=st.dictionaries(st.integers(0, 199), st.floats(allow_nan=True, allow_infinity=True), max_size=40),
+    wrong=st.dictionaries(
+        st.integers(0, 199), st.floats(allow_nan=True, allow_infinity=True), max_size=40
+    ),
     order=st.permutations(range(8)),
 )
 def test_believed_times_increase_and_are_most_of_them(wrong, order):

@@ -62,9 +62,20 @@ def rig(noise: float = 0.0) -> dict[str, np.ndarray]:
             at = points(slip, side, np.full(120, load))
             fx, fy = combined_longitudinal(coefficients(), at), combined_lateral(coefficients(), at)
             noisy = [f + noise * random.standard_normal(120) for f in (fx, fy)]
-            parts.append((time + np.arange(120) * 0.01, slip, -np.degrees(side), -at.load, noisy[0], -noisy[1]))
+            parts.append(
+                (
+                    time + np.arange(120) * 0.01,
+                    slip,
+                    -np.degrees(side),
+                    -at.load,
+                    noisy[0],
+                    -noisy[1],
+                )
+            )
             time += 10.0
-    columns = dict(zip(("ET", "SL", "SA", "FZ", "FX", "FY"), np.concatenate(parts, axis=1), strict=True))
+    columns = dict(
+        zip(("ET", "SL", "SA", "FZ", "FX", "FY"), np.concatenate(parts, axis=1), strict=True)
+    )
     return {**columns, "IA": np.zeros(len(columns["ET"])), "P": np.full(len(columns["ET"]), 200.0)}
 
 
@@ -80,7 +91,9 @@ def test_a_made_tyre_is_found_again_and_its_file_is_read(tmp_path, capsys):
     The friction of the road is the named factor times that of the belt.
     """
     path = write(tmp_path / "rig.csv", rig(30.0))
-    main(["identify", "--tyre", str(path), "--friction-scale", "0.8", "--out", str(tmp_path / "out")])
+    main(
+        ["identify", "--tyre", str(path), "--friction-scale", "0.8", "--out", str(tmp_path / "out")]
+    )
     assert "combined lateral" in capsys.readouterr().out
     found = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert found["sweeps"] == 24
@@ -115,7 +128,9 @@ def test_coefficients_that_no_sweep_decides_are_named_as_assumed(tmp_path, capsy
     assert lateral[:720].all()
     main(["identify", "--tyre", str(path), "--out", str(tmp_path / "out")])
     assert "not identified, no sweep is there for them, assumed: PCX1" in capsys.readouterr().out
-    assumed = (tmp_path / "out" / "tyre.tir").read_text().partition("[COEFFICIENTS_THAT_ARE_ASSUMED]")[2]
+    assumed = (
+        (tmp_path / "out" / "tyre.tir").read_text().partition("[COEFFICIENTS_THAT_ARE_ASSUMED]")[2]
+    )
     assert all(f"{name} " in assumed for name in ("PDX1", "PKX1", "RBX1", "RBY1"))
     assert "PKY1" not in assumed
     assert len(read_tyre("tyre", str(tmp_path / "out" / "tyre.tir"))) == len(MF_NAMES)
@@ -147,14 +162,27 @@ def test_rig_data_of_other_signs_and_units_are_refused(tmp_path, column, factor,
 def test_a_row_of_other_units_is_refused_and_one_of_its_own_is_read(tmp_path):
     path = write(tmp_path / "rig.csv", rig())
     header, _, rows = path.read_text().partition("\n")
-    own = {"ET": "s", "SL": "-", "SA": "deg", "FZ": "N", "FX": "N", "FY": "N", "IA": "deg", "P": "kPa"}
+    own = {
+        "ET": "s",
+        "SL": "-",
+        "SA": "deg",
+        "FZ": "N",
+        "FX": "N",
+        "FY": "N",
+        "IA": "deg",
+        "P": "kPa",
+    }
     for column, other in (("", ""), ("SA", "rad"), ("FY", "lb"), ("P", "psi")):
         units = {**own, **({column: other} if column else {})}
-        path.write_text("\n".join((header, ",".join(units[name] for name in header.split(",")), rows)))
+        path.write_text(
+            "\n".join((header, ",".join(units[name] for name in header.split(",")), rows))
+        )
         if not column:
             assert read_rig([path]).count == 24
             continue
-        with pytest.raises(ParameterError, match=rf"rig\.csv: {column} is in '{other}', expected {own[column]}"):
+        with pytest.raises(
+            ParameterError, match=rf"rig\.csv: {column} is in '{other}', expected {own[column]}"
+        ):
             read_rig([path])
 
 

@@ -49,17 +49,25 @@ def test_the_car_that_made_the_record_is_found_right_and_a_softer_one_wrong(tmp_
     assert found["errors"]["twist.yaw_rate"]["explained"] > 0.9999
     assert found["errors"]["sideslip"]["explained"] > 0.999
     assert found["metrics"]["windows_left"]["value"] == 0.0
-    assert {name: each["share"] for name, each in found["corridors"].items()} == dict.fromkeys(IN_CORRIDORS, 1.0)
+    assert {name: each["share"] for name, each in found["corridors"].items()} == dict.fromkeys(
+        IN_CORRIDORS, 1.0
+    )
     main([*of, "--no-report", "--vehicle", "audi_a2", "--out", str(tmp_path / "wrong")])
     wrong = json.loads((tmp_path / "wrong" / "summary.json").read_text())
     assert wrong["corridors"]["twist.yaw_rate"]["share"] < 1.0
-    assert wrong["errors"]["twist.yaw_rate"]["rms"] > 10.0 * found["errors"]["twist.yaw_rate"]["rms"]
+    assert (
+        wrong["errors"]["twist.yaw_rate"]["rms"] > 10.0 * found["errors"]["twist.yaw_rate"]["rms"]
+    )
 
 
 def test_a_record_without_what_is_imposed_is_refused(tmp_path, capsys):
     path = write(tmp_path, columns_of(driven()))
     mapping = tmp_path / "made.yaml"
-    mapping.write_text("\n".join(line for line in mapping.read_text().splitlines() if "steering_column" not in line))
+    mapping.write_text(
+        "\n".join(
+            line for line in mapping.read_text().splitlines() if "steering_column" not in line
+        )
+    )
     with pytest.raises(SystemExit) as ended:
         main(["validate", str(path), "--vehicle", CAR, "--out", str(tmp_path / "out")])
     assert "steering_column.state.angle" in str(ended.value)
@@ -86,13 +94,19 @@ OF_THE_RECORD = [
 ]
 
 
-@pytest.mark.parametrize(("imposed", "value"), OF_THE_RECORD, ids=[value for _, value in OF_THE_RECORD])
+@pytest.mark.parametrize(
+    ("imposed", "value"), OF_THE_RECORD, ids=[value for _, value in OF_THE_RECORD]
+)
 def test_a_value_that_a_replay_has_from_the_record_is_refused(tmp_path, imposed, value):
     """It would have no effect, or none that anybody could want."""
     path, name = write(tmp_path, columns_of(driven())), value.partition("=")[0]
-    with pytest.raises(SystemExit, match=f"error: {re.escape(name)} is refused: a replay has it from the record"):
+    with pytest.raises(
+        SystemExit, match=f"error: {re.escape(name)} is refused: a replay has it from the record"
+    ):
         main(["validate", str(path), "--vehicle", CAR, "--impose", imposed, "--set", value])
-    with pytest.raises(SystemExit, match=r"plant\.initial_speed is refused: a replay has it from the record"):
+    with pytest.raises(
+        SystemExit, match=r"plant\.initial_speed is refused: a replay has it from the record"
+    ):
         main(["identify", str(path), "--vehicle", CAR, "--window", "2", "--free", "plant.initial_speed",
               "--out", str(tmp_path / "out")])  # fmt: skip
 
@@ -101,7 +115,8 @@ def test_a_value_that_a_replay_has_from_the_record_is_refused(tmp_path, imposed,
 def test_a_car_whose_lateral_velocity_was_not_measured_has_it_when_a_window_begins(gap):
     """At the begin of a record and behind a gap, too: the second before is driven as measured, not as interpolated.
 
-    The very car follows to 0.0002 rad/s then; windows that began at once were up to 0.008 rad/s off.
+    The very car follows to 0.0002 rad/s then; windows that began at once were up to 0.008 rad/s
+    off.
     """
     run = driven()
     kept = ~((run.time > gap[0]) & (run.time < gap[1]))
@@ -121,8 +136,13 @@ def test_a_replay_has_the_period_of_the_record(tmp_path):
     """Another one of --set or of a file would put its instants beside those that were measured."""
     path, other = write(tmp_path, columns_of(driven())), tmp_path / "other.yaml"
     other.write_text("/**:\n  ros__parameters:\n    control_period: 0.002\n")
-    for given, period in ((["--set", "*.control_period=0.02"], "0.02"), (["--params", str(other)], "0.002")):
-        with pytest.raises(SystemExit, match=f"control_period is {period} s, expected that of the record, 0.01 s"):
+    for given, period in (
+        (["--set", "*.control_period=0.02"], "0.02"),
+        (["--params", str(other)], "0.002"),
+    ):
+        with pytest.raises(
+            SystemExit, match=f"control_period is {period} s, expected that of the record, 0.01 s"
+        ):
             main(["validate", str(path), "--vehicle", CAR, *given])
 
 
@@ -140,8 +160,9 @@ def test_a_car_that_is_found_in_the_output_folder_is_not_removed_from_there(tmp_
 def test_the_torque_of_each_wheel_is_imposed_by_itself(tmp_path, capsys):
     """A car straight ahead that only a difference of its front torques turns, and a brake at one rear wheel.
 
-    Replayed with its torques it is where it was; with those of left and right exchanged it turns the other way. What
-    has no column is zero and named; a drive torque at a wheel without a motor is refused.
+    Replayed with its torques it is where it was; with those of left and right exchanged it turns
+    the other way. What has no column is zero and named; a drive torque at a wheel without a motor
+    is refused.
     """
     time = np.arange(602) * PERIOD
     torques = {
@@ -149,22 +170,33 @@ def test_the_torque_of_each_wheel_is_imposed_by_itself(tmp_path, capsys):
         "drive.front_right": 60.0 + 40.0 * np.sin(2.0 * time),
         "brake.rear_left": 30.0 * (1.0 + np.sin(time)),
     }
-    values = [("plant", "initial_speed", 20.0), ("plant", "speed", "free"), ("plant", "initial_hold", 0.0)]
+    values = [
+        ("plant", "initial_speed", 20.0),
+        ("plant", "speed", "free"),
+        ("plant", "initial_hold", 0.0),
+    ]
     values += [("electronic_differential", "time", time.tolist())]
     values += [
         ("electronic_differential", f"{kind}.{wheel}", [0.0] * 602)
         for kind in ("drive", "brake")
         for wheel in WHEEL_NAMES
     ]
-    values += [("electronic_differential", name, torque.tolist()) for name, torque in torques.items()]
+    values += [
+        ("electronic_differential", name, torque.tolist()) for name, torque in torques.items()
+    ]
     made = run_offline(graph(CAR, PERIOD, Overrides(values=values), "torques"), 6.0)
-    measured = columns_of(made) | {name: made.channels[f"torque_command.{name}"] for name in torques}
+    measured = columns_of(made) | {
+        name: made.channels[f"torque_command.{name}"] for name in torques
+    }
     record = write(tmp_path, measured)
     mapping = record.with_suffix(".yaml")
     own = mapping.read_text()
 
     def validated(names: dict[str, str]) -> dict[str, dict[str, float]]:
-        lines = [f"  torque_command.{name}: {{column: {column}, unit: N m}}\n" for name, column in names.items()]
+        lines = [
+            f"  torque_command.{name}: {{column: {column}, unit: N m}}\n"
+            for name, column in names.items()
+        ]
         mapping.write_text(own + "".join(lines))
         main(
             [
@@ -189,9 +221,13 @@ def test_the_torque_of_each_wheel_is_imposed_by_itself(tmp_path, capsys):
     out = capsys.readouterr().out
     assert "taken as zero: torque_command.drive.rear_left" in out
     (left,) = re.findall(r"do not follow.*front_left ([\d.]+) N m", out)
-    assert float(left) == pytest.approx(0.03 * 62.0, rel=0.3)  # N m: the gear keeps 3 % of what it is asked for
+    # N m: the gear keeps 3 % of what it is asked for
+    assert float(left) == pytest.approx(0.03 * 62.0, rel=0.3)
     exchanged = validated(
-        {name: name.replace("left", "x").replace("right", "left").replace("x", "right") for name in list(torques)[:2]}
+        {
+            name: name.replace("left", "x").replace("right", "left").replace("x", "right")
+            for name in list(torques)[:2]
+        }
     )
     assert exchanged["twist.yaw_rate"]["explained"] < 0.0
     with pytest.raises(SystemExit, match=r"drive\.rear_left: a torque there is refused"):

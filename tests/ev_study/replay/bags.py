@@ -32,20 +32,33 @@ def realtime_bag(of: Recording, folder: Path, lost: dict[str, int]) -> Path:
 
     All of it is 20 ms late, the driver 2 ms after the plant, and so on.
     """
-    after = {"driver/command": 2, "torque_request": 3, "torque_command": 4, "steering_column/state": -1}  # ms
+    # ms
+    after = {
+        "driver/command": 2,
+        "torque_request": 3,
+        "torque_command": 4,
+        "steering_column/state": -1,
+    }
     topics = [TOPICS[s] for s in RECORDED if set(TOPICS[s].channels) <= set(of.channels)]
     p = RecorderParameters(str(folder), control_period=PERIOD / 1e9, mode="realtime")
     recorder = RunRecorder(p, topics, [f"/ev/{t.name}" for t in topics])
     frames = frame.stack(len(of.time), PERIOD)
     for topic in topics:
-        frames[:, frame.PLACES[topic.signal]] = np.stack([of.channels[name] for name in topic.channels], axis=1)
+        frames[:, frame.PLACES[topic.signal]] = np.stack(
+            [of.channels[name] for name in topic.channels], axis=1
+        )
     at = np.arange(len(of.time)) * PERIOD
     messages = [MessageTable(topic).serialize(at, frames) for topic in topics]
     for step in range(len(of.time)):
         for index, topic in enumerate(topics):
             if lost.get(topic.name) != step:
                 late = 20 + after.get(topic.name, 0)
-                recorder.add(index, [messages[index][step]], [10**18 + int(at[step]) + late * 1_000_000], print)
+                recorder.add(
+                    index,
+                    [messages[index][step]],
+                    [10**18 + int(at[step]) + late * 1_000_000],
+                    print,
+                )
     recorder.close()
     return folder
 

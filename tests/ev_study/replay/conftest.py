@@ -13,5 +13,16 @@ from ev_stack.commands.run_scenario import main
 def turn(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Power steering up to the first turn, without a bag."""
     out = tmp_path_factory.mktemp("turn")
-    main(["shchur2019", "--offline", "--duration", "11", "--no-report", "--no-record", "--out", str(out)])
+    main(
+        [
+            "shchur2019",
+            "--offline",
+            "--duration",
+            "11",
+            "--no-report",
+            "--no-record",
+            "--out",
+            str(out),
+        ]
+    )
     return out

@@ -25,22 +25,40 @@ from ev_study.replay.comparing import in_words, latency_of
 from ev_study.replay.graph import replay_of
 from ev_study.replay.recorded import find_recorded
 
-PART = {"/a/wheel_states": "wheel_states", "/a/torque_request": "torque_request", "/a/torque_command": "torque_command"}
+PART = {
+    "/a/wheel_states": "wheel_states",
+    "/a/torque_request": "torque_request",
+    "/a/torque_command": "torque_command",
+}
 STEPS = [PERIOD * step for step in range(20)]
 
 
-def test_bag_in_real_time_keeps_arrivals_and_compares_where_both_sides_are_known(turn: Path, tmp_path: Path):
-    folder = realtime_bag(load(turn / "signals.npz"), tmp_path, {"torque_request": 1050, "driver/command": 1060})
+def test_bag_in_real_time_keeps_arrivals_and_compares_where_both_sides_are_known(
+    turn: Path, tmp_path: Path
+):
+    folder = realtime_bag(
+        load(turn / "signals.npz"), tmp_path, {"torque_request": 1050, "driver/command": 1060}
+    )
     shutil.copy(turn / "parameters.yaml", folder)
     recorded = find_recorded(folder)
     assert [note.partition(" of")[0] for note in recorded.notes] == [
         "driver/command: 1", "torque_request: 1"
     ]  # fmt: skip
     found = differences(recorded, tmp_path / "out", "electronic_differential")
-    assert {each.compared for each in found} == {1101 - 2} and in_words(found).startswith("bit-identical")
+    assert {each.compared for each in found} == {1101 - 2} and in_words(found).startswith(
+        "bit-identical"
+    )
     timing = latency_of(recorded)
-    for topic, expected in (("torque_request", 0.001), ("torque_command", 0.001), ("driver/command", 0.002)):
-        assert timing["latency"][topic]["median"] == timing["latency"][topic]["largest"] == pytest.approx(expected)
+    for topic, expected in (
+        ("torque_request", 0.001),
+        ("torque_command", 0.001),
+        ("driver/command", 0.002),
+    ):
+        assert (
+            timing["latency"][topic]["median"]
+            == timing["latency"][topic]["largest"]
+            == pytest.approx(expected)
+        )
     # The column answers the driver of the instant before, who is heard 7 ms before it.
     assert timing["latency"]["steering_column/state"]["median"] == pytest.approx(0.007)
     assert sum(timing["jitter"]["torque_request"]["counts"]) == 1100 - 2
@@ -54,14 +72,17 @@ def test_a_part_of_a_graph_is_replayed_from_any_namespace_and_start(turn: Path, 
     with pytest.raises(ParameterError, match=r"\(--namespace\), the bag has those of /a, /b$"):
         find_recorded(folder)
     recorded = find_recorded(folder, "/a")
-    assert recorded.period == PERIOD and [topic.name for topic in recorded.topics] == list(PART.values())
+    assert recorded.period == PERIOD and [topic.name for topic in recorded.topics] == list(
+        PART.values()
+    )
     assert recorded.notes == ("time counts from the stamp 7 s on, the first one of all topics",)
     assert (
         in_words(differences(recorded, tmp_path / "out", "asr", "audi_a2"))
         == "bit-identical: 8 channels at 20 instants"
     )
     with pytest.raises(
-        ParameterError, match="has no steering_column/state, which the asr pi_slip reads; it has wheel_"
+        ParameterError,
+        match="has no steering_column/state, which the asr pi_slip reads; it has wheel_",
     ):
         replay_of(recorded, "asr", "pi_slip", Overrides(vehicle="audi_a2"))
 
@@ -70,7 +91,10 @@ def test_a_part_of_a_graph_is_replayed_from_any_namespace_and_start(turn: Path, 
     ("stamps", "said"),
     [
         ([*STEPS, *STEPS], "wheel_states goes back from 0.19 s to 0 s, expected a bag of one run"),
-        ([*STEPS, 201_000_000], "wheel_states at 0.201 s, expected multiples of 0.01 s from 0 s on"),
+        (
+            [*STEPS, 201_000_000],
+            "wheel_states at 0.201 s, expected multiples of 0.01 s from 0 s on",
+        ),
         ([0], "holds 1 whole instants of a run, expected two or more"),
     ],
 )
@@ -86,18 +110,24 @@ def test_a_chunk_that_unfolds_to_more_than_the_bound_is_one_line(monkeypatch, tm
     writer = Writer(tmp_path / "bag", version=9, storage_plugin=StoragePlugin.MCAP)
     writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
     with writer as bag:
-        connection = bag.add_connection("/imu", "sensor_msgs/msg/Imu", typestore=get_typestore(Stores.ROS2_HUMBLE))
+        connection = bag.add_connection(
+            "/imu", "sensor_msgs/msg/Imu", typestore=get_typestore(Stores.ROS2_HUMBLE)
+        )
         bag.write(connection, 0, bytes(128 * MEGABYTE))
     assert sum(path.stat().st_size for path in (tmp_path / "bag").iterdir()) < MEGABYTE
     monkeypatch.setattr(ev_study.replay.recorded, "SIGNALS", 32 * MEGABYTE)
     before = resource.getrlimit(resource.RLIMIT_DATA)
-    with pytest.raises(ParameterError, match=r"bag: the bag cannot be read: unfolded it takes more than 64 MB$"):
+    with pytest.raises(
+        ParameterError, match=r"bag: the bag cannot be read: unfolded it takes more than 64 MB$"
+    ):
         find_recorded(tmp_path / "bag")
     assert resource.getrlimit(resource.RLIMIT_DATA) == before
 
 
 @pytest.mark.parametrize("kind", ["pipe", "unfolds"])
-def test_what_a_bag_names_is_a_file_that_fits_on_the_disk(kind, turn: Path, tmp_path: Path, monkeypatch):
+def test_what_a_bag_names_is_a_file_that_fits_on_the_disk(
+    kind, turn: Path, tmp_path: Path, monkeypatch
+):
     """Its metadata may name a pipe, which would never end, or a compressed file that unfolds to any size."""
     bag = foreign_bag(load(turn / "signals.npz"), tmp_path, STEPS, PART) / "bag"
     metadata = bag / "metadata.yaml"
@@ -110,7 +140,10 @@ def test_what_a_bag_names_is_a_file_that_fits_on_the_disk(kind, turn: Path, tmp_
         said = re.sub("compression_mode:.*", "compression_mode: FILE", said)
         said = re.sub("compression_format:.*", "compression_format: zstd", said)
         monkeypatch.setattr(ev_study.replay.recorded, "SIGNALS", 4 * MEGABYTE)
-        monkeypatch.setattr(ev_study.replay.recorded, "sys", SimpleNamespace(platform="other"))  # no limit of memory
+        # no limit of memory
+        monkeypatch.setattr(ev_study.replay.recorded, "sys", SimpleNamespace(platform="other"))
     metadata.write_text(said)
-    with pytest.raises(ParameterError, match="it is a pipe" if kind == "pipe" else "File too large"):
+    with pytest.raises(
+        ParameterError, match="it is a pipe" if kind == "pipe" else "File too large"
+    ):
         find_recorded(bag)

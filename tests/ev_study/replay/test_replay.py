@@ -32,7 +32,9 @@ def test_another_law_differs_from_the_step_in_which_hands_or_column_move(
     turn: Path, tmp_path: Path, capsys: pytest.CaptureFixture
 ):
     """Eq 4 of Shchur (2019) gives no torque difference as long as hand torque, angle and rate are zero."""
-    run_replay([str(turn), "--node", "electronic_differential=equal_torque", "--out", str(tmp_path)])
+    run_replay(
+        [str(turn), "--node", "electronic_differential=equal_torque", "--out", str(tmp_path)]
+    )
     channels = load(turn / "signals.npz").channels
     moved = np.zeros(len(channels["imu.yaw_rate"]), bool)
     for field in ("hand_torque", "angle", "rate"):
@@ -43,13 +45,21 @@ def test_another_law_differs_from_the_step_in_which_hands_or_column_move(
     step = int(left["step"])
     assert step == np.flatnonzero(moved)[0] and float(left["time"]) == pytest.approx(step * 0.01)
     assert float(left["time"]) >= STEERED
-    replayed = load(tmp_path / "replayed" / "signals.npz").channels["torque_request.drive.front_left"]
+    replayed = load(tmp_path / "replayed" / "signals.npz").channels[
+        "torque_request.drive.front_left"
+    ]
     apart = np.abs(replayed - channels["torque_request.drive.front_left"])
-    assert float(left["largest"]) == apart.max() and apart[round(float(left["at"]) * 100)] == apart.max()
+    assert (
+        float(left["largest"]) == apart.max()
+        and apart[round(float(left["at"]) * 100)] == apart.max()
+    )
     assert float(left["rms"]) == pytest.approx(np.sqrt(np.mean(apart**2)))
     assert rows["torque_request.brake.rear_left"]["differing"] == "0"
     said = capsys.readouterr().out
-    assert "2 of 8 channels differ, compared at 1101 instants; first torque_request.drive.front_left in step" in said
+    assert (
+        "2 of 8 channels differ, compared at 1101 instants; first torque_request.drive.front_left in step"
+        in said
+    )
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["runs"]["recorded"]["signal_hash"] != summary["runs"]["replayed"]["signal_hash"]
     assert summary["differences"][0]["step"] == step
@@ -68,7 +78,9 @@ def test_role_plays_what_was_recorded_in_any_run(turn: Path, tmp_path: Path):
         hash_of(duration=12.0)
     with pytest.raises(ParameterError, match=r"are none of a control_period of 0.02 s"):
         hash_of(("*", "control_period", 0.02), duration=11.0)
-    with pytest.raises(ParameterError, match="a asr writes torque_command, none of it is in the file"):
+    with pytest.raises(
+        ParameterError, match="a asr writes torque_command, none of it is in the file"
+    ):
         save(Recording(np.zeros(2), {"mine": np.zeros(2)}), tmp_path / "mine.npz")
         hash_of(("asr", "method", str(tmp_path / "mine.npz")), duration=11.0)
 
@@ -82,7 +94,12 @@ def places(turn: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Pa
     realtime_bag(load(turn / "signals.npz"), folder / "cut", {})
     with (folder / "cut" / "bag" / "bag.mcap").open("r+b") as file:
         file.truncate(2000)
-    return {"run": turn, "lone": folder / "lone.npz", "empty": folder / "empty.npz", "cut": folder / "cut"}
+    return {
+        "run": turn,
+        "lone": folder / "lone.npz",
+        "empty": folder / "empty.npz",
+        "cut": folder / "cut",
+    }
 
 
 @pytest.mark.parametrize(
@@ -105,7 +122,9 @@ def places(turn: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Pa
         (["{cut}", "--node", "asr"], "bag: the bag cannot be read: "),
     ],
 )  # fmt: skip
-def test_what_cannot_be_replayed_is_one_line(words: list[str], said: str, places: dict[str, Path], tmp_path: Path):
+def test_what_cannot_be_replayed_is_one_line(
+    words: list[str], said: str, places: dict[str, Path], tmp_path: Path
+):
     with pytest.raises(SystemExit) as ended:
         main(["replay", *(word.format(**places) for word in words), "--out", str(tmp_path / "out")])
     assert said in ended.value.code and "\n" not in ended.value.code
@@ -125,12 +144,17 @@ def test_a_recorded_answer_that_is_no_number_is_refused(turn: Path, tmp_path: Pa
 
 def test_instants_that_are_not_those_of_a_control_period_are_refused(turn: Path, tmp_path: Path):
     recording = load(turn / "signals.npz")
-    again = Recording(recording.time[:300], {name: row[:300] for name, row in recording.channels.items()})
+    again = Recording(
+        recording.time[:300], {name: row[:300] for name, row in recording.channels.items()}
+    )
     save(Recording(again.time + 0.003 * (again.time > 1.0), again.channels), tmp_path / "odd.npz")
     with pytest.raises(ParameterError, match="its instants are not those of a control period"):
         find_recorded(tmp_path / "odd.npz")
     with pytest.raises(ParameterError, match="holds 1 whole instants of a run"):
-        save(Recording(again.time[:1], {name: row[:1] for name, row in again.channels.items()}), tmp_path / "one.npz")
+        save(
+            Recording(again.time[:1], {name: row[:1] for name, row in again.channels.items()}),
+            tmp_path / "one.npz",
+        )
         find_recorded(tmp_path / "one.npz")
 
 
@@ -164,8 +188,19 @@ def test_as_recorded_every_role_says_the_same_bits(tmp_path: Path):
 
 @pytest.mark.slow
 @pytest.mark.weekly
-def test_node_of_ones_own_takes_part_in_lockstep(turn: Path, tmp_path: Path, capsys: pytest.CaptureFixture):
+def test_node_of_ones_own_takes_part_in_lockstep(
+    turn: Path, tmp_path: Path, capsys: pytest.CaptureFixture
+):
     command = f"{sys.executable} {ROOT / 'docs' / 'examples' / 'own_node.py'}"
-    words = [str(turn), "--node", f"asr={command}", "--duration", "1", "--no-report", "--out", str(tmp_path)]
+    words = [
+        str(turn),
+        "--node",
+        f"asr={command}",
+        "--duration",
+        "1",
+        "--no-report",
+        "--out",
+        str(tmp_path),
+    ]
     run_replay(words)
     assert "bit-identical: 8 channels at 101 instants" in capsys.readouterr().out

@@ -37,7 +37,9 @@ def test_all_cases_are_driven(results):
 
 def test_every_control_on_every_road_by_default():
     names = [case.name for case in asr_shootout.cases(argparse.Namespace())]
-    assert len(names) == len(set(names)) == len(asr_shootout.SITUATIONS) * len(asr_shootout.controls())
+    assert (
+        len(names) == len(set(names)) == len(asr_shootout.SITUATIONS) * len(asr_shootout.controls())
+    )
     assert asr_shootout.controls() == ["off", *sorted((*METHODS, *SPEED_MODE, *VARIANTS))]
 
 
@@ -57,7 +59,14 @@ def test_control_does_nothing_where_the_road_carries_the_torque(results):
     off, on, by_speed = (results[f"dry, gentle: {name}"] for name in NAMES)
     assert on.signal_hash == off.signal_hash
     assert on.measured["false_triggers"] == 0
-    same = ("distance", "mean_slip", "slip_energy", "heading_deviation", "time_to_30", "false_triggers")
+    same = (
+        "distance",
+        "mean_slip",
+        "slip_energy",
+        "heading_deviation",
+        "time_to_30",
+        "false_triggers",
+    )
     assert [by_speed.measured[name] for name in same] == [off.measured[name] for name in same]
 
 
@@ -75,26 +84,38 @@ def test_slip_energy_is_the_work_that_the_speeds_do_not_show(results):
 def test_measures_do_not_count_control_periods(finer):
     """The same motion at 2.5 and 1 ms: commands hold, all else goes on evenly. Slip energy was 2 and 5 times it.
 
-    The ripple within 2 %: a command that holds in steps of 5 ms has that ripple itself, which is seen between samples.
+    The ripple within 2 %: a command that holds in steps of 5 ms has that ripple itself, which is
+    seen between samples.
     """
-    (case,) = asr_shootout.cases(argparse.Namespace(controls=["slip_window"], roads=["snow, then dry"]))
+    (case,) = asr_shootout.cases(
+        argparse.Namespace(controls=["slip_window"], roads=["snow, then dry"])
+    )
     run = run_of(case)
     motion = true_motion(run_offline(run.configurations, run.duration), run.configurations)
     time = np.arange((len(motion.time) - 1) * finer + 1) * asr_shootout.PERIOD / finer
     held = ("torque_", "tire_forces.friction_coefficient")
     channels = {
-        name: values[np.arange(len(time)) // finer] if name.startswith(held) else np.interp(time, motion.time, values)
+        name: values[np.arange(len(time)) // finer]
+        if name.startswith(held)
+        else np.interp(time, motion.time, values)
         for name, values in motion.channels.items()
     }
     wanted, found = (asr_shootout.measure(of, run) for of in (motion, Recording(time, channels)))
     for name in asr_shootout.QUANTITIES:
-        assert found[name] == pytest.approx(wanted[name], rel=0.02 if name == "torque_ripple" else 1e-3), name
+        assert found[name] == pytest.approx(
+            wanted[name], rel=0.02 if name == "torque_ripple" else 1e-3
+        ), name
 
 
 def test_a_run_that_ends_early_has_gaps_and_no_error():
     (case,) = asr_shootout.cases(argparse.Namespace(controls=["off"], roads=["ice"]))
     result = drive_case(dataclasses.replace(case, duration=0.05), asr_shootout.measure)
-    assert result.measured["peak_slip"] is result.measured["torque_ripple"] is result.measured["recovery"] is None
+    assert (
+        result.measured["peak_slip"]
+        is result.measured["torque_ripple"]
+        is result.measured["recovery"]
+        is None
+    )
     assert asr_shootout.rows(None, {case.name: result})[0][2:] == (
         "–",
         "0.0",
@@ -124,7 +145,9 @@ def test_the_shortest_study_has_its_page(tmp_path, capsys):
         str(tmp_path / "out"),
     ]
     main(["asr_shootout", *words])
-    row = next(line for line in capsys.readouterr().out.splitlines() if line.startswith("snow  off"))
+    row = next(
+        line for line in capsys.readouterr().out.splitlines() if line.startswith("snow  off")
+    )
     assert row.split()[2] == row.split()[-1] == "–"
     assert (tmp_path / "out" / "report.html").is_file()
 
@@ -134,7 +157,8 @@ def test_table_and_metrics(results):
     assert rows[0][:3] == ("snow", "off", "–")
     assert all(len(row) == len(asr_shootout.COLUMNS) for row in rows)
     lines = printed(asr_shootout, GIVEN, results).splitlines()
-    assert len(lines) == 8 and lines[0].startswith("road")  # header, rule, three controls on two roads
+    # header, rule, three controls on two roads
+    assert len(lines) == 8 and lines[0].startswith("road")
     metrics = asr_shootout.metrics(GIVEN, results)
     assert all(isinstance(value, Metric) and value.value is not None for value in metrics.values())
     distances = [results[f"{road}: off"].measured["distance"] for road in GIVEN.roads]

@@ -34,7 +34,10 @@ def cases_of(name: str, *words: str) -> list[Case]:
             "compare --method electronic_differential=equal_torque",
             "electronic_differential.method is refused: case 'adaptive' sets electronic_differential.method itself",
         ),
-        ("sweep coast_down --seeds 3 --seed 7", "*.seed is refused: case 'seed=0' sets *.seed itself"),
+        (
+            "sweep coast_down --seeds 3 --seed 7",
+            "*.seed is refused: case 'seed=0' sets *.seed itself",
+        ),
         (
             "five_methods --seeds 2 --set plant.road.seed=9",
             "plant.road.seed is refused: case 'method 1 tracking seed 1' sets plant.road.seed itself",
@@ -48,8 +51,14 @@ def cases_of(name: str, *words: str) -> list[Case]:
             "driver.speed_profile.file is refused: case 'none: adaptive, off, dry' sets driver.speed_profile.time "
             "itself",
         ),
-        ("sweep coast_down --vary plant.initial_speed=20,20", "case 'plant.initial_speed=20' is there twice"),
-        ("five_methods --drivers pulse pulse", "case 'method 1 pulse seed 1' is there twice, expected once"),
+        (
+            "sweep coast_down --vary plant.initial_speed=20,20",
+            "case 'plant.initial_speed=20' is there twice",
+        ),
+        (
+            "five_methods --drivers pulse pulse",
+            "case 'method 1 pulse seed 1' is there twice, expected once",
+        ),
         (
             "sweep coast_down --vary plant.initial_speed=20 --vary plant.initial_speed=30",
             "--vary 'plant.initial_speed=30' is refused: plant.initial_speed varies already, expected once",
@@ -62,13 +71,34 @@ def cases_of(name: str, *words: str) -> list[Case]:
             "sweep coast_down --vary plant.initial_speed=1:2:0",
             "--vary 'plant.initial_speed=1:2:0' is refused, expected a COUNT from 2",
         ),
-        ("sweep coast_down --vary plant.road.left=[ice", "--vary 'plant.road.left=[ice' is refused, expected x,y,z"),
-        (f"energy {CARS} --duration 60", "--duration 60 is refused: what was measured is of whole cycles"),
-        ("faults --duration 4", "--duration 4 is refused: what this study measures comes later, expected 5 s"),
-        ("bench_difference --duration 1", "--duration 1 is refused: what this study measures comes later"),
-        ("bench_convergence --duration 1", "--duration 1 is refused: what this study measures comes later"),
-        ("bench_faults --duration 1", "--duration 1 is refused: what this study measures comes later"),
-        ("asr_shootout --duration 0.9", "--duration 0.9 is refused: what this study measures comes later"),
+        (
+            "sweep coast_down --vary plant.road.left=[ice",
+            "--vary 'plant.road.left=[ice' is refused, expected x,y,z",
+        ),
+        (
+            f"energy {CARS} --duration 60",
+            "--duration 60 is refused: what was measured is of whole cycles",
+        ),
+        (
+            "faults --duration 4",
+            "--duration 4 is refused: what this study measures comes later, expected 5 s",
+        ),
+        (
+            "bench_difference --duration 1",
+            "--duration 1 is refused: what this study measures comes later",
+        ),
+        (
+            "bench_convergence --duration 1",
+            "--duration 1 is refused: what this study measures comes later",
+        ),
+        (
+            "bench_faults --duration 1",
+            "--duration 1 is refused: what this study measures comes later",
+        ),
+        (
+            "asr_shootout --duration 0.9",
+            "--duration 0.9 is refused: what this study measures comes later",
+        ),
     ],
 )
 def test_what_a_case_sets_itself_is_refused_in_one_line(words, said):
@@ -97,7 +127,9 @@ def test_names_differ_and_what_a_case_sets_is_its_own(name):
 
 
 def test_what_no_case_sets_is_that_of_all():
-    cases = cases_of("sweep", "coast_down", "--vary", "plant.initial_speed=20,30", "--set", "plant.step=0.001")
+    cases = cases_of(
+        "sweep", "coast_down", "--vary", "plant.initial_speed=20,30", "--set", "plant.step=0.001"
+    )
     assert [case.values for case in cases] == [
         (("plant", "initial_speed", speed), ("plant", "step", 0.001)) for speed in (20, 30)
     ]
@@ -110,13 +142,21 @@ def test_names_have_all_digits_and_lists_are_values():
         "plant.initial_speed=15.00002",
     ]
     lists = cases_of("sweep", "coast_down", "--vary", "plant.road.left=[ice,dry_asphalt],[ice]")
-    assert [value for case in lists for *_, value in case.values] == [["ice", "dry_asphalt"], ["ice"]]
+    assert [value for case in lists for *_, value in case.values] == [
+        ["ice", "dry_asphalt"],
+        ["ice"],
+    ]
 
 
 def assert_driven_as_it_says(case: Case) -> None:
     """What a case sets is what its run has: told once more, it changes nothing."""
     played = run_of(case).configurations
-    said = {(role, name): value for node, name, value in case.values for role in played if node in ("*", role)}
+    said = {
+        (role, name): value
+        for node, name, value in case.values
+        for role in played
+        if node in ("*", role)
+    }
     for (role, name), value in said.items():
         if name in (has := played[role].values()):
             assert played[role].changed({name: value}).values() == has, (case.name, role, name)
@@ -157,7 +197,11 @@ def test_a_row_stands_under_what_was_driven_or_is_refused(data):
     run = load_scenario(scenario).runs[0]
     role = data.draw(st.sampled_from(sorted(run.configurations)))
     common = ("control_period", "duration", "vehicle.", "mode", "sensors.")
-    own = [e for e in run.configurations[role].entries() if not e.name.startswith(common) and any(values_of(e))]
+    own = [
+        e
+        for e in run.configurations[role].entries()
+        if not e.name.startswith(common) and any(values_of(e))
+    ]
     entry = data.draw(st.sampled_from(own))
     value = data.draw(st.sampled_from([*values_of(entry)]))
     more = data.draw(st.sampled_from([(), ("--vehicle", "compact_ev"), ("--cycle", "nedc")]))
@@ -173,7 +217,12 @@ def test_an_angle_that_a_study_sets_stays_with_another_car():
     words = ("step_steer", "--vehicle", "compact_ev")
     varied = cases_of("sweep", *words, "--vary", "steering_column.scale=1.0,2.0")
     varied += cases_of("sweep", *words, "--set", "steering_column.scale=3.0", "--seeds", "2")
-    assert [run_of(case).configurations["steering_column"].parameters.scale for case in varied] == [1.0, 2.0, 3.0, 3.0]
+    assert [run_of(case).configurations["steering_column"].parameters.scale for case in varied] == [
+        1.0,
+        2.0,
+        3.0,
+        3.0,
+    ]
 
 
 @pytest.mark.parametrize("words", [("--cycle", "nedc"), ()])
@@ -185,6 +234,10 @@ def test_points_under_a_file_are_refused(words, tmp_path):
     (tmp_path / "own.yaml").write_text(f"/**/scenario: {{ros__parameters: {{about: a}}}}\n{text}")
     with pytest.raises(ParameterError, match=r"speed_profile\.(file|speed) is refused"):
         for case in cases_of(
-            "sweep", scenario, "--vary", "driver.speed_profile.speed=[1.0,2.0,3.0,4.0],[4.0,3.0,2.0,1.0]", *words
+            "sweep",
+            scenario,
+            "--vary",
+            "driver.speed_profile.speed=[1.0,2.0,3.0,4.0],[4.0,3.0,2.0,1.0]",
+            *words,
         ):
             run_of(case)

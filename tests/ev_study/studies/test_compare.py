@@ -34,13 +34,18 @@ ALL_DRIVEN = [("*", "vehicle.driven_wheels", list(WHEEL_NAMES))]
 
 def asked(**changed) -> argparse.Namespace:
     options = {"scenario": "step_steer", **changed}
-    return arguments("compare", [word for name, value in options.items() for word in (f"--{name}", value)])
+    return arguments(
+        "compare", [word for name, value in options.items() for word in (f"--{name}", value)]
+    )
 
 
 @cache
 def compared(four_wheels: bool) -> dict:
     values = tuple(ALL_DRIVEN) if four_wheels else ()
-    cases = [dataclasses.replace(case, values=case.values + values, duration=2.5) for case in compare.cases(asked())]
+    cases = [
+        dataclasses.replace(case, values=case.values + values, duration=2.5)
+        for case in compare.cases(asked())
+    ]
     return {case.name: drive_case(case, compare.measure) for case in cases}
 
 
@@ -52,10 +57,19 @@ def made(**channels) -> Recording:
         "imu.yaw_rate",
         "steering_column.state.road_wheel_angle",
     ]
-    zero += [f"tire_forces.{kind}.{wheel}" for kind in ("slip_ratio", "slip_angle") for wheel in WHEEL_NAMES]
+    zero += [
+        f"tire_forces.{kind}.{wheel}"
+        for kind in ("slip_ratio", "slip_angle")
+        for wheel in WHEEL_NAMES
+    ]
     values = {name: np.zeros(size) for name in zero} | {"twist.longitudinal": np.full(size, 10.0)}
-    values |= {f"tire_forces.friction_coefficient.{wheel}": np.full(size, 1.0) for wheel in WHEEL_NAMES}
-    values |= {name.replace("__", "."): np.broadcast_to(value, size).copy() for name, value in channels.items()}
+    values |= {
+        f"tire_forces.friction_coefficient.{wheel}": np.full(size, 1.0) for wheel in WHEEL_NAMES
+    }
+    values |= {
+        name.replace("__", "."): np.broadcast_to(value, size).copy()
+        for name, value in channels.items()
+    }
     return Recording(np.arange(size) * 0.01, values)
 
 
@@ -89,7 +103,9 @@ def test_a_car_that_slides_backwards_has_spun_and_one_in_reverse_has_not():
     spun = made(twist__longitudinal=10.0 * np.cos(angle), twist__lateral=10.0 * np.sin(angle))
     assert handling.has_spun(spun)
     assert not handling.has_spun(made(twist__longitudinal=-10.0, twist__lateral=0.5))
-    held = made(twist__longitudinal=10.0 * np.cos(0.8 * angle), twist__lateral=10.0 * np.sin(0.8 * angle))
+    held = made(
+        twist__longitudinal=10.0 * np.cos(0.8 * angle), twist__lateral=10.0 * np.sin(0.8 * angle)
+    )
     assert not handling.has_spun(held)
     assert not handling.has_spun(Recording(np.zeros(1), {}))
 
@@ -108,7 +124,9 @@ def test_time_over_limit_counts_slip_beyond_the_peak_of_the_curve():
     """Burckhardt's peak is at ln(C1 C2/C3)/C2 = 0.2048 on dry asphalt; along and across count together."""
     peak = math.log(1.029 * 17.16 / 0.523) / 17.16
     assert peak_slip("burckhardt", (1.029, 17.16, 0.523, 0.0)) == pytest.approx(peak, abs=1e-4)
-    available = max(1.029 * (1 - math.exp(-17.16 * s * 1e-4)) - 0.523 * s * 1e-4 for s in range(10001))
+    available = max(
+        1.029 * (1 - math.exp(-17.16 * s * 1e-4)) - 0.523 * s * 1e-4 for s in range(10001)
+    )
     friction = {f"tire_forces__friction_coefficient__{wheel}": available for wheel in WHEEL_NAMES}
 
     def over(along: float, across: float) -> float:
@@ -117,7 +135,9 @@ def test_time_over_limit_counts_slip_beyond_the_peak_of_the_curve():
             "tire_forces__slip_ratio__rear_left": along * late,
             "tire_forces__slip_angle__rear_left": across * late,
         }
-        return handling.time_over_limit(made(**slips, **friction), Vehicle(), ("dry_asphalt", "ice"))
+        return handling.time_over_limit(
+            made(**slips, **friction), Vehicle(), ("dry_asphalt", "ice")
+        )
 
     assert over(0.9 * peak, 0.0) == over(0.0, math.asin(0.9 * peak)) == 0.0
     assert over(0.9 * peak, math.asin(0.9 * peak)) == pytest.approx(0.4, rel=1e-9)
@@ -156,7 +176,10 @@ def test_every_method_has_its_line():
 
 
 def test_methods_that_a_layout_forbids_are_driven_on_another_one():
-    assert compared(False)["axle_redistribution"].refused and not compared(True)["axle_redistribution"].refused
+    assert (
+        compared(False)["axle_redistribution"].refused
+        and not compared(True)["axle_redistribution"].refused
+    )
 
 
 def test_methods_differ_and_metrics_say_so():
@@ -176,7 +199,9 @@ def test_overlay_names_every_method_once():
     """More methods than a panel can name: one legend above, and colours that differ."""
     figure = compare.figures(asked(), compared(True))["overlay"].figure()
     (legend,) = figure.legends
-    assert [text.get_text().removesuffix(" (spun)").replace(" ", "_") for text in legend.get_texts()] == driven_here()
+    assert [
+        text.get_text().removesuffix(" (spun)").replace(" ", "_") for text in legend.get_texts()
+    ] == driven_here()
     assert len(driven_here()) > 4
     for axes in figure.axes:
         assert axes.get_legend() is None
@@ -194,13 +219,20 @@ def test_a_plant_without_tyres_has_no_slip():
 
 def test_a_law_with_which_the_car_spins_is_marked_and_does_not_flatten_the_axes():
     """Five times the angle at 0.3 g at 80 km/h turns the car round; half of it does not."""
-    (case,) = compare.cases(asked(scenario="sine_with_dwell", run="times_5_0", methods="equal_torque"))
+    (case,) = compare.cases(
+        asked(scenario="sine_with_dwell", run="times_5_0", methods="equal_torque")
+    )
     spun = drive_case(case, compare.measure)
-    (case,) = compare.cases(asked(scenario="sine_with_dwell", run="times_2_5", methods="limited_slip"))
+    (case,) = compare.cases(
+        asked(scenario="sine_with_dwell", run="times_2_5", methods="limited_slip")
+    )
     results = {"equal_torque": spun, "limited_slip": drive_case(case, compare.measure)}
     lines = compare.tables(asked(), results).splitlines()[2:]
     assert [line.startswith("equal_torque (spun)") for line in lines] == [True, False]
-    assert [row[0] for row in compare.table(asked(), results)[1]] == ["equal_torque", "limited_slip"]
+    assert [row[0] for row in compare.table(asked(), results)[1]] == [
+        "equal_torque",
+        "limited_slip",
+    ]
     sideslip = compare.figures(asked(), results)["overlay"].figure().axes[1]
     assert max(map(abs, sideslip.get_ylim())) < 60.0
 
@@ -210,7 +242,10 @@ def test_a_law_with_which_the_car_spins_is_marked_and_does_not_flatten_the_axes(
     [
         ({"scenario": "step_stear"}, "unknown scenario 'step_stear'"),
         ({"run": "middle"}, "unknown run of step_steer 'middle'; known: left, right"),
-        ({"methods": "equal_torque,sliptarget"}, "unknown electronic_differential method 'sliptarget'"),
+        (
+            {"methods": "equal_torque,sliptarget"},
+            "unknown electronic_differential method 'sliptarget'",
+        ),
     ],
 )
 def test_what_is_unknown_is_named(changed, line):
@@ -220,7 +255,16 @@ def test_what_is_unknown_is_named(changed, line):
 
 
 def test_command_line(tmp_path, capsys):
-    words = ["--scenario", "step_steer", "--run", "right", "--methods", "equal_torque,slip_target", "--duration", "0.5"]
+    words = [
+        "--scenario",
+        "step_steer",
+        "--run",
+        "right",
+        "--methods",
+        "equal_torque,slip_target",
+        "--duration",
+        "0.5",
+    ]
     run_scenario(["compare", *words, "--workers", "1", "--out", str(tmp_path)])
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["cases"]["equal_torque"]["run"] == "right"
@@ -235,9 +279,22 @@ OWN_LAW = Path(__file__).parents[3] / "docs" / "examples" / "yaw_moment.py"
 
 def test_a_law_file_stands_beside_methods(tmp_path, capsys):
     """Under the name of the file, as on a board; the same file once more under a name of its own."""
-    words = ["compare", "--scenario", "step_steer", "--duration", "0.1", "--workers", "1", "--out", str(tmp_path)]
+    words = [
+        "compare",
+        "--scenario",
+        "step_steer",
+        "--duration",
+        "0.1",
+        "--workers",
+        "1",
+        "--out",
+        str(tmp_path),
+    ]
     run_scenario([*words, "--methods", f"equal_torque,{OWN_LAW}"])
-    assert list(json.loads((tmp_path / "summary.json").read_text())["cases"]) == ["equal_torque", "yaw_moment"]
+    assert list(json.loads((tmp_path / "summary.json").read_text())["cases"]) == [
+        "equal_torque",
+        "yaw_moment",
+    ]
     copy = tmp_path / "yaw_moment.py"
     copy.write_bytes(OWN_LAW.read_bytes())
     with pytest.raises(ParameterError, match=r"are both called yaw_moment, expected two names$"):
@@ -248,7 +305,12 @@ def test_a_law_file_stands_beside_methods(tmp_path, capsys):
 
 def test_a_law_file_is_swept(tmp_path, capsys):
     """By its path beside a method; what was driven before is taken again."""
-    words = ["sweep", "step_steer", "--vary", f"electronic_differential.method=equal_torque,{OWN_LAW}"]
+    words = [
+        "sweep",
+        "step_steer",
+        "--vary",
+        f"electronic_differential.method=equal_torque,{OWN_LAW}",
+    ]
     words += ["--duration", "0.1", "--workers", "1", "--out", str(tmp_path)]
     run_scenario(words)
     run_scenario(words)

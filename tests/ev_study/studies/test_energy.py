@@ -37,19 +37,33 @@ def car(name, drive, weight=4000, a=30, b=0.2, c=0.018, udds=120, hwfet=100):
 
 
 def test_classes_by_model_else_by_driven_axles(tmp_path):
-    file = listed(tmp_path, [car("Any", DRIVES[0]), car("Any", DRIVES[1]), car("Taycan 4", DRIVES[1])])
-    assert [each.drive for each in read_cars(file)] == ["one machine", "two machines", "two-speed gearbox"]
+    file = listed(
+        tmp_path, [car("Any", DRIVES[0]), car("Any", DRIVES[1]), car("Taycan 4", DRIVES[1])]
+    )
+    assert [each.drive for each in read_cars(file)] == [
+        "one machine",
+        "two machines",
+        "two-speed gearbox",
+    ]
     first = read_cars(file)[0]
-    assert first.mass == pytest.approx(4000 * 0.45359237) and first.measured["udds"] == pytest.approx(174.53, abs=0.01)
+    assert first.mass == pytest.approx(4000 * 0.45359237) and first.measured[
+        "udds"
+    ] == pytest.approx(174.53, abs=0.01)
 
 
 @pytest.mark.parametrize(
     ("row", "told"),
     [
-        (car("X", DRIVES[0], weight="heavy"), "line 2, column test_weight_lb: 'heavy' is refused, expected a"),
+        (
+            car("X", DRIVES[0], weight="heavy"),
+            "line 2, column test_weight_lb: 'heavy' is refused, expected a",
+        ),
         (car("X", DRIVES[0], udds=0), "line 2, column udds_mpge: '0' is refused"),
         (car("X", DRIVES[0], c="nan"), "line 2, column C_lbf_per_mph2: 'nan' is refused"),
-        (car("X", "three wheels"), "line 2, column drive: .three wheels. is refused, allowed: 2-Wheel Drive, Front"),
+        (
+            car("X", "three wheels"),
+            "line 2, column drive: .three wheels. is refused, allowed: 2-Wheel Drive, Front",
+        ),
     ],
 )
 def test_a_wrong_row_is_one_line(tmp_path, row, told):
@@ -76,7 +90,9 @@ def test_a_car_is_new_unless_the_assumptions_were_fitted_to_its_code(tmp_path):
     assert [row[2] for row in energy.rows(given, results)] == ["new", "fit", "new"]
     numbers = energy.metrics(given, results)
     assert set(numbers) == {
-        f"{name}{part}" for name in ("median_error", "ninety_percent_within") for part in ("", "_new")
+        f"{name}{part}"
+        for name in ("median_error", "ninety_percent_within")
+        for part in ("", "_new")
     }
     shown = energy.tables(given, results)
     assert "cars that the assumptions were not fitted to: median error" in shown
@@ -89,7 +105,11 @@ def test_a_car_is_new_unless_the_assumptions_were_fitted_to_its_code(tmp_path):
 def test_the_plant_agrees_with_the_sums_over_the_cycle(tmp_path, drive):
     """Within 2 % on the HWFET: the sums follow the cycle exactly, a driver does not."""
     given = SimpleNamespace(
-        cars=listed(tmp_path, [car("X", drive)]), assumptions=None, fit=False, only=[], duration=None
+        cars=listed(tmp_path, [car("X", drive)]),
+        assumptions=None,
+        fit=False,
+        only=[],
+        duration=None,
     )
     ours = drive_case(energy.cases(given)[1], energy.measure).measured
     assumed = read_assumptions()
@@ -102,12 +122,18 @@ def test_the_plant_agrees_with_the_sums_over_the_cycle(tmp_path, drive):
 def test_a_fit_finds_assumptions_that_made_the_numbers(tmp_path):
     """Consumption made with other assumptions than those expected is met within 1 %; held-out cars are every third."""
     rows = [
-        car(f"X{n}", DRIVES[n % 2], weight=3000 + 500 * (n % 5), a=25 + 3 * (n % 4), b=0.1 * (n % 3)) for n in range(12)
+        car(
+            f"X{n}", DRIVES[n % 2], weight=3000 + 500 * (n % 5), a=25 + 3 * (n % 4), b=0.1 * (n % 3)
+        )
+        for n in range(12)
     ]
     cars = read_cars(listed(tmp_path, rows))
     true = dataclasses.replace(read_assumptions(), charger_efficiency=0.9, auxiliary_power=400.0)
     made = [
-        dataclasses.replace(each, measured={cycle: consumption(each, cycle, true) for cycle in CYCLES}) for each in cars
+        dataclasses.replace(
+            each, measured={cycle: consumption(each, cycle, true) for cycle in CYCLES}
+        )
+        for each in cars
     ]
     kept = held_out(made)
     assert len(kept) == 4
@@ -121,9 +147,18 @@ def test_a_fit_finds_assumptions_that_made_the_numbers(tmp_path):
 @pytest.mark.parametrize(
     ("row", "line"),
     [
-        ("charger_efficiency,all,0,1", "charger_efficiency of all is 0, expected above 0 and at most 1"),
-        ("charger_efficiency,all,88,1", "charger_efficiency of all is 88, expected above 0 and at most 1"),
-        ("gear_efficiency,all,nan,1", "gear_efficiency of all is nan, expected above 0 and at most 1"),
+        (
+            "charger_efficiency,all,0,1",
+            "charger_efficiency of all is 0, expected above 0 and at most 1",
+        ),
+        (
+            "charger_efficiency,all,88,1",
+            "charger_efficiency of all is 88, expected above 0 and at most 1",
+        ),
+        (
+            "gear_efficiency,all,nan,1",
+            "gear_efficiency of all is nan, expected above 0 and at most 1",
+        ),
         ("copper,all,inf,W/N^2", "copper of all is inf, expected 0 to 10000"),
         ("idle,one machine,-3,N", "idle of one machine is -3, expected 0 to 10000"),
         ("recovery,one machine,1.0,m/s^2", "recovery of one machine is there twice, expected once"),
@@ -133,10 +168,14 @@ def test_an_assumption_that_cannot_be_is_refused_with_its_line(tmp_path, row, li
     """Comments count as lines; what is there twice is no choice of the later one."""
     shipped = find_file(ASSUMPTIONS).read_text().splitlines()
     quantity, drive, *_ = row.split(",")
-    kept = [each for each in shipped if "twice" in line or not each.startswith(f"{quantity},{drive},")]
+    kept = [
+        each for each in shipped if "twice" in line or not each.startswith(f"{quantity},{drive},")
+    ]
     file = tmp_path / "assumed.csv"
     file.write_text("\n".join(["# by hand", *kept, row]) + "\n")
-    with pytest.raises(ParameterError, match=rf"assumed\.csv, line {len(kept) + 2}: {re.escape(line)}"):
+    with pytest.raises(
+        ParameterError, match=rf"assumed\.csv, line {len(kept) + 2}: {re.escape(line)}"
+    ):
         read_assumptions(file)
 
 

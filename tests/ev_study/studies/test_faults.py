@@ -35,14 +35,20 @@ def measured(results, *of: str) -> dict:
 
 def test_every_fault_with_every_law_on_both_roads_by_default():
     names = [case.name for case in faults.cases(given())]
-    assert len(names) == len(set(names)) == 2 * len(faults.laws()) * (len(faults.FAULTS) + len(faults.OF_MOTORS) + 1)
+    assert (
+        len(names)
+        == len(set(names))
+        == 2 * len(faults.laws()) * (len(faults.FAULTS) + len(faults.OF_MOTORS) + 1)
+    )
 
 
 def test_all_are_driven_and_the_limp_mode_does_nothing_to_a_sound_car(results):
     assert not any(result.refused for result in results.values())
     for law in GIVEN.laws:
         for road in faults.ROADS:
-            sound, limp = (results[faults.name_of("none", law, asr, road)] for asr in ("off", "limp_home"))
+            sound, limp = (
+                results[faults.name_of("none", law, asr, road)] for asr in ("off", "limp_home")
+            )
             assert measured(results, "none", law, "off", road)["path_error"] < 0.3
             assert sound.measured["path_error"] == limp.measured["path_error"]
 
@@ -51,14 +57,20 @@ def test_all_are_driven_and_the_limp_mode_does_nothing_to_a_sound_car(results):
 @pytest.mark.parametrize("fault", DEAD)
 def test_power_steering_keeps_its_lane_with_a_dead_motor(results, fault, road):
     """On a column without a lever for the drives; better with the limp mode; on that of the source with it alone."""
-    off, limp = (measured(results, fault, "power_steering", asr, road) for asr in ("off", "limp_home"))
+    off, limp = (
+        measured(results, fault, "power_steering", asr, road) for asr in ("off", "limp_home")
+    )
     assert faults.is_safe(GIVEN, off) and faults.is_safe(GIVEN, limp)
     assert limp["path_error"] < off["path_error"]
     assert limp["end_speed"] < off["end_speed"]  # it coasts
     assert not faults.is_safe(GIVEN, measured(results, fault, POWERED, "off", road))
     powered = measured(results, fault, POWERED, "limp_home", road)
     assert faults.is_safe(GIVEN, powered)
-    assert powered["end_speed"] < measured(results, "none", POWERED, "limp_home", road)["end_speed"] - 3.0  # it coasts
+    # it coasts
+    assert (
+        powered["end_speed"]
+        < measured(results, "none", POWERED, "limp_home", road)["end_speed"] - 3.0
+    )
 
 
 def test_table_metrics_and_figure(results):

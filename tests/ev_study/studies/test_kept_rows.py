@@ -92,7 +92,10 @@ def folder(tmp_path_factory) -> Iterator[Path]:
     own = in_config("scenarios/coast_down.yaml").read_text()
     (made / "own.yaml").write_text(own.replace("vehicle: audi_a2", f"vehicle: {made / 'car.yaml'}"))
     (made / "more.yaml").write_text("/**/plant:\n  ros__parameters:\n    initial_speed: 20.0\n")
-    drive_case(Case("a", "coast_down", duration=0.1), MeasureAndSave(lambda recording, run: {}, made / "recorded.npz"))
+    drive_case(
+        Case("a", "coast_down", duration=0.1),
+        MeasureAndSave(lambda recording, run: {}, made / "recorded.npz"),
+    )
     (made / "bus.dbc").write_bytes(in_config("can/ev_bench.dbc").read_bytes())
     (made / "row_law.py").write_text(LAW)
     (made / "row_law_gain.py").write_text("GAIN = 1.0\n")
@@ -103,9 +106,14 @@ def folder(tmp_path_factory) -> Iterator[Path]:
     (made / "reported.yaml").write_text(own.replace("vehicle: audi_a2", "report: row_source"))
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(made)
-        offered = {group: {**entry_points.offered(group), "row_source": module} for group, module in OFFERED.items()}
+        offered = {
+            group: {**entry_points.offered(group), "row_source": module}
+            for group, module in OFFERED.items()
+        }
         for module in (digests, about):
-            patch.setattr(module, "offered", lambda group: offered.get(group) or entry_points.offered(group))
+            patch.setattr(
+                module, "offered", lambda group: offered.get(group) or entry_points.offered(group)
+            )
         importlib.import_module("row_law")
         yield made
         del register._REGISTER["asr"]["row_law"], sys.modules["row_law"]
@@ -115,11 +123,24 @@ def cases(folder: Path) -> list[Case]:
     bus = str(folder / "bus.dbc")
     return [
         Case("plain", "coast_down"),
-        Case("profile", "shchur2019", (("driver", "speed_profile.file", str(folder / "profile.csv")),)),
+        Case(
+            "profile",
+            "shchur2019",
+            (("driver", "speed_profile.file", str(folder / "profile.csv")),),
+        ),
         Case("own scenario", str(folder / "own.yaml")),
         Case("more parameters", "coast_down", files=(folder / "more.yaml",)),
-        Case("recorded", "coast_down", (("driver", "method", str(folder / "recorded.npz")),), duration=0.1),
-        Case("bus", "bench_fault", tuple((n, "bus.database", bus) for n in ("test_bench", "inverter_gateway"))),
+        Case(
+            "recorded",
+            "coast_down",
+            (("driver", "method", str(folder / "recorded.npz")),),
+            duration=0.1,
+        ),
+        Case(
+            "bus",
+            "bench_fault",
+            tuple((n, "bus.database", bus) for n in ("test_bench", "inverter_gateway")),
+        ),
         Case("law", "coast_down", (("asr", "method", "row_law"),)),
         Case("law by its path", "coast_down", (("asr", "method", str(folder / "row_law.py")),)),
         Case("own report", str(folder / "reported.yaml")),
@@ -154,7 +175,9 @@ def test_a_changed_file_changes_the_rows_that_depend_on_it_and_no_others(folder,
     for name in changed:
         change(folder / name)
     now = keys(folder)
-    assert {name for name in now if now[name] != latest[name]} == set().union(*(DEPENDENTS[c] for c in changed))
+    assert {name for name in now if now[name] != latest[name]} == set().union(
+        *(DEPENDENTS[c] for c in changed)
+    )
     assert len(set(now.values())) == len(now)
     latest |= now
 
@@ -171,7 +194,9 @@ def test_what_is_published_counts_where_a_report_judges_by_it(monkeypatch):
 def test_a_changed_study_of_ones_own_drives_its_cases_anew(tmp_path, monkeypatch):
     (tmp_path / "row_study.py").write_text("TIMES = 1.0\n")
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(digests, "offered", lambda group: {"own": "row_study"} if group == STUDIES else {})
+    monkeypatch.setattr(
+        digests, "offered", lambda group: {"own": "row_study"} if group == STUDIES else {}
+    )
 
     def keys() -> list[str]:
         digests._texts_of.cache_clear()
@@ -183,10 +208,15 @@ def test_a_changed_study_of_ones_own_drives_its_cases_anew(tmp_path, monkeypatch
 
 
 def test_a_module_that_this_python_cannot_read_counts_by_its_text(tmp_path, monkeypatch):
-    (tmp_path / "later_study.py").write_text("try:\n    import of_later\nexcept SyntaxError:\n    pass\n")
+    (tmp_path / "later_study.py").write_text(
+        "try:\n    import of_later\nexcept SyntaxError:\n    pass\n"
+    )
     (tmp_path / "of_later.py").write_text("def (\n")
     monkeypatch.syspath_prepend(tmp_path)
-    assert [each.name for each in digests.imported_files("later_study", ())] == ["later_study.py", "of_later.py"]
+    assert [each.name for each in digests.imported_files("later_study", ())] == [
+        "later_study.py",
+        "of_later.py",
+    ]
 
 
 def test_two_files_that_change_places_are_others(tmp_path):
@@ -194,7 +224,9 @@ def test_two_files_that_change_places_are_others(tmp_path):
     texts = [in_config("can/ev_bench.dbc").read_text() + end for end in ("", "\n")]
     files = [tmp_path / "one.dbc", tmp_path / "two.dbc"]
     of_nodes = zip(("test_bench", "inverter_gateway"), map(str, files), strict=True)
-    case = Case("bus", "bench_fault", tuple((node, "bus.database", file) for node, file in of_nodes))
+    case = Case(
+        "bus", "bench_fault", tuple((node, "bus.database", file) for node, file in of_nodes)
+    )
 
     def key(*texts: str) -> str:
         for file, text in zip(files, texts, strict=True):
@@ -208,7 +240,10 @@ def test_two_files_that_change_places_are_others(tmp_path):
 def test_a_library_in_c_is_a_file_that_was_read(tmp_path, monkeypatch):
     library = tmp_path / "liblimit.so"
     library.write_bytes(b"machine code")
-    monkeypatch.setattr("ev_core.lockstep.finding.library_method", lambda role, name: register.methods_of(role)["off"])
+    monkeypatch.setattr(
+        "ev_core.lockstep.finding.library_method",
+        lambda role, name: register.methods_of(role)["off"],
+    )
     with files_read() as read:
         finding.find_method("asr", str(library))
     assert list(read) == [str(library)]
@@ -251,6 +286,8 @@ def test_a_file_that_changes_while_it_is_driven_is_told(tmp_path):
     store: dict[str, bytes] = {}
     rows = kept(store, case)
     change(more)
-    with pytest.raises(RunFailed, match=r"^first: what it depends on has changed while the study was driven"):
+    with pytest.raises(
+        RunFailed, match=r"^first: what it depends on has changed while the study was driven"
+    ):
         rows.keep(case, CaseResult("first", {}))
     assert not store

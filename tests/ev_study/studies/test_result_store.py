@@ -59,7 +59,12 @@ def test_results_of_other_sources_stay_for_a_month_and_recordings_of_the_last_fe
     age(tmp_path / "thesis", 400.0)
     ResultStore(SOURCES, tmp_path)
     assert [folder.exists() for folder in folders] == [True, True, True, True, False]
-    assert [(folder / "of_a_run.npz").exists() for folder in folders[:4]] == [True, True, False, False]
+    assert [(folder / "of_a_run.npz").exists() for folder in folders[:4]] == [
+        True,
+        True,
+        False,
+        False,
+    ]
     assert all((folder / "of_a_case.row").exists() for folder in folders[:4])
     assert (tmp_path / "thesis").exists()
 
@@ -86,7 +91,9 @@ def taken(store: ResultStore, key: str) -> int:
     """How many of three answers an earlier command has computed; all of them are right."""
     answers = Answers(store, key)
     for points in POINTS:
-        assert np.array_equal(answers.answer("sum", points, lambda points: points.sum(axis=1)), points.sum(axis=1))
+        assert np.array_equal(
+            answers.answer("sum", points, lambda points: points.sum(axis=1)), points.sum(axis=1)
+        )
     return answers.taken
 
 
@@ -106,5 +113,7 @@ def test_two_functions_that_a_search_asks_at_one_point_have_answers_of_their_own
     """The errors of a fit by other weights, and the runs of other cars at the same number."""
     answers = Answers(ResultStore(SOURCES, tmp_path), "one")
     for factor in (1.0, 2.0, 1.0):
-        found = answers.answer({"weight": factor}, POINTS[1], lambda points, factor=factor: factor * points)
+        found = answers.answer(
+            {"weight": factor}, POINTS[1], lambda points, factor=factor: factor * points
+        )
         assert np.array_equal(found, factor * POINTS[1])

@@ -100,7 +100,10 @@ def test_what_goes_wrong_in_measuring_belongs_to_its_case():
         return {"x": recording.channels["unheard_of"]} if slow else last_speed(recording, run)
 
     first, second = drive_cases(CASES[:2], measure, workers=2)
-    assert first.refused.startswith("KeyError 'unheard_of' (test_study.py, line ") and not first.measured
+    assert (
+        first.refused.startswith("KeyError 'unheard_of' (test_study.py, line ")
+        and not first.measured
+    )
     assert first.signal_hash and not second.refused and second.measured
 
 
@@ -193,9 +196,13 @@ def test_a_file_that_is_another_one_for_a_worker_is_refused(tmp_path, monkeypatc
     car.write_text("mass: 1600.0")
     for path in ("car.yaml", str(car), str(there / "car.yaml")):
         refuse_other_files("tcp://a", there, {path: digest_of(car)})
-        with pytest.raises(RunFailed, match=rf"^worker tcp://a has read another {path} than \S*car\.yaml here,"):
+        with pytest.raises(
+            RunFailed, match=rf"^worker tcp://a has read another {path} than \S*car\.yaml here,"
+        ):
             refuse_other_files("tcp://a", there, {path: "another"})
-    with pytest.raises(RunFailed, match=r"another /elsewhere/missing.yaml than /elsewhere/missing.yaml here"):
+    with pytest.raises(
+        RunFailed, match=r"another /elsewhere/missing.yaml than /elsewhere/missing.yaml here"
+    ):
         refuse_other_files("tcp://a", there, {str(there / "missing.yaml"): digest_of(car)})
 
 
@@ -216,7 +223,9 @@ def test_workers_with_another_map_of_the_same_name(tmp_path, monkeypatch):
         assert not driven.refused
         with (here / "map.csv").open("a") as file:
             file.write("# another one\n")
-        with pytest.raises(RunFailed, match=r"^worker tcp://127\.0\.0\.1:\d+ has read another \S+map\.csv than"):
+        with pytest.raises(
+            RunFailed, match=r"^worker tcp://127\.0\.0\.1:\d+ has read another \S+map\.csv than"
+        ):
             drive_cases(cases, last_speed, scheduler=address)
 
 
@@ -238,7 +247,9 @@ def test_scheduler_without_workers(monkeypatch):
     monkeypatch.setattr("ev_study.studies.workers._PATIENCE", 3.0)
     address = f"tcp://127.0.0.1:{free_port()}"
     port = address.rpartition(":")[2]
-    with process("distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", port, "--no-dashboard"):
+    with process(
+        "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", port, "--no-dashboard"
+    ):
         wait_for_listener(int(port))
         with pytest.raises(RunFailed, match="has no workers"):
             drive_cases(CASES[:1], last_speed, scheduler=address)
@@ -249,8 +260,14 @@ def test_scheduler_without_workers(monkeypatch):
     [
         (Case("a", "coast_down", (("plant", "initial_speed", 1e9),)), "initial_speed"),
         (Case("a", "coast_dawn"), "coast_down"),
-        (Case("a", "launch_split_mu"), "unknown run of launch_split_mu ''; known: fixed_steering, steered"),
-        (Case("a", "coast_down", (("electronic_differential", "method", "slip_target"),)), "rear_left and rear_right"),
+        (
+            Case("a", "launch_split_mu"),
+            "unknown run of launch_split_mu ''; known: fixed_steering, steered",
+        ),
+        (
+            Case("a", "coast_down", (("electronic_differential", "method", "slip_target"),)),
+            "rear_left and rear_right",
+        ),
     ],
 )
 def test_a_case_that_cannot_be_driven_says_why_in_one_line(case, line):

@@ -21,7 +21,13 @@ from ev_study.studies import run_study, sweep
 from ev_study.studies.run_study import arguments
 from ev_study.studies.study import drive_case
 
-WORDS = ("shchur2019", "--vary", "electronic_differential.gamma=0:10:3", "--vary", "plant.initial_speed=2.0,4.0")
+WORDS = (
+    "shchur2019",
+    "--vary",
+    "electronic_differential.gamma=0:10:3",
+    "--vary",
+    "plant.initial_speed=2.0,4.0",
+)
 
 
 def sweep_into(out: Path, *more: str) -> Path:
@@ -52,7 +58,11 @@ def test_each_row_is_the_run_alone(folder):
     found = rows(folder)
     assert len(found) == 3 * 2 * 2
     row = found[-1]
-    assert (row["electronic_differential.gamma"], row["plant.initial_speed"], row["seed"]) == ("10", "4.0", "1")
+    assert (row["electronic_differential.gamma"], row["plant.initial_speed"], row["seed"]) == (
+        "10",
+        "4.0",
+        "1",
+    )
     changed = {"electronic_differential.gamma": 10.0, "plant.initial_speed": 4.0}
     alone = ev_stack.run("shchur2019", set=changed, seed=1, duration=0.1)
     measured = {name: metric for name, metric in alone.metrics.items() if metric.value is not None}
@@ -63,7 +73,12 @@ def test_each_row_is_the_run_alone(folder):
 
 @pytest.mark.slow
 def test_what_a_sweep_leaves_behind(folder):
-    assert {path.name for path in folder.iterdir()} >= {"summary.json", "sweep.png", "table.md", "table.tex"}
+    assert {path.name for path in folder.iterdir()} >= {
+        "summary.json",
+        "sweep.png",
+        "table.md",
+        "table.tex",
+    }
     summary = json.loads((folder / "summary.json").read_text())
     assert len(summary["cases"]) == 12
     assert "electronic_differential.gamma=0, plant.initial_speed=2, seed=0" in summary["cases"]
@@ -91,11 +106,14 @@ def test_a_sweep_that_was_killed_goes_on_where_it_was(tmp_path, capsys):
 @pytest.mark.slow
 def test_signals_are_kept_where_they_are_asked_for(folder):
     hashes = {
-        name: case["signal_hash"] for name, case in json.loads((folder / "summary.json").read_text())["cases"].items()
+        name: case["signal_hash"]
+        for name, case in json.loads((folder / "summary.json").read_text())["cases"].items()
     }
     sweep_into(folder, "--signals")
     cases = json.loads((folder / "summary.json").read_text())["cases"]
-    assert {name: signal_hash(load(folder / case["signals"])) for name, case in cases.items()} == hashes
+    assert {
+        name: signal_hash(load(folder / case["signals"])) for name, case in cases.items()
+    } == hashes
 
 
 @pytest.mark.slow
@@ -122,16 +140,40 @@ def test_signals_stay_while_another_command_drives_the_same(tmp_path, monkeypatc
 @pytest.mark.slow
 def test_rows_and_signals_are_those_of_the_car_as_its_file_is_now(tmp_path, capsys):
     """A car that the user's scenario names: with 3000 kg instead of 1600 the rows and signals of before came back."""
-    car, own = (find_file(f"{name}.yaml").read_text() for name in ("vehicles/compact_ev", "scenarios/coast_down"))
-    (tmp_path / "own.yaml").write_text(own.replace("vehicle: audi_a2", f"vehicle: {tmp_path / 'car.yaml'}"))
-    words = ["--vary", "plant.initial_speed=20.0,25.0", "--duration", "0.1", "--workers", "1", "--no-report"]
+    car, own = (
+        find_file(f"{name}.yaml").read_text()
+        for name in ("vehicles/compact_ev", "scenarios/coast_down")
+    )
+    (tmp_path / "own.yaml").write_text(
+        own.replace("vehicle: audi_a2", f"vehicle: {tmp_path / 'car.yaml'}")
+    )
+    words = [
+        "--vary",
+        "plant.initial_speed=20.0,25.0",
+        "--duration",
+        "0.1",
+        "--workers",
+        "1",
+        "--no-report",
+    ]
     found = []
     for mass in ("1600.0", "3000.0"):
         (tmp_path / "car.yaml").write_text(car.replace("mass: 1600.0", f"mass: {mass}"))
-        main(["sweep", str(tmp_path / "own.yaml"), *words, "--signals", "--out", str(tmp_path / "out")])
+        main(
+            [
+                "sweep",
+                str(tmp_path / "own.yaml"),
+                *words,
+                "--signals",
+                "--out",
+                str(tmp_path / "out"),
+            ]
+        )
         cases = json.loads((tmp_path / "out" / "summary.json").read_text())["cases"].values()
         found += [each["signal_hash"] for each in cases]
-        assert [signal_hash(load(tmp_path / "out" / each["signals"])) for each in cases] == found[-2:]
+        assert [signal_hash(load(tmp_path / "out" / each["signals"])) for each in cases] == found[
+            -2:
+        ]
     assert len(set(found)) == 4
     assert "driven before" not in capsys.readouterr().out
 
@@ -139,7 +181,10 @@ def test_rows_and_signals_are_those_of_the_car_as_its_file_is_now(tmp_path, caps
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--vary", "gamma=1"], "--vary 'gamma=1' is refused, expected NODE.PARAM=x,y,z or =FIRST:LAST:COUNT"),
+        (
+            ["--vary", "gamma=1"],
+            "--vary 'gamma=1' is refused, expected NODE.PARAM=x,y,z or =FIRST:LAST:COUNT",
+        ),
         *(
             (["--vary", f"asr.x={text}"], f"--vary 'asr.x={text}' is refused, expected {allowed}")
             for text, allowed in (
@@ -188,15 +233,25 @@ def test_metrics_are_named_before_anything_is_driven():
         return sweep.cases(arguments("sweep", [scenario, "--seeds", "2", "--metrics", metrics]))
 
     asked = cases("step_steer", "yaw_rate_gain,slip_energy,x [1] = maximum(hypot(pose.x, pose.y))")
-    assert {case.metrics for case in asked} == {("slip_energy", "x [1] = maximum(hypot(pose.x, pose.y))")}
+    assert {case.metrics for case in asked} == {
+        ("slip_energy", "x [1] = maximum(hypot(pose.x, pose.y))")
+    }
     for scenario, metrics, said in (
-        ("step_steer", "yaw_rate_eror", "unknown metric 'yaw_rate_eror'; did you mean yaw_rate_error, "),
+        (
+            "step_steer",
+            "yaw_rate_eror",
+            "unknown metric 'yaw_rate_eror'; did you mean yaw_rate_error, ",
+        ),
         (
             "shchur2019",
             "peak_slip",
             "metric peak_slip needs tire_forces.slip_ratio, which none of these writes: plant ",
         ),
-        ("step_steer", "x [1] = maxi(pose.x)", "metric 'x [1] = maxi(pose.x)' is refused: unknown function 'maxi'; "),
+        (
+            "step_steer",
+            "x [1] = maxi(pose.x)",
+            "metric 'x [1] = maxi(pose.x)' is refused: unknown function 'maxi'; ",
+        ),
     ):
         with pytest.raises(ParameterError) as error:
             cases(scenario, metrics)
@@ -205,12 +260,31 @@ def test_metrics_are_named_before_anything_is_driven():
 
 def test_values_that_are_rounded_inside_are_noted(tmp_path, capsys):
     """`preview_time` is rounded to points of 0.05 s, so 1.00 and 1.01 s are one and 1.10 s is another."""
-    words = ["--vary", "driver.preview.preview_time=1.0,1.01,1.1", "--duration", "0.5", "--workers", "1", "--no-report"]
+    words = [
+        "--vary",
+        "driver.preview.preview_time=1.0,1.01,1.1",
+        "--duration",
+        "0.5",
+        "--workers",
+        "1",
+        "--no-report",
+    ]
     main(["sweep", "double_lane_change", *words, "--out", str(tmp_path)])
     assert "note: 2 different runs among 3: the others have" in capsys.readouterr().out
 
 
-RESERVED = ("metrics", "units", "reasons", "better", "time", "speed", "x", "method", "seed", "value")
+RESERVED = (
+    "metrics",
+    "units",
+    "reasons",
+    "better",
+    "time",
+    "speed",
+    "x",
+    "method",
+    "seed",
+    "value",
+)
 
 
 @pytest.mark.parametrize("study", ["sweep", "compare"])
@@ -222,15 +296,46 @@ def test_a_metric_of_any_name_is_measured(study, name, tmp_path, capsys):
         "compare": ["--scenario", "step_steer", "--methods", "equal_torque"],
     }
     metric = f"{name} [m/s] = last(twist.longitudinal)"
-    main([study, *words[study], "--duration", "0.1", "--metrics", metric, "--out", str(tmp_path), "--workers", "1"])
+    main(
+        [
+            study,
+            *words[study],
+            "--duration",
+            "0.1",
+            "--metrics",
+            metric,
+            "--out",
+            str(tmp_path),
+            "--workers",
+            "1",
+        ]
+    )
     cases = json.loads((tmp_path / "summary.json").read_text())["cases"]
     assert {round(case["measured"][name]) for case in cases.values()} == {22}  # of 80 km/h
     assert f"{name} [m/s]" in capsys.readouterr().out
 
 
 def test_the_terminal_shows_each_number_once_and_how_long_it_takes(tmp_path, capsys):
-    words = ["--seeds", "2", "--duration", "0.1", "--workers", "1", "--no-report", "--out", str(tmp_path / "out")]
-    main(["sweep", "shchur2019", *words, "--metrics", "drive_energy,peak_slip_of_none [1] = last(time)"])
+    words = [
+        "--seeds",
+        "2",
+        "--duration",
+        "0.1",
+        "--workers",
+        "1",
+        "--no-report",
+        "--out",
+        str(tmp_path / "out"),
+    ]
+    main(
+        [
+            "sweep",
+            "shchur2019",
+            *words,
+            "--metrics",
+            "drive_energy,peak_slip_of_none [1] = last(time)",
+        ]
+    )
     said = capsys.readouterr()
     assert said.err.startswith("sweep: 2 runs\nsweep: 2 of them to drive, in about 0:00:0")
     assert "measured" not in said.out
@@ -238,7 +343,10 @@ def test_the_terminal_shows_each_number_once_and_how_long_it_takes(tmp_path, cap
 
 
 def test_values_are_numbers_texts_and_units():
-    given = arguments("sweep", ["--vary", "plant.drive=ideal,averaged", "--vary", "plant.initial_speed=10 km/h,5.0"])
+    given = arguments(
+        "sweep",
+        ["--vary", "plant.drive=ideal,averaged", "--vary", "plant.initial_speed=10 km/h,5.0"],
+    )
     assert sweep.variations(given) == {
         "plant.drive": ["ideal", "averaged"],
         "plant.initial_speed": ["10 km/h", 5.0],
@@ -265,7 +373,9 @@ def test_parquet_keeps_all_digits_gaps_and_texts(tmp_path):
 
 def test_tables_keep_all_digits_for_machines_and_mask_what_latex_knows(tmp_path):
     write_tables(tmp_path, ["peak_slip [%]", "name"], [[1 / 3, "a_b"], [None, "c|d"]])
-    assert (tmp_path / "table.csv").read_text() == "peak_slip [%],name\n0.3333333333333333,a_b\n,c|d\n"
+    assert (
+        tmp_path / "table.csv"
+    ).read_text() == "peak_slip [%],name\n0.3333333333333333,a_b\n,c|d\n"
     assert r"{peak\_slip [\%]} & {name} \\" in (tmp_path / "table.tex").read_text()
     assert r"0.3333 & a\_b \\" in (tmp_path / "table.tex").read_text()
     assert (tmp_path / "table.md").read_text().endswith("| - | c&#124;d |\n")

@@ -14,7 +14,10 @@ from ev_study.studies.run_study import _summed_up, arguments
 from ev_study.studies.study import drive_case, study_named, study_names
 
 pytestmark = pytest.mark.slow
-NEEDED = {"energy": (str(Path(__file__).with_name("electric_cars.csv")),), "sweep": ("--seeds", "2")}
+NEEDED = {
+    "energy": (str(Path(__file__).with_name("electric_cars.csv")),),
+    "sweep": ("--seeds", "2"),
+}
 
 
 @pytest.mark.parametrize("name", study_names())
@@ -23,7 +26,9 @@ def test_whatever_is_too_short_is_told_in_one_line(name):
     study, given = study_named(name), arguments(name, NEEDED.get(name, ()))
     cases = study.cases(given)
     result = drive_case(replace(cases[0], duration=0.05), study.measure)
-    assert "\n" not in result.refused and bool(result.refused) != bool(result.measured or name in CYCLES)
+    assert "\n" not in result.refused and bool(result.refused) != bool(
+        result.measured or name in CYCLES
+    )
     results = {case.name: replace(result, name=case.name) for case in cases}
     try:
         metrics, _, table, _ = _summed_up(study, given, results)
@@ -34,4 +39,5 @@ def test_whatever_is_too_short_is_told_in_one_line(name):
         json.dumps({key: metric.as_json() for key, metric in metrics.items()}, allow_nan=False)
 
 
-CYCLES = ("five_methods", "urban_sensitivity")  # of which a part without traction has no numbers, and is no mistake
+# of which a part without traction has no numbers, and is no mistake
+CYCLES = ("five_methods", "urban_sensitivity")

@@ -89,7 +89,9 @@ def test_a_case_is_kept_by_the_texts_of_the_files_that_it_names(way: str, tmp_pa
 
 def test_another_parameter_is_another_run(tmp_path: Path):
     driven: list[str] = []
-    changed = ScenarioNeed("shchur2019_steps", (("steering_column", "damping", 8.0),), ("hold_manual",), 0.1)
+    changed = ScenarioNeed(
+        "shchur2019_steps", (("steering_column", "damping", 8.0),), ("hold_manual",), 0.1
+    )
     drive([HOLDING, changed], store_at(tmp_path), counting(driven))
     assert driven == ["hold_manual", "hold_manual"]
     assert changed.command == "shchur2019_steps --set steering_column.damping=8.0 --duration 0.1"
@@ -97,13 +99,20 @@ def test_another_parameter_is_another_run(tmp_path: Path):
 
 def measuring(cases, measures):
     """A case that every study can measure, in place of its own."""
-    measures = [partial(each.func, each.args[0], lambda recording, run: {"x": 1.0}) for each in measures]
-    return [replace(drive_case(CHEAP, measure), name=case.name) for case, measure in zip(cases, measures, strict=True)]
+    measures = [
+        partial(each.func, each.args[0], lambda recording, run: {"x": 1.0}) for each in measures
+    ]
+    return [
+        replace(drive_case(CHEAP, measure), name=case.name)
+        for case, measure in zip(cases, measures, strict=True)
+    ]
 
 
 def test_what_a_study_has_measured_is_kept(tmp_path: Path):
     drive([SHORT_STUDY], store_at(tmp_path), measuring)
-    again = drive([SHORT_STUDY], store_at(tmp_path), lambda *jobs: pytest.fail("nothing is left to drive"))[SHORT_STUDY]
+    again = drive(
+        [SHORT_STUDY], store_at(tmp_path), lambda *jobs: pytest.fail("nothing is left to drive")
+    )[SHORT_STUDY]
     assert list(again.results) == [case.name for case in cases_of(SHORT_STUDY)]
     assert all(result.measured == {"x": 1.0} for result in again.results.values())
 
@@ -168,9 +177,18 @@ def test_a_run_that_cannot_be_driven_is_one_line(tmp_path: Path):
         drive([HOLDING], store_at(tmp_path), refusing)
 
 
-def test_command_writes_one_object_for_each_id(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys):
+def test_command_writes_one_object_for_each_id(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys
+):
     monkeypatch.chdir(tmp_path)
-    only = ("--only", "shchur.hold30", "shchur.fig2", "--only", "shchur.fig4.transients", "shchur.fig1b.end")
+    only = (
+        "--only",
+        "shchur.hold30",
+        "shchur.fig2",
+        "--only",
+        "shchur.fig4.transients",
+        "shchur.fig1b.end",
+    )
     main(["verdicts", *only])
     said = capsys.readouterr().out
     written = json.loads((tmp_path / "results" / "verdicts" / "verdicts.json").read_text())
@@ -184,11 +202,16 @@ def test_command_writes_one_object_for_each_id(tmp_path: Path, monkeypatch: pyte
     ]
     end, manual, assisted, *_ = written
     assert (end["figures"], manual["figures"]) == (["shchur2019_fig_1_b.png"], [])
-    assert all({"id", "printed", "ours", "verdict", "assumption", "run"} <= each.keys() for each in written)
+    assert all(
+        {"id", "printed", "ours", "verdict", "assumption", "run"} <= each.keys() for each in written
+    )
     assert manual["verdict"] == "reproduced"
     assert assisted["verdict"] == f"reproduced with assumption {assisted['assumption']}"
     assert manual["run"] == "shchur2019_steps"
-    assert "all: 6 ids, 3 reproduced with assumption, 1 reproduced, 1 not judgeable, 1 no verdict" in said
+    assert (
+        "all: 6 ids, 3 reproduced with assumption, 1 reproduced, 1 not judgeable, 1 no verdict"
+        in said
+    )
     assert "shchur.hold30.manual" in (tmp_path / "results" / "verdicts" / "verdicts.md").read_text()
 
 

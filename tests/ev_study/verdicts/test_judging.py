@@ -20,16 +20,28 @@ def missing() -> float:
 MEASURES = {"number": float, "missing": missing}
 
 
-def check(measure: str, value: str = "2", tolerance: str = "1 %", unit: str = "m", name: str = "") -> Check:
+def check(
+    measure: str, value: str = "2", tolerance: str = "1 %", unit: str = "m", name: str = ""
+) -> Check:
     why = "" if value == SHOWN else "algebra"
-    row = {"measure": measure, "value": value, "tolerance": tolerance, "unit": unit, "name": name, "why": why}
+    row = {
+        "measure": measure,
+        "value": value,
+        "tolerance": tolerance,
+        "unit": unit,
+        "name": name,
+        "why": why,
+    }
     return check_of(row, MEASURES, ())
 
 
 def of(*checks: Check, **notes: str) -> Verdict:
     (note, text), *_ = *notes.items(), ("", "")
     note = note.replace("_", " ")
-    return verdict(Published("x.y", "follows", "eq 1", "a number", "2 m", (), checks, note, Template((text,))), ())
+    return verdict(
+        Published("x.y", "follows", "eq 1", "a number", "2 m", (), checks, note, Template((text,))),
+        (),
+    )
 
 
 @pytest.mark.parametrize(
@@ -100,7 +112,13 @@ def test_open_bands_are_valid_json():
 
 
 def test_lines_for_the_terminal_are_cut():
-    found = [of(check("number 2"), check("number 2.01", name="a name that is too long for the line"), assumption="A")]
+    found = [
+        of(
+            check("number 2"),
+            check("number 2.01", name="a name that is too long for the line"),
+            assumption="A",
+        )
+    ]
     table = plain_table(found, 60).splitlines()
     assert table[0].split() == ["id", "verdict", "ours"]
     assert all(len(line) <= 60 for line in table)

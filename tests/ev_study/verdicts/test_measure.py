@@ -20,7 +20,8 @@ def runs(**yaw_rates: float) -> ScenarioRuns:
     """Runs of three samples by name, each with a yaw rate [rad/s] at the end."""
     time = np.array([0.0, 1.0, 2.0])
     recordings = {
-        name: Recording(time, {"imu.yaw_rate": np.array([0.0, value / 2, value])}) for name, value in yaw_rates.items()
+        name: Recording(time, {"imu.yaw_rate": np.array([0.0, value / 2, value])})
+        for name, value in yaw_rates.items()
     }
     return ScenarioRuns(recordings, Vehicle(mass=1500.0), {})
 
@@ -28,7 +29,10 @@ def runs(**yaw_rates: float) -> ScenarioRuns:
 def test_the_name_of_a_run_stands_in_front_of_its_expression():
     driven = runs(rate=0.3, offset=0.4)
     assert measured_by("rate: last(imu.yaw_rate)", {}, [ANY])([driven]) == 0.3
-    assert measured_by("offset: last(imu.yaw_rate) / vehicle.mass", {}, [ANY])([driven]) == 0.4 / 1500.0
+    assert (
+        measured_by("offset: last(imu.yaw_rate) / vehicle.mass", {}, [ANY])([driven])
+        == 0.4 / 1500.0
+    )
 
 
 def test_the_only_run_needs_no_name():
@@ -42,7 +46,10 @@ def test_of_several_runs_that_which_is_driven_alone_needs_no_name():
 
 
 def test_a_run_is_not_guessed():
-    with pytest.raises(NotMeasured, match="no run is named, expected one of rate, offset in front of the expression"):
+    with pytest.raises(
+        NotMeasured,
+        match="no run is named, expected one of rate, offset in front of the expression",
+    ):
         measured_by("last(imu.yaw_rate)", {}, [ANY])([runs(rate=0.3, offset=0.4)])
     with pytest.raises(NotMeasured, match="there is no run increment"):
         measured_by("increment: last(imu.yaw_rate)", {}, [ANY])([runs(rate=0.3, offset=0.4)])
@@ -57,7 +64,9 @@ def test_of_two_needs_an_expression_is_the_ratio():
 
 def test_another_run_takes_the_place_of_the_named_one():
     """The report of Ge & Ni holds the same claims on runs of other cars."""
-    other = measured_by("rate: last(imu.yaw_rate)", {}, [ANY]).renamed({"rate": "offset", "last": "first"})
+    other = measured_by("rate: last(imu.yaw_rate)", {}, [ANY]).renamed(
+        {"rate": "offset", "last": "first"}
+    )
     assert other([runs(rate=0.3, offset=0.4)]) == 0.4
 
 

@@ -45,7 +45,9 @@ def test_no_panel_is_missing(source: str, count: int):
         pytest.param("tatar_chudzik", 12, "a scheme of the forces", marks=pytest.mark.weekly),
     ],
 )
-def test_page_shows_what_was_drawn_and_why_something_was_not(tmp_path, source: str, count: int, lost: str):
+def test_page_shows_what_was_drawn_and_why_something_was_not(
+    tmp_path, source: str, count: int, lost: str
+):
     shown = panels(source)
     needs: list[Need] = [need for panel in shown for need in panel.needs]
     drawn = draw_panels(source, shown, {need: driven(need) for need in needs}, tmp_path)
@@ -56,7 +58,9 @@ def test_page_shows_what_was_drawn_and_why_something_was_not(tmp_path, source: s
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("cycle", "count"), [(CYCLES[1], 5 + 2), (ON_BENCH[1], 7)], ids=["simulation", "bench"])
+@pytest.mark.parametrize(
+    ("cycle", "count"), [(CYCLES[1], 5 + 2), (ON_BENCH[1], 7)], ids=["simulation", "bench"]
+)
 def test_figures_of_one_method_of_the_dissertation(tmp_path, cycle, count):
     """A minute of its cycle: 5 figures in simulation with the fitted slip curve and the road, 7 on the bench."""
     short = driven(replace(cycle, duration=60.0))

@@ -29,7 +29,10 @@ def spoilt(trial: Trial) -> None:
     elif kind == "vehicle":
         trial.words += ["--vehicle", made(_CONFIG / "vehicles" / f"{_vehicle(trial)}.yaml")]
     elif kind == "parameters":
-        trial.words += ["--params", made(trial.chance.choice(sorted((_CONFIG / "surfaces").glob("*.yaml"))))]
+        trial.words += [
+            "--params",
+            made(trial.chance.choice(sorted((_CONFIG / "surfaces").glob("*.yaml")))),
+        ]
     else:
         path = made(trial.chance.choice(sorted((_CONFIG / "cycles").glob("*.csv"))))
         trial.words[0] = "shchur2019"

@@ -23,7 +23,10 @@ def busy(trial: Trial) -> None:
 
     def disturb(run: UnderWay) -> None:
         text = f"import time; end = time.monotonic() + {_BUSY_AT_MOST}\nwhile time.monotonic() < end: pass"
-        hogs = [subprocess.Popen([sys.executable, "-c", text], env=run.environment) for _ in range(os.cpu_count() or 1)]
+        hogs = [
+            subprocess.Popen([sys.executable, "-c", text], env=run.environment)
+            for _ in range(os.cpu_count() or 1)
+        ]
         run.wait_until(lambda: False, _BUSY_AT_MOST)
         for hog in hogs:
             hog.kill()
@@ -40,11 +43,15 @@ def full_disk(trial: Trial) -> None:
     size = int(10 ** trial.chance.uniform(0.7, 3.5))
     trial.about = f"{size} kB"
     trial.out.mkdir()
-    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}k", "none", trial.out], capture_output=True)
+    mounted = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", f"size={size}k", "none", trial.out], capture_output=True
+    )
     if mounted.returncode:
         raise Skipped("mount of a tmpfs is not granted: no small disk")
     trial.clean_up.callback(subprocess.run, ["umount", "--lazy", trial.out], check=False)
-    trial.make_room = partial(subprocess.run, ["mount", "-o", "remount,size=100m", trial.out], check=True)
+    trial.make_room = partial(
+        subprocess.run, ["mount", "-o", "remount,size=100m", trial.out], check=True
+    )
     trial.from_the_start = True
     trial.names = "No space left on device|no space left on device|Disk quota"
 
@@ -64,7 +71,9 @@ def few_descriptors(trial: Trial) -> None:
     most = trial.chance.randrange(20, 80)
     trial.about = str(most)
     trial.from_the_start = True
-    trial.names = "[Tt]oo many open files|file descriptors|cannot be started|participant|ended with status"
+    trial.names = (
+        "[Tt]oo many open files|file descriptors|cannot be started|participant|ended with status"
+    )
     trial.limits[resource.RLIMIT_NOFILE] = most
 
 
@@ -76,13 +85,28 @@ def no_shared_memory(trial: Trial) -> None:
     trial.about = how
     trial.from_the_start = True
     trial.names = "/dev/shm is full"
-    trial.before = ["unshare", "--mount", "sh", "-c", f'mount -t tmpfs -o {how} none /dev/shm && exec "$0" "$@"']
+    trial.before = [
+        "unshare",
+        "--mount",
+        "sh",
+        "-c",
+        f'mount -t tmpfs -o {how} none /dev/shm && exec "$0" "$@"',
+    ]
 
 
 def other_clock(trial: Trial) -> None:
     """The monotonic clock of the whole run, or of one node, is days or years away from that of the machine."""
     seconds = trial.chance.choice((100_000, 10**7, 10**9))
-    clock = ["unshare", "--time", "--fork", "--kill-child", "--monotonic", str(seconds), "--boottime", str(seconds)]
+    clock = [
+        "unshare",
+        "--time",
+        "--fork",
+        "--kill-child",
+        "--monotonic",
+        str(seconds),
+        "--boottime",
+        str(seconds),
+    ]
     if subprocess.run([*clock, "true"], capture_output=True).returncode:
         raise Skipped("no name space for time is granted: the monotonic clock stays")
     if trial.way == "in one process" or trial.chance.random() < 0.5:
@@ -125,9 +149,21 @@ def rival(trial: Trial) -> None:
     def disturb(run: UnderWay) -> None:
         if moment.wait(run, RUNNER) is None:
             return
-        words = [ROOT / "scripts" / "run.sh", "coast_down", "--offline", "--duration", "0.1", "--out", trial.out]
-        second = subprocess.run(words, env=run.environment, capture_output=True, text=True, timeout=PATIENCE)
-        refused = second.returncode == 1 and re.search("another run is writing there|is of scenario", second.stderr)
+        words = [
+            ROOT / "scripts" / "run.sh",
+            "coast_down",
+            "--offline",
+            "--duration",
+            "0.1",
+            "--out",
+            trial.out,
+        ]
+        second = subprocess.run(
+            words, env=run.environment, capture_output=True, text=True, timeout=PATIENCE
+        )
+        refused = second.returncode == 1 and re.search(
+            "another run is writing there|is of scenario", second.stderr
+        )
         if second.returncode == 0 and run.process.poll() is not None:
             trial.replaced = True  # on a busy machine it begins when the first one has ended
         elif not refused and run.process.poll() is None:

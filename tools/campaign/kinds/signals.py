@@ -20,7 +20,9 @@ def _target(trial: Trial) -> tuple[str, Moment]:
     return target, drawn(trial.chance, trial.way, trial.duration, target != RUNNER)
 
 
-def _struck(run: UnderWay, kind: signal.Signals, target: str, moment: Moment, group: bool = False) -> None:
+def _struck(
+    run: UnderWay, kind: signal.Signals, target: str, moment: Moment, group: bool = False
+) -> None:
     pid = moment.wait(run, target)
     if pid is not None:
         run.send(pid, kind, group)
@@ -80,7 +82,9 @@ def stop_for_ever(trial: Trial) -> None:
             time.sleep(0.5)
             run.send(pid, signal.SIGKILL)
             return
-        named_then_interrupted(run, rf"(stopped by a signal: .*\b{target}\b|node {target} does not answer)")
+        named_then_interrupted(
+            run, rf"(stopped by a signal: .*\b{target}\b|node {target} does not answer)"
+        )
 
     trial.disturb = disturb
 

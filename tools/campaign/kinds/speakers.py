@@ -50,11 +50,13 @@ def stranger(trial: Trial) -> None:
     """All acts of a stranger in turn: what he says (`sayings.py`), does (`doings.py`) and forges (`forgeries.py`)."""
     act, rate = ACTS[trial.turn % len(ACTS)], trial.chance.choice((10, 100, 500))
     trial.about = f"{act}, {rate} /s"
-    # A stranger that asks for a pause is obeyed, and what it says in /diagnostics may be believed of nobody.
+    # A stranger that asks for a pause is obeyed, and what it says in /diagnostics may be believed
+    # of nobody.
     with_helper(trial, "stranger", act, str(rate), str(trial.seed))
     if act in FORGERIES:
         _may_be_noticed(trial)
-    elif act in SAYINGS and SAYINGS[act].node in ROLES:  # heard before the node of its name it is taken for that
+    # heard before the node of its name it is taken for that
+    elif act in SAYINGS and SAYINGS[act].node in ROLES:
         trial.forged = True
 
 

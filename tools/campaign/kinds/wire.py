@@ -24,7 +24,8 @@ def _faulty(trial: Trial, how: str, share: float) -> str:
     words = [sys.executable, "-m", "campaign.faulty_node", how, f"{share:g}", str(trial.seed), role]
     trial.words += ["--node", f"{role}={shlex.join(words)}"]
     trial.about = f"{role}: {how} {share:g}"
-    # Nodes ask again for what they miss; what only the recorder hears is missing in the recording, which it says.
+    # Nodes ask again for what they miss; what only the recorder hears is missing in the recording,
+    # which it says.
     trial.from_the_start = True
     trial.names = "the recording has a gap"
     return role

@@ -20,7 +20,9 @@ from ev_core.law import (
 class OuterWheelParameters:
     """What can be set by --set electronic_differential.gain=..., or by a parameter file."""
 
-    gain: float = parameter(2000.0, unit="N m/rad", low=0.0, high=1e5, about="K of eq 1", source="the source, table 1")
+    gain: float = parameter(
+        2000.0, unit="N m/rad", low=0.0, high=1e5, about="K of eq 1", source="the source, table 1"
+    )
     brake: BrakeSplitParameters = group(BrakeSplitParameters)
 
 

@@ -20,4 +20,6 @@ def figures(runs):
 
 def yaw_rates(runs):
     """Figure 1: the yaw rates of all runs."""
-    return over_time(runs, "1  Yaw rate", "yaw rate [deg/s]", degrees(lambda run: channel(run, motion.YAW_RATE)))
+    return over_time(
+        runs, "1  Yaw rate", "yaw rate [deg/s]", degrees(lambda run: channel(run, motion.YAW_RATE))
+    )

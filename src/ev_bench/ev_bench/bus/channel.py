@@ -25,13 +25,19 @@ def bus_log(file: str) -> can.Listener:
     """
     path = Path(file)
     if path.suffix not in SUFFIXES:
-        raise ValueError(f"parameter log: {quoted(file)} is refused, expected files ending with {', '.join(SUFFIXES)}")
+        raise ValueError(
+            f"parameter log: {quoted(file)} is refused, expected files ending with {', '.join(SUFFIXES)}"
+        )
     if os.path.lexists(path):
-        raise ValueError(f"parameter log: {quoted(file)} is refused, expected a file that is not there yet")
+        raise ValueError(
+            f"parameter log: {quoted(file)} is refused, expected a file that is not there yet"
+        )
     try:
         return can.Logger(path)
     except (NotImplementedError, ImportError):
-        raise ValueError(f"parameter log: {quoted(file)} needs the Python package asammdf, which is missing") from None
+        raise ValueError(
+            f"parameter log: {quoted(file)} needs the Python package asammdf, which is missing"
+        ) from None
     except OSError as error:
         raise ValueError(f"parameter log: {quoted(file)}: {error.strerror or error}") from None
 
@@ -42,8 +48,9 @@ _header = cache(header)
 class BusMeter:
     """Counts bits, and times the frames with the identifiers that its end awaits, since it was last cleared.
 
-    The latency of a frame is the time [s] from when operating system, hub or hardware had it until the node took it.
-    Bits are those of the wire, stuff bits and the pause counted, whatever carries the frames.
+    The latency of a frame is the time [s] from when operating system, hub or hardware had it until
+    the node took it. Bits are those of the wire, stuff bits and the pause counted, whatever carries
+    the frames.
     """
 
     def __init__(self, awaited: Collection[int]) -> None:
@@ -63,7 +70,8 @@ class BusMeter:
 
 
 _LONGEST = 8  # bytes of a classic frame
-_OLDEST = 0.1  # s: who is too slow for its bus leaves out what has waited for longer, and so keeps up
+# s: who is too slow for its bus leaves out what has waited for longer, and so keeps up
+_OLDEST = 0.1
 
 
 class Channel:
@@ -79,7 +87,8 @@ class Channel:
     ) -> None:
         self.name = name
         self._bus = open_channel(interface, name, address)
-        self._is_multicast = interface == "udp_multicast"  # it receives its own frames, by the clock of this machine
+        # it receives its own frames, by the clock of this machine
+        self._is_multicast = interface == "udp_multicast"
         self._log, self._meter = log, meter
         self._emptied = time.monotonic()  # what comes out later is younger than this
         self.sent = self.received = self.refused = self.unsent = self.late = 0
@@ -110,7 +119,8 @@ class Channel:
         while True:
             try:
                 message = self._bus.recv(timeout=0.0)
-            except Exception as error:  # whatever unpacking a stranger's datagram raises, python-can lets through
+            # whatever unpacking a stranger's datagram raises, python-can lets through
+            except Exception as error:
                 self.refused += 1
                 self.trouble = f"{self.name}: not read: {error}"
                 return None
@@ -120,7 +130,9 @@ class Channel:
             age = self._age(message)
             if self._is_multicast and age > _OLDEST:
                 self.late += 1
-                self.trouble = f"{self.name}: frames that waited for more than {_OLDEST:g} s were left out"
+                self.trouble = (
+                    f"{self.name}: frames that waited for more than {_OLDEST:g} s were left out"
+                )
                 continue
             if _is_classic(message):
                 self.received += 1
@@ -132,11 +144,15 @@ class Channel:
     def _age(self, message: can.Message) -> float:
         """Seconds since the frame came to this machine, or to the hub.
 
-        It is stamped by the time of day, which may be set in between; of multicast there is a bound that does not
-        know it: no frame has waited for longer than since nothing was waiting.
+        It is stamped by the time of day, which may be set in between; of multicast there is a bound
+        that does not know it: no frame has waited for longer than since nothing was waiting.
         """
         by_time_of_day = time.time() - message.timestamp
-        return min(by_time_of_day, time.monotonic() - self._emptied) if self._is_multicast else by_time_of_day
+        return (
+            min(by_time_of_day, time.monotonic() - self._emptied)
+            if self._is_multicast
+            else by_time_of_day
+        )
 
     def _note(self, message: can.Message, age: float) -> None:
         if self._log:
@@ -154,22 +170,29 @@ class Channel:
 
 
 def _is_classic(message: can.Message) -> bool:
-    special = message.is_extended_id or message.is_remote_frame or message.is_error_frame or message.is_fd
+    special = (
+        message.is_extended_id or message.is_remote_frame or message.is_error_frame or message.is_fd
+    )
     return not special and message.arbitration_id < 1 << 11 and len(message.data) <= _LONGEST
 
 
-_MOST = 500  # frames taken from a channel at one go: a bus that never falls silent shall not hold a node up
+# frames taken from a channel at one go: a bus that never falls silent shall not hold a node up
+_MOST = 500
 
 
 class Channels:
     """Opens the channels of the parameters; BusError or ValueError in one line, with nothing open, if it cannot."""
 
-    def __init__(self, p: BusInterface, log: str = "", meters: Mapping[str, BusMeter] | None = None) -> None:
+    def __init__(
+        self, p: BusInterface, log: str = "", meters: Mapping[str, BusMeter] | None = None
+    ) -> None:
         self._channels: dict[str, Channel] = {}
         self._log = bus_log(log) if log else None
         try:
             for circuit, name in p.channels().items():
-                self._channels[circuit] = Channel(p.interface, name, self._log, (meters or {}).get(circuit), p.address)
+                self._channels[circuit] = Channel(
+                    p.interface, name, self._log, (meters or {}).get(circuit), p.address
+                )
         except BaseException:
             self.close()
             raise

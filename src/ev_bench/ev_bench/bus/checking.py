@@ -1,6 +1,7 @@
 """End-to-end protection of a payload by AUTOSAR E2E profile 1: what the receiver makes of it.
 
-The algorithm of E2E_P01Check (AUTOSAR PRS E2E protocol, profile 1), with its names for what lasts between two calls.
+The algorithm of E2E_P01Check (AUTOSAR PRS E2E protocol, profile 1), with its names for what lasts
+between two calls.
 """
 
 from __future__ import annotations
@@ -22,15 +23,19 @@ STATUS_NAMES = (
     "ok, some lost",
     "wrong sequence",
 )
-OK, NO_NEW_DATA, WRONG_CRC, SYNC, INITIAL, REPEATED, OK_SOME_LOST, WRONG_SEQUENCE = range(len(STATUS_NAMES))
+OK, NO_NEW_DATA, WRONG_CRC, SYNC, INITIAL, REPEATED, OK_SOME_LOST, WRONG_SEQUENCE = range(
+    len(STATUS_NAMES)
+)
 _LARGEST_COUNT = 14
 
 
 class CheckSettings(NamedTuple):
     """How much a receiver tolerates."""
 
-    max_delta_counter_init: float = 3.0  # step of the counter from frame to frame: up to two frames may be lost
-    max_no_new_or_repeated_data: float = 5.0  # calls without a new frame after which it must synchronise again
+    # step of the counter from frame to frame: up to two frames may be lost
+    max_delta_counter_init: float = 3.0
+    # calls without a new frame after which it must synchronise again
+    max_no_new_or_repeated_data: float = 5.0
     sync_counter_init: float = 1.0  # right frames in a row that synchronising takes
 
 
@@ -43,7 +48,9 @@ class CheckState:
 
     wait_for_first_data: float = entry(1.0, unit="1")
     last_valid_counter: float = entry(unit="1")
-    max_delta_counter: float = entry(unit="1", about="largest step that is tolerated now; grows by 1 with each call")
+    max_delta_counter: float = entry(
+        unit="1", about="largest step that is tolerated now; grows by 1 with each call"
+    )
     no_new_or_repeated_data_counter: float = entry(unit="1")
     sync_counter: float = entry(unit="1")
     lost_data: float = entry(unit="1", about="frames that were lost before the newest one")
@@ -69,7 +76,8 @@ def check(c: CheckSettings, s: CheckState, payload: int, length: int, data_id: i
     s.max_delta_counter = min(s.max_delta_counter + 1.0, _LARGEST_COUNT)
     counter = counter_of(payload)
     if payload & 0xFF != checksum(payload, length, data_id) or counter >= COUNTERS:
-        s.status = float(WRONG_CRC)  # neither new nor repeated: the counter of those goes on with neither
+        # neither new nor repeated: the counter of those goes on with neither
+        s.status = float(WRONG_CRC)
         return WRONG_CRC
     if s.wait_for_first_data != 0.0:
         s.wait_for_first_data = 0.0

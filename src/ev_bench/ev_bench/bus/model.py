@@ -1,11 +1,13 @@
 """A channel of the bus without hardware: who sends when, how long it takes, what is lost; the same in each run.
 
-The waiting frame with the lowest identifier goes as soon as the bus is free; a frame on the wire is not
-interrupted. Times are in bits, counted from the beginning of the present tick. A place holds one frame that waits and
-the newest one that has arrived, as the message objects of a CAN controller do: a frame that ends on the wire before the
-one in front of it was taken overwrites that, which counts as lost.
+The waiting frame with the lowest identifier goes as soon as the bus is free; a frame on the wire is
+not interrupted. Times are in bits, counted from the beginning of the present tick. A place holds
+one frame that waits and the newest one that has arrived, as the message objects of a CAN controller
+do: a frame that ends on the wire before the one in front of it was taken overwrites that, which
+counts as lost.
 
-It runs in each tick. Tables are records, no tuples: handing those over would cost compiled code as much as a frame.
+It runs in each tick. Tables are records, no tuples: handing those over would cost compiled code as
+much as a frame.
 """
 
 from __future__ import annotations
@@ -30,23 +32,34 @@ NO_PLACE = -1.0
 _LONGEST = float(longest_frame(8))
 _FASTEST = 1e6  # bit/s
 _SHORTEST = 34 + NEVER_STUFFED  # bits of a frame without data and stuff bits
-_MOST_SENT = int(MOST_TICKS * TICK * _FASTEST) // _SHORTEST + 1  # frames that can begin in a control period
+# frames that can begin in a control period
+_MOST_SENT = int(MOST_TICKS * TICK * _FASTEST) // _SHORTEST + 1
 
 
 @dataclass(frozen=True, slots=True)
 class BusModelParameters(BusInterface):
     """The bus in lockstep; in real time its frames go over the interface."""
 
-    bit_rate: float = parameter(1e6, unit="bit/s", low=1.25e5, high=_FASTEST, about="of both channels")
+    bit_rate: float = parameter(
+        1e6, unit="bit/s", low=1.25e5, high=_FASTEST, about="of both channels"
+    )
     phase: float = parameter(
         0.0005, unit="s", low=0.0, high=0.0009, source="assumption: they are not synchronised",
         about="from the controller's cycle to that of the inverters",
     )  # fmt: skip
-    loss: float = setting(0.0, unit="1", low=0.0, high=1.0, about="share of frames that are lost, by chance")
-    other_load: float = setting(
-        0.0, unit="1", low=0.0, high=0.9, about="share of time that frames of others take, before all of ours"
+    loss: float = setting(
+        0.0, unit="1", low=0.0, high=1.0, about="share of frames that are lost, by chance"
     )
-    seed: int = setting(0, low=0, high=2**31 - 1, about="of what is lost; goes with the seed of the node")
+    other_load: float = setting(
+        0.0,
+        unit="1",
+        low=0.0,
+        high=0.9,
+        about="share of time that frames of others take, before all of ours",
+    )
+    seed: int = setting(
+        0, low=0, high=2**31 - 1, about="of what is lost; goes with the seed of the node"
+    )
 
     @property
     def is_random(self) -> bool:
@@ -73,28 +86,42 @@ class ChannelState:
     released: list[float] = series(PLACES, unit="bit", about="since when")
     low: list[float] = series(PLACES, unit="1", about="its words")
     high: list[float] = series(PLACES, unit="1")
-    came: list[float] = series(PLACES, unit="1", about="whether a frame has arrived that was not taken yet")
+    came: list[float] = series(
+        PLACES, unit="1", about="whether a frame has arrived that was not taken yet"
+    )
     came_low: list[float] = series(PLACES, unit="1", about="its words")
     came_high: list[float] = series(PLACES, unit="1")
-    on_wire: float = entry(NO_PLACE, unit="1", about="place of the frame on the wire that will arrive; -1: none")
+    on_wire: float = entry(
+        NO_PLACE, unit="1", about="place of the frame on the wire that will arrive; -1: none"
+    )
     wire_low: float = entry(unit="1", about="its words")
     wire_high: float = entry(unit="1")
     free_from: float = entry(unit="bit", about="end of the frame on the wire")
     other_bits: float = entry(unit="bit", about="that others are still to send")
     count: float = entry(unit="1", about="frames sent since the start")
-    lost: float = entry(unit="1", about="frames lost since the start: on the wire, or overtaken by the next one")
+    lost: float = entry(
+        unit="1", about="frames lost since the start: on the wire, or overtaken by the next one"
+    )
     busy: float = entry(unit="bit", about="on the wire since the control period began")
-    latency: float = entry(unit="bit", about="longest from release to arrival since the control period began")
-    tick_begin: float = entry(unit="bit", about="from the beginning of the control period to that of the tick")
+    latency: float = entry(
+        unit="bit", about="longest from release to arrival since the control period began"
+    )
+    tick_begin: float = entry(
+        unit="bit", about="from the beginning of the control period to that of the tick"
+    )
     sent_count: float = entry(unit="1", about="frames sent since the control period began")
-    sent: list[float] = series(SENT * _MOST_SENT, unit="1", about="these frames; ends from its beginning on")
+    sent: list[float] = series(
+        SENT * _MOST_SENT, unit="1", about="these frames; ends from its beginning on"
+    )
 
 
 def channel_frames(frames: Sequence[FrameLayout]) -> ChannelFrames:
     """The frames of a channel, in the order of their identifiers."""
     heads = [header(frame.identifier, frame.length) for frame in frames]
     lengths = [float(frame.length) for frame in frames]
-    return ChannelFrames([h.bits for h in heads], [h.state for h in heads], [h.crc for h in heads], lengths)
+    return ChannelFrames(
+        [h.bits for h in heads], [h.state for h in heads], [h.crc for h in heads], lengths
+    )
 
 
 @compilable
@@ -107,7 +134,9 @@ def release(s: ChannelState, place: int, at: float, low: float, high: float) -> 
 
 
 @compilable
-def advance_channel(c: ChannelFrames, p: BusModelParameters, s: ChannelState, channel: int, until: float) -> None:
+def advance_channel(
+    c: ChannelFrames, p: BusModelParameters, s: ChannelState, channel: int, until: float
+) -> None:
     """Begin all frames that can begin before `until` [bit]; those that end until then arrive."""
     while s.free_from < until:
         _arrive(s)
@@ -150,7 +179,9 @@ def _begin_of_next(s: ChannelState, until: float) -> float:
 
 
 @compilable
-def _send(c: ChannelFrames, p: BusModelParameters, s: ChannelState, channel: int, now: float) -> None:
+def _send(
+    c: ChannelFrames, p: BusModelParameters, s: ChannelState, channel: int, now: float
+) -> None:
     """The lowest identifier of those that wait goes on the wire."""
     place = 0
     while s.waiting[place] == 0.0 or s.released[place] > now:

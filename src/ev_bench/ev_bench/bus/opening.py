@@ -1,7 +1,8 @@
 """Opening a channel of python-can, also by multicast on one address; what is wrong is one clear line.
 
-Frames by multicast, as udp_multicast of python-can writes them, on the network of one address of this machine.
-python-can's own bus listens at all addresses. This one receives what was sent to its group on that network alone.
+Frames by multicast, as udp_multicast of python-can writes them, on the network of one address of
+this machine. python-can's own bus listens at all addresses. This one receives what was sent to its
+group on that network alone.
 """
 
 from __future__ import annotations
@@ -22,7 +23,8 @@ from ev_msgs_py.refusal import quoted
 _BUFFER = 1 << 20  # bytes for frames that nobody has taken yet: a second of a full bus
 _LONGEST = 4096  # bytes of a datagram
 _TIMESTAMPS = 35  # SO_TIMESTAMPNS of Linux
-_ALL_GROUPS = 49  # IP_MULTICAST_ALL: also what others on this machine have joined, wherever they have
+# IP_MULTICAST_ALL: also what others on this machine have joined, wherever they have
+_ALL_GROUPS = 49
 _TIME = struct.Struct("@ll")  # s, ns
 
 
@@ -51,7 +53,8 @@ class MulticastBus(can.BusABC):
             (socket.IPPROTO_IP, socket.IP_MULTICAST_IF, address.packed),
         ):
             self._socket.setsockopt(level, option, value)
-        self._socket.bind(self._to)  # the group itself: what is sent to an address of this machine is not for us
+        # the group itself: what is sent to an address of this machine is not for us
+        self._socket.bind(self._to)
         self._socket.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group + address.packed)
         self._socket.setblocking(False)
 
@@ -59,7 +62,9 @@ class MulticastBus(can.BusABC):
         if timeout != 0.0:
             select.select([self._socket], [], [], timeout)
         try:
-            data, ((_, _, time),), _, _ = self._socket.recvmsg(_LONGEST, socket.CMSG_SPACE(_TIME.size))
+            data, ((_, _, time),), _, _ = self._socket.recvmsg(
+                _LONGEST, socket.CMSG_SPACE(_TIME.size)
+            )
         except BlockingIOError:
             return None, False
         seconds, nanoseconds = _TIME.unpack(time)
@@ -89,14 +94,19 @@ class BusError(RuntimeError):
 def open_channel(interface: str, channel: str, address: str = LOOPBACK) -> can.BusABC:
     """A bus of python-can that does not receive its own frames, but for udp_multicast; BusError if it cannot be had.
 
-    `address` is that of this machine in the network of a multicast group; on loopback a hub is on this machine, too.
+    `address` is that of this machine in the network of a multicast group; on loopback a hub is on
+    this machine, too.
     """
     try:
         return _open(interface, channel, address)
     except (can.CanError, can.CanInterfaceNotImplementedError, OSError, ValueError) as error:
-        reason = (error.__cause__ or error) if isinstance(error, can.CanInitializationError) else error
+        reason = (
+            (error.__cause__ or error) if isinstance(error, can.CanInitializationError) else error
+        )
         text = getattr(reason, "strerror", None) or str(reason)
-        raise BusError(f"CAN interface {interface}, channel {channel}: {' '.join(text.split())}") from None
+        raise BusError(
+            f"CAN interface {interface}, channel {channel}: {' '.join(text.split())}"
+        ) from None
 
 
 def _open(interface: str, channel: str, address: str) -> can.BusABC:
@@ -109,7 +119,9 @@ def _open(interface: str, channel: str, address: str) -> can.BusABC:
         name, place = _split(channel, "@", "NAME@HOST:PORT")
         host, port = _split(place, ":", "NAME@HOST:PORT")
         if address == LOOPBACK and not _is_here(host):
-            raise ValueError(f"host {quoted(host)} is refused, expected {LOOPBACK} unless bus.address is another one")
+            raise ValueError(
+                f"host {quoted(host)} is refused, expected {LOOPBACK} unless bus.address is another one"
+            )
         # It would warn of every message that comes in two pieces, which is how streams are.
         logging.getLogger("can.interfaces.socketcand").setLevel(logging.ERROR)
         # python-can would try for 10 s, at full speed

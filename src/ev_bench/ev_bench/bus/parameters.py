@@ -17,7 +17,8 @@ EV_BENCH = "can/ev_bench.dbc"
 def load_database(name: str = EV_BENCH) -> Database:
     """The database in a DBC file; a relative name counts from the config folder.
 
-    ParameterError in one line that names the file if it cannot be read, or if `database_of` refuses it.
+    ParameterError in one line that names the file if it cannot be read, or if `database_of` refuses
+    it.
     """
     path: Path | str = name
     try:

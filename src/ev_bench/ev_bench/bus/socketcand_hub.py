@@ -1,7 +1,7 @@
 """A hub for frames between processes of one machine, by the raw mode of socketcand's protocol over TCP.
 
-For machines without multicast. Text in angle brackets: `open NAME`, `rawmode`, then `send ID LENGTH BYTES` from a
-client, and `frame ID SECONDS DATA` to all others with the same name.
+For machines without multicast. Text in angle brackets: `open NAME`, `rawmode`, then `send ID LENGTH
+BYTES` from a client, and `frame ID SECONDS DATA` to all others with the same name.
 """
 
 from __future__ import annotations
@@ -19,10 +19,13 @@ from ev_msgs_py.refusal import quoted
 
 HOST = "127.0.0.1"  # frames never leave this machine
 _MOST_CLIENTS = 32
-_SETTLES = 0.1  # s behind the last answer in which a client is sent no frame: python-can takes all for the answer
+# s behind the last answer in which a client is sent no frame: python-can takes all for the answer
+_SETTLES = 0.1
 _LONGEST_TEXT = 200  # characters of an unfinished command
-_MOST_WAITING = 1 << 20  # bytes for a client that does not take them, some seconds of a full bus; the rest is lost
-# Hexadecimal digits and nothing else: int() would also take signs, underscores and the digits of other scripts.
+# bytes for a client that does not take them, some seconds of a full bus; the rest is lost
+_MOST_WAITING = 1 << 20
+# Hexadecimal digits and nothing else: int() would also take signs, underscores and the digits of
+# other scripts.
 _SEND = re.compile(r"send ([0-7][0-9A-Fa-f]{2}|[01][0-9A-Fa-f]{7}) ([0-8])((?: [0-9A-Fa-f]{1,2})*)")
 
 
@@ -39,7 +42,9 @@ class _Client(asyncio.Protocol):
         """Greet, unless there are too many."""
         self.transport = transport
         if len(self._hub.clients) == _MOST_CLIENTS:
-            self._hub.warn_once("many", f"a client is sent away: there are {_MOST_CLIENTS}, which is the most")
+            self._hub.warn_once(
+                "many", f"a client is sent away: there are {_MOST_CLIENTS}, which is the most"
+            )
             transport.abort()
             return
         self._hub.clients.add(self)
@@ -91,7 +96,9 @@ class _Client(asyncio.Protocol):
                 put(frame)
 
     def _refuse(self, command: str) -> None:
-        self._hub.warn_once("refused", f"a client is sent away: {quoted(command)} is no command or no frame")
+        self._hub.warn_once(
+            "refused", f"a client is sent away: {quoted(command)} is no command or no frame"
+        )
         self.transport.write(b"< error unknown command >")
         self.transport.close()
 
@@ -99,7 +106,8 @@ class _Client(asyncio.Protocol):
 class SocketcandHub:
     """Accepts clients and passes frames on; `port` 0 takes any free one. OSError if the port is taken.
 
-    `warn` is called once for each kind of trouble; a client that sends anything else gets an error and is sent away.
+    `warn` is called once for each kind of trouble; a client that sends anything else gets an error
+    and is sent away.
     """
 
     def __init__(self, port: int, warn: Callable[[str], None] = lambda text: None) -> None:
@@ -107,7 +115,8 @@ class SocketcandHub:
         self.port: int = self._listener.getsockname()[1]
         self.clients: set[_Client] = set()
         self._warn, self._warned = warn, set[str]()
-        self._spare = os.open(os.devnull, os.O_RDONLY)  # by it clients are sent away where none is left
+        # by it clients are sent away where none is left
+        self._spare = os.open(os.devnull, os.O_RDONLY)
         self._loop = asyncio.new_event_loop()
         self._loop.set_exception_handler(self._on_error)
         serving = self._loop.create_server(lambda: _Client(self), sock=self._listener)

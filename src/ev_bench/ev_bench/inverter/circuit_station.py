@@ -116,7 +116,9 @@ def advance_circuit(p: CircuitParameters, s: Circuit, period: float) -> None:
     advance_inverter(p.drive, s.drive, s.speed, period)
     advance_inverter(p.load, s.load, s.speed, period)
     inertia = p.drive.machine.rotor_inertia + p.load.machine.rotor_inertia
-    s.speed = (s.speed + period * (s.drive.torque + s.load.torque) / inertia) / (1.0 + period * p.friction / inertia)
+    s.speed = (s.speed + period * (s.drive.torque + s.load.torque) / inertia) / (
+        1.0 + period * p.friction / inertia
+    )
 
 
 _MADE_GOOD = 5  # cycles that are made up for at once
@@ -143,7 +145,9 @@ class InverterStation:
 
     def hear(self, payload: int) -> None:
         """Take a set-point, and count those that were lost before it."""
-        if checking.is_valid(on_channel.receive_set_point(self._frames.set_point, self._own, self.s, payload)):
+        if checking.is_valid(
+            on_channel.receive_set_point(self._frames.set_point, self._own, self.s, payload)
+        ):
             self.lost += self.s.check.lost_data
 
     def due(self, before: float, now: float, speed: float) -> list[Frame]:
@@ -151,10 +155,13 @@ class InverterStation:
         return [
             Frame(
                 int(self._own.identifiers[kind]),
-                on_channel.made(self._frames, self._own, self.p, self.s, kind, speed).to_bytes(length, "little"),
+                on_channel.made(self._frames, self._own, self.p, self.s, kind, speed).to_bytes(
+                    length, "little"
+                ),
             )
             for kind, length in enumerate(self._lengths)
-            if self.s.injected.silent == 0.0 and is_due(on_channel.ticks_between(self._frames, kind), before, now)
+            if self.s.injected.silent == 0.0
+            and is_due(on_channel.ticks_between(self._frames, kind), before, now)
         ]
 
 
@@ -175,8 +182,8 @@ class ChannelStation:
     def make_cycles(self, before: float, ticks: int) -> list[Frame]:
         """Advance by some cycles of 1 ms, after the frames of this cycle; what is to be sent then.
 
-        After more than a few the machines stand still for the rest, as a burst of late cycles would be no real time;
-        the set-points get older all the same.
+        After more than a few the machines stand still for the rest, as a burst of late cycles would
+        be no real time; the set-points get older all the same.
         """
         lost, speeds = max(ticks - _MADE_GOOD, 0), (0.0, 0.0)
         for inverter in self.inverters:
@@ -184,7 +191,11 @@ class ChannelStation:
         for tick in range(lost, ticks):
             speeds = self.advance(before + tick)
         both = zip(self.inverters, speeds, strict=True)
-        return [frame for inverter, speed in both for frame in inverter.due(before, before + ticks, speed)]
+        return [
+            frame
+            for inverter, speed in both
+            for frame in inverter.due(before, before + ticks, speed)
+        ]
 
 
 class CircuitStation(ChannelStation):

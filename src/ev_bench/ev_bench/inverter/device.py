@@ -25,7 +25,9 @@ class Command:
     torque: float = entry(unit="N m")
     speed: float = entry(unit="rad/s")
     torque_limit: float = entry(unit="N m")
-    reset: float = entry(unit="1", about="the reset bit has risen, and nothing forbids it; until the next cycle")
+    reset: float = entry(
+        unit="1", about="the reset bit has risen, and nothing forbids it; until the next cycle"
+    )
 
 
 @dataclass(slots=True)
@@ -34,7 +36,9 @@ class Supervision:
 
     age: float = entry(LONG_AGO, unit="s", about="of the newest valid set-point")
     wrong_crc: float = entry(unit="1", about="frames with a wrong CRC since then")
-    wrong_counter: float = entry(unit="1", about="frames with a repeated or wrong counter since then")
+    wrong_counter: float = entry(
+        unit="1", about="frames with a repeated or wrong counter since then"
+    )
     refused_age: float = entry(LONG_AGO, unit="s", about="of the newest frame that was refused")
     lost_age: float = entry(LONG_AGO, unit="s", about="since frames were lost that were tolerated")
     heard: float = entry(unit="1", about="whether a set-point has come in this cycle")
@@ -82,7 +86,9 @@ class Inverter:
     dc_link: DcLink = part(DcLink)
     temperatures: Temperatures = part(Temperatures)
     injected: Injected = part(Injected)
-    remote: float = entry(1.0, unit="1", about="whether it follows its controlword: the operator's line releases it")
+    remote: float = entry(
+        1.0, unit="1", about="whether it follows its controlword: the operator's line releases it"
+    )
     state: float = entry(unit="1", about="place in STATE_NAMES")
     faults: float = entry(unit="1", about="latched, bits by place in FAULTS")
     error_code: float = entry(unit="1", about="of the first fault that was latched")
@@ -93,9 +99,13 @@ class Inverter:
     torque: float = entry(unit="N m", about="at the shaft, forwards positive")
     phase_current: float = entry(unit="A", about="rms")
     phase_voltage: float = entry(unit="V", about="phase to neutral, rms")
-    weakening_loss: float = entry(unit="W", about="copper loss of the current that weakens the magnets")
+    weakening_loss: float = entry(
+        unit="W", about="copper loss of the current that weakens the magnets"
+    )
     dc_current: float = entry(unit="A", about="from the supply")
-    counters: list[float] = series(4, unit="1", about="of the next frame of each kind, in the order of SENT")
+    counters: list[float] = series(
+        4, unit="1", about="of the next frame of each kind, in the order of SENT"
+    )
 
 
 @dataclass(slots=True)
@@ -108,7 +118,8 @@ class Circuit:
     tick: float = entry(unit="1", about="cycles of 1 ms since the start")
 
 
-# Entry of `Injected` and the value that makes a fault of it, with the thresholds of the default parameters.
+# Entry of `Injected` and the value that makes a fault of it, with the thresholds of the default
+# parameters.
 INJECTIONS = MappingProxyType(
     {
         "trip": ("trip", 1.0),
@@ -141,28 +152,57 @@ _ASSUMED = "assumption, as in the vehicle dissertation_class_b"
 class Machine:
     """The machine under test, a YASA-400."""
 
-    peak_torque: float = parameter(360.0, unit="N m", low=0.0, high=1000.0, about="at the shaft", source=_TABLE)
-    nominal_torque: float = parameter(
-        250.0, unit="N m", low=1e-3, high=1000.0, about="at the shaft; temperatures decide for how long", source=_TABLE
+    peak_torque: float = parameter(
+        360.0, unit="N m", low=0.0, high=1000.0, about="at the shaft", source=_TABLE
     )
-    peak_power: float = parameter(150e3, unit="W", low=1.0, high=1e7, about="mechanical", source=_TABLE)
+    nominal_torque: float = parameter(
+        250.0,
+        unit="N m",
+        low=1e-3,
+        high=1000.0,
+        about="at the shaft; temperatures decide for how long",
+        source=_TABLE,
+    )
+    peak_power: float = parameter(
+        150e3, unit="W", low=1.0, high=1e7, about="mechanical", source=_TABLE
+    )
     maximum_speed: float = parameter(
-        785.398, unit="rad/s", low=1.0, high=1047.2, about="of the shaft; no drive torque beyond", source=_TABLE
+        785.398,
+        unit="rad/s",
+        low=1.0,
+        high=1047.2,
+        about="of the shaft; no drive torque beyond",
+        source=_TABLE,
     )
     generator_torque: float = parameter(
         360.0, unit="N m", low=0.0, high=1000.0, about="largest torque against the speed"
     )
-    generator_power: float = parameter(150e3, unit="W", low=0.0, high=1e7, about="largest power from the shaft")
-    torque_lag: float = parameter(0.002, unit="s", low=1e-4, high=10.0, about="time constant of the torque control")
-    rotor_inertia: float = parameter(0.02, unit="kg m^2", low=1e-4, high=100.0, about="of the rotor")
+    generator_power: float = parameter(
+        150e3, unit="W", low=0.0, high=1e7, about="largest power from the shaft"
+    )
+    torque_lag: float = parameter(
+        0.002, unit="s", low=1e-4, high=10.0, about="time constant of the torque control"
+    )
+    rotor_inertia: float = parameter(
+        0.02, unit="kg m^2", low=1e-4, high=100.0, about="of the rotor"
+    )
     copper_loss: float = parameter(
         0.045, unit="W/(N m)^2", low=0.0, high=1e3, about="loss per squared torque", source=_ASSUMED
     )
-    iron_loss: float = parameter(1.0, unit="W s/rad", low=0.0, high=1e3, about="loss per speed", source=_ASSUMED)
-    eddy_loss: float = parameter(
-        1e-3, unit="W s^2/rad^2", low=0.0, high=10.0, about="loss per squared speed", source=_ASSUMED
+    iron_loss: float = parameter(
+        1.0, unit="W s/rad", low=0.0, high=1e3, about="loss per speed", source=_ASSUMED
     )
-    inverter_loss: float = parameter(60.0, unit="W", low=0.0, high=1e4, about="loss without torque", source=_ASSUMED)
+    eddy_loss: float = parameter(
+        1e-3,
+        unit="W s^2/rad^2",
+        low=0.0,
+        high=10.0,
+        about="loss per squared speed",
+        source=_ASSUMED,
+    )
+    inverter_loss: float = parameter(
+        60.0, unit="W", low=0.0, high=1e4, about="loss without torque", source=_ASSUMED
+    )
     inverter_torque_loss: float = parameter(
         2.0, unit="W/(N m)", low=0.0, high=100.0, about="loss per torque", source=_ASSUMED
     )
@@ -199,23 +239,51 @@ _CELLS = "103 cells in series at 3.2 V; the voltage is not printed: assumption"
 class DcLinkParameters:
     """Supply, capacitor and pre-charge of an inverter."""
 
-    supply_voltage: float = parameter(329.6, unit="V", low=10.0, high=1000.0, about="of the supply", source=_CELLS)
+    supply_voltage: float = parameter(
+        329.6, unit="V", low=10.0, high=1000.0, about="of the supply", source=_CELLS
+    )
     capacitance: float = parameter(
-        440e-6, unit="F", low=1e-6, high=0.1, about="of the DC link", source="assumption for an inverter of 150 kW"
+        440e-6,
+        unit="F",
+        low=1e-6,
+        high=0.1,
+        about="of the DC link",
+        source="assumption for an inverter of 150 kW",
     )
     precharge_resistance: float = parameter(
-        600.0, unit="ohm", low=1.0, high=1e4, about="pre-charge resistor", source="dissertation, section 4.2: at most"
+        600.0,
+        unit="ohm",
+        low=1.0,
+        high=1e4,
+        about="pre-charge resistor",
+        source="dissertation, section 4.2: at most",
     )
     charged_share: float = setting(
-        0.95, unit="1", low=0.5, high=0.999, about="of the supply voltage, at which the contactor closes"
+        0.95,
+        unit="1",
+        low=0.5,
+        high=0.999,
+        about="of the supply voltage, at which the contactor closes",
     )
-    precharge_timeout: float = setting(2.0, unit="s", low=0.01, high=60.0, about="longest pre-charge")
-    discharge_time: float = parameter(0.5, unit="s", low=1e-3, high=600.0, about="time constant of the discharge")
+    precharge_timeout: float = setting(
+        2.0, unit="s", low=0.01, high=60.0, about="longest pre-charge"
+    )
+    discharge_time: float = parameter(
+        0.5, unit="s", low=1e-3, high=600.0, about="time constant of the discharge"
+    )
     least_share: float = setting(
-        0.7, unit="1", low=0.1, high=0.99, about="of the supply voltage, below which the DC link is lost"
+        0.7,
+        unit="1",
+        low=0.1,
+        high=0.99,
+        about="of the supply voltage, below which the DC link is lost",
     )
     highest_share: float = setting(
-        1.25, unit="1", low=1.01, high=3.0, about="of the supply voltage, above which there is over-voltage"
+        1.25,
+        unit="1",
+        low=1.01,
+        high=3.0,
+        about="of the supply voltage, above which there is over-voltage",
     )
 
     def __post_init__(self) -> None:
@@ -227,7 +295,9 @@ class DcLinkParameters:
 class LoadDcLinkParameters(DcLinkParameters):
     """The same of a load machine's inverter, which the source feeds from the mains; it states nothing else."""
 
-    supply_voltage: float = _as_in(DcLinkParameters, "supply_voltage", source="assumption: as for the other inverters")
+    supply_voltage: float = _as_in(
+        DcLinkParameters, "supply_voltage", source="assumption: as for the other inverters"
+    )
     precharge_resistance: float = _as_in(
         DcLinkParameters,
         "precharge_resistance",
@@ -240,7 +310,11 @@ class InverterParameters:
     """One inverter and its machine; torque control only, as those of the machines under test in the source."""
 
     command_timeout: float = setting(
-        0.01, unit="s", low=0.001, high=1.0, about="without a valid set-point for longer than this: fault"
+        0.01,
+        unit="s",
+        low=0.001,
+        high=1.0,
+        about="without a valid set-point for longer than this: fault",
     )
     machine: Machine = group(Machine)
     largest_current: float = parameter(
@@ -249,9 +323,15 @@ class InverterParameters:
     over_speed: float = parameter(
         1.05, unit="1", low=1.0, high=2.0, about="of the machine's maximum speed, above it a fault"
     )
-    offers_speed_mode: bool = setting(False, about="whether its speed can be controlled, not only its torque")
-    speed_gain: float = parameter(1.0, unit="N m s/rad", low=0.0, high=1000.0, about="speed mode: proportional gain")
-    speed_integral_time: float = parameter(0.2, unit="s", low=1e-3, high=1e3, about="speed mode: integral time")
+    offers_speed_mode: bool = setting(
+        False, about="whether its speed can be controlled, not only its torque"
+    )
+    speed_gain: float = parameter(
+        1.0, unit="N m s/rad", low=0.0, high=1000.0, about="speed mode: proportional gain"
+    )
+    speed_integral_time: float = parameter(
+        0.2, unit="s", low=1e-3, high=1e3, about="speed mode: integral time"
+    )
     dc_link: DcLinkParameters = group(DcLinkParameters)
     thermal: ThermalParameters = group(ThermalParameters)
 
@@ -271,7 +351,9 @@ class CircuitParameters:
 
     drive: InverterParameters = group(InverterParameters)
     load: LoadInverter = group(LoadInverter)
-    friction: float = parameter(0.002, unit="N m s/rad", low=0.0, high=10.0, about="of the shaft, per speed")
+    friction: float = parameter(
+        0.002, unit="N m s/rad", low=0.0, high=10.0, about="of the shaft, per speed"
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -280,8 +362,12 @@ class InjectedFaults:
 
     drive_11: tuple[str, ...] = setting((), choices=tuple(INJECTIONS), about="into the right drive")
     drive_12: tuple[str, ...] = setting((), choices=tuple(INJECTIONS), about="into the left drive")
-    load_11: tuple[str, ...] = setting((), choices=tuple(INJECTIONS), about="into the right load machine")
-    load_12: tuple[str, ...] = setting((), choices=tuple(INJECTIONS), about="into the left load machine")
+    load_11: tuple[str, ...] = setting(
+        (), choices=tuple(INJECTIONS), about="into the right load machine"
+    )
+    load_12: tuple[str, ...] = setting(
+        (), choices=tuple(INJECTIONS), about="into the left load machine"
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,10 +11,14 @@ from ev_msgs_py.can.payload import extracted, inserted, last_counter, next_count
 
 
 @compilable
-def receive_set_point(layout: frames.SetPointLayout, own: frames.DeviceFrames, s: Inverter, payload: int) -> int:
+def receive_set_point(
+    layout: frames.SetPointLayout, own: frames.DeviceFrames, s: Inverter, payload: int
+) -> int:
     """Judge a set-point frame, and take its content over if it is valid; the status of the check."""
     s.supervision.heard = 1.0
-    status = checking.check(checking.TOLERANCES, s.check, payload, int(layout.length), int(own.set_point_data_id))
+    status = checking.check(
+        checking.TOLERANCES, s.check, payload, int(layout.length), int(own.set_point_data_id)
+    )
     if checking.is_valid(status):
         _take_over(layout, s, payload)
         s.supervision.age = s.supervision.wrong_crc = s.supervision.wrong_counter = 0.0
@@ -84,7 +88,12 @@ def ticks_between(f: frames.BenchFrames, kind: int) -> float:
 
 @compilable
 def made(
-    f: frames.BenchFrames, own: frames.DeviceFrames, p: InverterParameters, s: Inverter, kind: int, speed: float
+    f: frames.BenchFrames,
+    own: frames.DeviceFrames,
+    p: InverterParameters,
+    s: Inverter,
+    kind: int,
+    speed: float,
 ) -> int:
     """The payload of the next frame of a kind at a shaft speed [rad/s]; its counter goes on."""
     frozen = s.injected.frozen_counter != 0.0
@@ -127,7 +136,9 @@ def _motion(f: frames.BenchFrames, s: Inverter, speed: float) -> int:
 def _electrical(f: frames.BenchFrames, s: Inverter) -> int:
     payload = inserted(0, f.electrical.dc_voltage, s.dc_link.voltage + s.injected.voltage_rise)
     payload = inserted(payload, f.electrical.dc_current, s.dc_current)
-    payload = inserted(payload, f.electrical.phase_current, s.phase_current + s.injected.current_rise)
+    payload = inserted(
+        payload, f.electrical.phase_current, s.phase_current + s.injected.current_rise
+    )
     return inserted(payload, f.electrical.phase_voltage, sqrt(3.0) * s.phase_voltage)
 
 

@@ -7,7 +7,13 @@ from ev_core.law import compilable, exp
 from ev_core.vehicle.losses import loss_power
 from ev_core.vehicle.motor import SPEED_FADE, ThermalParameters
 from ev_msgs_py.can import frames
-from ev_msgs_py.can.drive_states import OPERATION_ENABLED, QUICK_STOP_ACTIVE, READY_TO_SWITCH_ON, SWITCH_ON, SWITCHED_ON
+from ev_msgs_py.can.drive_states import (
+    OPERATION_ENABLED,
+    QUICK_STOP_ACTIVE,
+    READY_TO_SWITCH_ON,
+    SWITCH_ON,
+    SWITCHED_ON,
+)
 from ev_sim.drives import synchronous_motor
 from ev_sim.drives.electrical_side import coolant_outlet_temperature, derating_share, heated
 
@@ -16,12 +22,16 @@ from ev_sim.drives.electrical_side import coolant_outlet_temperature, derating_s
 def advance_dc_link(p: DcLinkParameters, s: Inverter, period: float) -> None:
     """Charge, hold or discharge the capacitor over `period` [s].
 
-    V' = (V_supply - V)/(R C) while it charges, from the command to switch on until the contactor closes; the contactor
-    stays closed until the voltage is disabled or there is a fault.
+    V' = (V_supply - V)/(R C) while it charges, from the command to switch on until the contactor
+    closes; the contactor stays closed until the voltage is disabled or there is a fault.
     """
     link, state = s.dc_link, int(s.state)
     powered = READY_TO_SWITCH_ON <= state <= QUICK_STOP_ACTIVE
-    charging = state == READY_TO_SWITCH_ON and int(s.command.controlword) & SWITCH_ON != 0 and link.contactor == 0.0
+    charging = (
+        state == READY_TO_SWITCH_ON
+        and int(s.command.controlword) & SWITCH_ON != 0
+        and link.contactor == 0.0
+    )
     if s.injected.supply_lost != 0.0 or not powered:
         link.contactor = 0.0
     if link.contactor != 0.0:
@@ -58,15 +68,21 @@ def dc_link_faults(p: DcLinkParameters, s: Inverter) -> int:
 
 
 @compilable
-def advance_temperatures(p: ThermalParameters, machine: Machine, s: Inverter, period: float) -> None:
+def advance_temperatures(
+    p: ThermalParameters, machine: Machine, s: Inverter, period: float
+) -> None:
     """Heat by the torque that there is: C T' = P - (T - T_coolant)/R, exactly over `period` [s]."""
     torque = s.torque
     copper = machine.copper_loss * torque * torque + s.weakening_loss
     stage = machine.inverter_torque_loss * abs(torque)
     winding_left = exp(-period / (p.winding_capacity * p.winding_resistance))
     inverter_left = exp(-period / (p.inverter_capacity * p.inverter_resistance))
-    s.temperatures.winding = heated(s.temperatures.winding, copper, p.winding_resistance, winding_left)
-    s.temperatures.inverter = heated(s.temperatures.inverter, stage, p.inverter_resistance, inverter_left)
+    s.temperatures.winding = heated(
+        s.temperatures.winding, copper, p.winding_resistance, winding_left
+    )
+    s.temperatures.inverter = heated(
+        s.temperatures.inverter, stage, p.inverter_resistance, inverter_left
+    )
 
 
 @compilable
@@ -103,7 +119,9 @@ _HALF_STEP = 1.0 / 64.0  # N m
 @compilable
 def advance_torque(p: InverterParameters, s: Inverter, speed: float, period: float) -> None:
     """Let the torque follow its reference over `period` [s], and find what that takes electrically."""
-    follow_reference(p, s, speed, period, share_of_lag(p.machine.torque_lag, period), largest_torque(p, s, speed))
+    follow_reference(
+        p, s, speed, period, share_of_lag(p.machine.torque_lag, period), largest_torque(p, s, speed)
+    )
     advance_electrical(p, s, speed)
 
 
@@ -139,7 +157,9 @@ def follow_reference(
         reference = 0.0
         if state == OPERATION_ENABLED:
             asked = _asked(p, s, speed, period, most)
-            reference = synchronous_motor.limited_torque(p.machine, min(max(asked, -most), most), speed, _COLD)
+            reference = synchronous_motor.limited_torque(
+                p.machine, min(max(asked, -most), most), speed, _COLD
+            )
             s.limited = 1.0 if abs(asked - reference) > _HALF_STEP else 0.0
         s.torque += share * (reference - s.torque)
 
@@ -150,7 +170,9 @@ def _asked(p: InverterParameters, s: Inverter, speed: float, period: float, most
     sense = -1.0 if s.direction != 0.0 else 1.0
     if int(s.command.mode) == frames.SPEED_MODE and p.offers_speed_mode != 0.0:
         error = sense * s.command.speed - speed
-        control = synchronous_motor.SpeedControl(p.speed_gain, p.speed_integral_time, period, -most, most)
+        control = synchronous_motor.SpeedControl(
+            p.speed_gain, p.speed_integral_time, period, -most, most
+        )
         asked, s.speed_integral = synchronous_motor.speed_control(control, s.speed_integral, error)
         return asked
     s.speed_integral = 0.0  # what it held would be a jolt when speed mode comes again
@@ -167,13 +189,20 @@ def _asked(p: InverterParameters, s: Inverter, speed: float, period: float, most
 def advance_electrical(p: InverterParameters, s: Inverter, speed: float) -> None:
     """Currents, voltage and loss of this torque; a power stage that is off takes nothing and sees the magnets alone.
 
-    Once in a cycle is enough, at its end: sensors, faults and the heat of field weakening ask for them no oftener.
+    Once in a cycle is enough, at its end: sensors, faults and the heat of field weakening ask for
+    them no oftener.
     """
     s.phase_current = s.dc_current = s.weakening_loss = 0.0
     winding = p.machine.winding
-    s.phase_voltage = winding.pole_pairs * abs(speed) * winding.flux_linkage / synchronous_motor.ROOT_2
+    s.phase_voltage = (
+        winding.pole_pairs * abs(speed) * winding.flux_linkage / synchronous_motor.ROOT_2
+    )
     if int(s.state) in (OPERATION_ENABLED, QUICK_STOP_ACTIVE) and s.dc_link.voltage > 1.0:
-        s.phase_current, s.phase_voltage = synchronous_motor.phase_values(p.machine, s.torque, s.dc_link.voltage, speed)
-        s.weakening_loss = synchronous_motor.weakening_loss(p.machine, s.torque, s.dc_link.voltage, speed)
+        s.phase_current, s.phase_voltage = synchronous_motor.phase_values(
+            p.machine, s.torque, s.dc_link.voltage, speed
+        )
+        s.weakening_loss = synchronous_motor.weakening_loss(
+            p.machine, s.torque, s.dc_link.voltage, speed
+        )
         power = s.torque * speed + loss_power(p.machine, s.torque, speed) + s.weakening_loss
         s.dc_current = power / s.dc_link.voltage

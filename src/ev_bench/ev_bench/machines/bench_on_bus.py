@@ -11,7 +11,13 @@ from ev_bench.bus.parameters import CIRCUITS, load_database
 from ev_bench.inverter.circuit_station import ChannelStation, InverterStation
 from ev_bench.inverter.on_channel import MOTION
 from ev_bench.machines.bus_faults import BusFault, on_the_way, present, put_in
-from ev_bench.machines.can_circuit import FEEDBACK_WORDS, SET_POINT_WORDS, CanConstants, Line, make_cycle
+from ev_bench.machines.can_circuit import (
+    FEEDBACK_WORDS,
+    SET_POINT_WORDS,
+    CanConstants,
+    Line,
+    make_cycle,
+)
 from ev_bench.machines.circuit import begin_period, end_period
 from ev_bench.machines.described import CircuitState
 from ev_core.law import BatteryCondition
@@ -29,7 +35,10 @@ def meters_of(database: str) -> dict[str, BusMeter]:
     """What measures both channels for the inverters, which await the set-points."""
     frames = bench_frames(load_database(database))
     devices = ((frames.drive_11, frames.load_11), (frames.drive_12, frames.load_12))
-    return {c: BusMeter([int(d.set_point) for d in own]) for c, own in zip(CIRCUITS, devices, strict=True)}
+    return {
+        c: BusMeter([int(d.set_point) for d in own])
+        for c, own in zip(CIRCUITS, devices, strict=True)
+    }
 
 
 class BenchStation(ChannelStation):
@@ -42,7 +51,10 @@ class BenchStation(ChannelStation):
         self._p, self._c, self._number = p, c, number
         frames = c.frames
         own = ((frames.drive_11, frames.load_11), (frames.drive_12, frames.load_12))[number]
-        self.inverters = (InverterStation(frames, own[0], s.machine), InverterStation(frames, own[1], s.load))
+        self.inverters = (
+            InverterStation(frames, own[0], s.machine),
+            InverterStation(frames, own[1], s.load),
+        )
         self.inverters[0].p, self.inverters[1].p = c.circuits.machine, p.load
         self._drive = own[0].set_point
         self._places = {
@@ -60,7 +72,9 @@ class BenchStation(ChannelStation):
             super().receive(frame)
             return
         kind = self._fault(self._tick)
-        arrived = on_the_way(self._p.inject, self.line.fault, kind, *words(int.from_bytes(frame.data, "little")))
+        arrived = on_the_way(
+            self._p.inject, self.line.fault, kind, *words(int.from_bytes(frame.data, "little"))
+        )
         if arrived.low != NO_FRAME:
             self.inverters[0].hear(joined(arrived.low, arrived.high))
 
@@ -121,7 +135,8 @@ class BenchStation(ChannelStation):
 class BenchOnBus(LawObject):
     """Plays the role by the method `circuits_on_can`, with frames on the bus in the place of frames as signals.
 
-    Its signals are means over, and frames since, the instant before; an instant without a cycle repeats the one before.
+    Its signals are means over, and frames since, the instant before; an instant without a cycle
+    repeats the one before.
     """
 
     def __init__(self, configuration: Configuration, meters: Mapping[str, BusMeter]) -> None:
@@ -147,7 +162,11 @@ class BenchOnBus(LawObject):
         """Advance everything; the frames that the inverters send."""
         before = self._tick
         self._tick += ticks
-        return [(name, frame) for name, one in self._circuits.items() for frame in one.cycle(before, ticks)]
+        return [
+            (name, frame)
+            for name, one in self._circuits.items()
+            for frame in one.cycle(before, ticks)
+        ]
 
     def _take(self, _set_points: SetPointFrames, battery: BatteryCondition) -> None:
         """An instant: what has happened since the last one; with the first one time begins for faults."""

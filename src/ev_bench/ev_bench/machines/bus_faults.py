@@ -58,7 +58,9 @@ def _first_tick(time: float) -> int:
 class BusFaultParameters:
     """What is put into which circuit, and when."""
 
-    kind: str = setting("none", choices=tuple(each.name.lower() for each in BusFault), about="what goes wrong")
+    kind: str = setting(
+        "none", choices=tuple(each.name.lower() for each in BusFault), about="what goes wrong"
+    )
     drive: str = setting("right", choices=FAULTY_DRIVES, about="of which circuit")
     begin: float = setting(0.0, unit="s", low=0.0, high=1e5, about="from then on")
     end: float = setting(1e5, unit="s", low=0.0, high=1e5, about="until then")
@@ -78,7 +80,9 @@ class BusFaultParameters:
                 "begin on and before end: the fault would never strike"
             )
         if self.kind == "load_limit" and self.value < 0.0:
-            raise ParameterError(f"value: {self.value!r} is refused beside kind load_limit, expected 0 or more")
+            raise ParameterError(
+                f"value: {self.value!r} is refused beside kind load_limit, expected 0 or more"
+            )
         if self.value == _WITHOUT_EFFECT.get(self.kind):
             raise ParameterError(
                 f"value: {self.value!r} is refused beside kind {self.kind}, expected another one: it changes nothing"
@@ -89,7 +93,9 @@ class BusFaultParameters:
 class BusFaultState:
     """What lasts of it."""
 
-    low: float = entry(NO_FRAME, unit="1", about="words of the set-point that comes again and again")
+    low: float = entry(
+        NO_FRAME, unit="1", about="words of the set-point that comes again and again"
+    )
     high: float = entry(NO_FRAME, unit="1")
 
 
@@ -103,7 +109,11 @@ class Words(NamedTuple):
 @compilable
 def present(p: BusFaultParameters, tick: float, channel: int) -> int:
     """The kind that is there in a tick on a channel, 0 for the right circuit and 1 for the left."""
-    there = int(p.drive) == channel and p.begin <= tick * TICK + _ROUNDING and tick * TICK + _ROUNDING < p.end
+    there = (
+        int(p.drive) == channel
+        and p.begin <= tick * TICK + _ROUNDING
+        and tick * TICK + _ROUNDING < p.end
+    )
     return int(p.kind) if there else 0
 
 
@@ -122,7 +132,9 @@ def put_in(p: BusFaultParameters, injected: Injected, kind: int) -> None:
 
 
 @compilable
-def on_the_way(p: BusFaultParameters, s: BusFaultState, kind: int, low: float, high: float) -> Words:
+def on_the_way(
+    p: BusFaultParameters, s: BusFaultState, kind: int, low: float, high: float
+) -> Words:
     """What arrives of a set-point: the same, another one, or none."""
     if kind != BusFault.WRONG_COUNTER:
         s.low = s.high = NO_FRAME

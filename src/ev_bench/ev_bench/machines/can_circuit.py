@@ -37,11 +37,17 @@ class CanConstants(NamedTuple):
 
 @compilable
 def make_cycle(
-    p: CanCircuitsParameters, c: CanConstants, number: int, s: CircuitState, now: float, limited: bool
+    p: CanCircuitsParameters,
+    c: CanConstants,
+    number: int,
+    s: CircuitState,
+    now: float,
+    limited: bool,
 ) -> None:
     """The cycle of both inverters after their set-points have come: states, machines and shaft, warnings.
 
-    The operator's enabling of a circuit is a line of its own beside the bus: without it nothing is switched on.
+    The operator's enabling of a circuit is a line of its own beside the bus: without it nothing is
+    switched on.
     """
     machine = c.circuits.machine
     released = p.enabled == BOTH or p.enabled == (RIGHT if number == 0 else LEFT)
@@ -56,30 +62,40 @@ def make_cycle(
 
 
 @compilable
-def _follow(p: CanCircuitsParameters, c: CanConstants, s: CircuitState, now: float, limited: bool) -> None:
+def _follow(
+    p: CanCircuitsParameters, c: CanConstants, s: CircuitState, now: float, limited: bool
+) -> None:
     """The machines and the shaft over a tick; the inverters take what has arrived as they would without a bus."""
     machine, load, path, steps = s.machine, s.load, s.torque_path, int(c.steps)
     asked, asked_load, asked_speed, limit = (
         machine.command.torque, load.command.torque, load.command.speed, load.command.torque_limit
     )  # fmt: skip
     change = c.circuits.h * p.set_point.torque_rate
-    circuit.send(path, now, asked, c.circuits.machine.machine.peak_torque, p.set_point.torque_resolution)
+    circuit.send(
+        path, now, asked, c.circuits.machine.machine.peak_torque, p.set_point.torque_resolution
+    )
     circuit.send_to_load(p, s, now, -asked_load, asked_speed)
     if limited:
         load.command.torque_limit = p.inject.value
     largest = circuit.largest_torques(p, c.circuits, s)
     for n in range(steps):
         machine.command.torque = circuit.follow(path, now, steps, n, c.circuits.delay, change)
-        circuit.follow_of_load(p, c.circuits, s, now, steps, n, asked_speed)  # which is a limit beside a torque
+        # which is a limit beside a torque
+        circuit.follow_of_load(p, c.circuits, s, now, steps, n, asked_speed)
         if machine.state != OPERATION_ENABLED:
             path.now = 0.0
         circuit.turn_shaft(p, c.circuits, s, largest)
     machine.command.torque = asked
-    load.command.torque, load.command.speed, load.command.torque_limit = asked_load, asked_speed, limit
+    load.command.torque, load.command.speed, load.command.torque_limit = (
+        asked_load,
+        asked_speed,
+        limit,
+    )
 
 
 DRIVE, LOAD = range(2)  # the two devices of a channel
-# Places of frames on a channel, in the order of their identifiers; those of the load machine are one higher.
+# Places of frames on a channel, in the order of their identifiers; those of the load machine are
+# one higher.
 SET_POINT, HEARTBEAT = 4, 10
 PLACES_SENT = (2, 6, 8, 0)  # motion, electrical, temperatures, faults
 SET_POINT_WORDS = 2 * MOST_TICKS  # words of the set-points of a device in a control period
@@ -95,7 +111,9 @@ class Line:
     set_points: list[float] = series(
         2 * SET_POINT_WORDS + 1, NO_FRAME, unit="1", about="set-points of both devices, heartbeat"
     )
-    feedback: list[float] = series(2 * FEEDBACK_WORDS, NO_FRAME, unit="1", about="feedback of both devices")
+    feedback: list[float] = series(
+        2 * FEEDBACK_WORDS, NO_FRAME, unit="1", about="feedback of both devices"
+    )
 
 
 class ChannelPlace(NamedTuple):
@@ -109,7 +127,12 @@ class ChannelPlace(NamedTuple):
 
 @compilable
 def advance_can_circuit(
-    p: CanCircuitsParameters, c: CanConstants, which: ChannelPlace, s: CircuitState, line: Line, periods: float
+    p: CanCircuitsParameters,
+    c: CanConstants,
+    which: ChannelPlace,
+    s: CircuitState,
+    line: Line,
+    periods: float,
 ) -> None:
     """One control period of a circuit, tick by tick."""
     circuit.begin_period(s)
@@ -123,7 +146,13 @@ def advance_can_circuit(
 
 @compilable
 def _tick(
-    p: CanCircuitsParameters, c: CanConstants, on: ChannelPlace, s: CircuitState, line: Line, tick: int, now: float
+    p: CanCircuitsParameters,
+    c: CanConstants,
+    on: ChannelPlace,
+    s: CircuitState,
+    line: Line,
+    tick: int,
+    now: float,
 ) -> None:
     """Set-points are released, those that have arrived by the inverters' phase act, feedback is released, arrives."""
     end, phase = bus.bits_per_tick(p.bus), p.bus.phase * p.bus.bit_rate
@@ -153,7 +182,13 @@ def _release_set_points(line: Line, tick: int) -> None:
     for device in range(2):
         place = SET_POINT_WORDS * device + 2 * tick
         if are_words(line.set_points[place], line.set_points[place + 1]):
-            bus.release(line.channel, SET_POINT + device, 0.0, line.set_points[place], line.set_points[place + 1])
+            bus.release(
+                line.channel,
+                SET_POINT + device,
+                0.0,
+                line.set_points[place],
+                line.set_points[place + 1],
+            )
     beat = line.set_points[2 * SET_POINT_WORDS]
     if tick == 0 and are_words(beat, 0.0):
         bus.release(line.channel, HEARTBEAT, 0.0, beat, 0.0)
@@ -183,6 +218,8 @@ def _hear(line: Line, tick: int) -> None:
         for kind in range(MOTION, FAULTS + 1):
             low, high = bus.take(line.channel, PLACES_SENT[kind] + device)
             if low >= 0.0:
-                place = FEEDBACK_WORDS * device + (2 * tick if kind == MOTION else SET_POINT_WORDS + 2 * (kind - 1))
+                place = FEEDBACK_WORDS * device + (
+                    2 * tick if kind == MOTION else SET_POINT_WORDS + 2 * (kind - 1)
+                )
                 line.channel.lost += 1.0 if line.feedback[place] >= 0.0 else 0.0
                 line.feedback[place], line.feedback[place + 1] = low, high

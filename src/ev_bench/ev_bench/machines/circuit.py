@@ -5,7 +5,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ev_bench.inverter.device import InverterParameters
-from ev_bench.inverter.power_stage import advance_electrical, advance_temperatures, follow_reference, largest_torque
+from ev_bench.inverter.power_stage import (
+    advance_electrical,
+    advance_temperatures,
+    follow_reference,
+    largest_torque,
+)
 from ev_bench.machines.described import (
     KEPT_SET_POINTS,
     CircuitsParameters,
@@ -29,19 +34,28 @@ class Motion(NamedTuple):
 
 @inlined
 def turn(
-    p: ShaftParameters, s: CircuitState, inertia: float, load_inertia: float, torque: float, load: float, h: float
+    p: ShaftParameters,
+    s: CircuitState,
+    inertia: float,
+    load_inertia: float,
+    torque: float,
+    load: float,
+    h: float,
 ) -> Motion:
     """Turn two rotors by torques that are held over h [s], forwards positive.
 
         J_1 w_1' = M_1 - M,    J_2 w_2' = M + M_2 - b w_2,    M = k theta + d (w_1 - w_2),    theta' = w_1 - w_2
 
-    Implicit midpoint rule: stable for any stiffness, and work = heat + what is stored, up to rounding.
+    Implicit midpoint rule: stable for any stiffness, and work = heat + what is stored, up to
+    rounding.
     """
     free, free_load = 0.5 * h / inertia, 0.5 * h / load_inertia
     slowed = 1.0 + free_load * p.friction
     yielding = 0.5 * h * p.stiffness + p.damping
     apart = s.speed + free * torque - (s.load_speed + free_load * load) / slowed
-    shaft = (p.stiffness * s.twist + yielding * apart) / (1.0 + yielding * (free + free_load / slowed))
+    shaft = (p.stiffness * s.twist + yielding * apart) / (
+        1.0 + yielding * (free + free_load / slowed)
+    )
     mean = s.speed + free * (torque - shaft)
     mean_load = (s.load_speed + free_load * (shaft + load)) / slowed
     s.twist += h * (mean - mean_load)
@@ -51,7 +65,9 @@ def turn(
 
 
 @compilable
-def send(path: SetPointState, periods: float, value: float, largest: float, resolution: float) -> None:
+def send(
+    path: SetPointState, periods: float, value: float, largest: float, resolution: float
+) -> None:
     """Let a set-point set out, within its range and rounded; at the start everything was zero."""
     sent = min(max(value, -largest), largest)
     # What came over a bus is mostly such a multiple already.
@@ -61,7 +77,9 @@ def send(path: SetPointState, periods: float, value: float, largest: float, reso
 
 
 @compilable
-def follow(path: SetPointState, periods: float, steps: int, step: int, delay: float, change: float) -> float:
+def follow(
+    path: SetPointState, periods: float, steps: int, step: int, delay: float, change: float
+) -> float:
     """What an inverter follows in a step of a period, `delay` in steps; it changes by `change` at most.
 
     The step in which a set-point arrives gets its share of the old and of the new one.
@@ -108,7 +126,8 @@ class LargestTorques(NamedTuple):
 class CircuitSetPoint(NamedTuple):
     """What the two inverters of a circuit are given in a period: the one way into the bench.
 
-    Here, between controller and inverters, is the place of a bus. The way out is `circuits.outputs`.
+    Here, between controller and inverters, is the place of a bus. The way out is
+    `circuits.outputs`.
     """
 
     torque: float  # of the machine under test, at the shaft [N m]
@@ -126,7 +145,12 @@ def power(s: CircuitState, enabled: bool, voltage: float, load_voltage: float) -
 
 @compilable
 def advance_circuit(
-    p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, periods: float, given: CircuitSetPoint, period: float
+    p: CircuitsParameters,
+    c: CircuitsConstants,
+    s: CircuitState,
+    periods: float,
+    given: CircuitSetPoint,
+    period: float,
 ) -> None:
     """One control period of a circuit."""
     machine, most = c.machine.machine, c.machine.machine.peak_torque
@@ -160,7 +184,9 @@ def end_period(p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, per
 
 
 @compilable
-def send_to_load(p: CircuitsParameters, s: CircuitState, cycle: float, torque: float, speed: float) -> None:
+def send_to_load(
+    p: CircuitsParameters, s: CircuitState, cycle: float, torque: float, speed: float
+) -> None:
     """Let the set-points of a load machine set out: torque against forwards [N m] and speed [rad/s]."""
     load = p.load.machine
     send(s.load_torque_path, cycle, torque, load.peak_torque, p.load_set_point.torque_resolution)
@@ -169,7 +195,13 @@ def send_to_load(p: CircuitsParameters, s: CircuitState, cycle: float, torque: f
 
 @compilable
 def follow_of_load(
-    p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, cycle: float, steps: int, n: int, limit: float
+    p: CircuitsParameters,
+    c: CircuitsConstants,
+    s: CircuitState,
+    cycle: float,
+    steps: int,
+    n: int,
+    limit: float,
 ) -> None:
     """What the load inverter follows in step n of the `steps` of a cycle; torques end at a speed `limit` [rad/s]."""
     rate, acceleration = c.h * p.load_set_point.torque_rate, c.h * p.load_set_point.speed_rate
@@ -183,11 +215,15 @@ def follow_of_load(
 @compilable
 def largest_torques(p: CircuitsParameters, c: CircuitsConstants, s: CircuitState) -> LargestTorques:
     """Of both machines now."""
-    return LargestTorques(largest_torque(c.machine, s.machine, s.speed), largest_torque(p.load, s.load, s.load_speed))
+    return LargestTorques(
+        largest_torque(c.machine, s.machine, s.speed), largest_torque(p.load, s.load, s.load_speed)
+    )
 
 
 @compilable
-def turn_shaft(p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, largest: LargestTorques) -> None:
+def turn_shaft(
+    p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, largest: LargestTorques
+) -> None:
     """One step: torques, shaft, energies."""
     h, drive, load = c.h, s.machine, s.load
     before, load_before = drive.torque, load.torque
@@ -201,11 +237,17 @@ def turn_shaft(p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, lar
 
 @compilable
 def _account(
-    p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, moved: Motion, torque: float, load_torque: float
+    p: CircuitsParameters,
+    c: CircuitsConstants,
+    s: CircuitState,
+    moved: Motion,
+    torque: float,
+    load_torque: float,
 ) -> None:
     """Book means and energies of a step.
 
-    What the load machine gives goes into the load resistor, what it takes comes from the mains (section 4.2).
+    What the load machine gives goes into the load resistor, what it takes comes from the mains
+    (section 4.2).
     """
     h, share = c.h, 1.0 / c.steps
     loss = loss_power(c.machine.machine, torque, moved.speed) + s.machine.weakening_loss
@@ -220,7 +262,10 @@ def _account(
     s.battery += h * power
     s.machine_heat += h * loss
     s.load_heat += h * load_loss
-    s.shaft_heat += h * (p.shaft.damping * twisting * twisting + p.shaft.friction * moved.load_speed * moved.load_speed)
+    s.shaft_heat += h * (
+        p.shaft.damping * twisting * twisting
+        + p.shaft.friction * moved.load_speed * moved.load_speed
+    )
     if load_power >= 0.0:
         s.mains += h * load_power
     else:

@@ -9,7 +9,14 @@ from typing import Any
 from ev_bench.inverter.device import InverterParameters, Machine
 from ev_bench.inverter.power_stage import coolant_outlet, share_of_lag, winding_temperature
 from ev_bench.machines import circuit
-from ev_bench.machines.described import BOTH, KEPT_SET_POINTS, LEFT, RIGHT, CircuitsParameters, CircuitsState
+from ev_bench.machines.described import (
+    BOTH,
+    KEPT_SET_POINTS,
+    LEFT,
+    RIGHT,
+    CircuitsParameters,
+    CircuitsState,
+)
 from ev_core.law import (
     BenchCoolant,
     BenchElectrical,
@@ -31,7 +38,9 @@ _ROUNDING = 1e-12  # a period of a whole number of steps gets no more than that
 _LEAST_VOLTAGE = 1.0  # V, below it a supply is none
 
 
-def prepare(parameters: CircuitsParameters, vehicle: Vehicle, period: float) -> circuit.CircuitsConstants:
+def prepare(
+    parameters: CircuitsParameters, vehicle: Vehicle, period: float
+) -> circuit.CircuitsConstants:
     """Steps, delays and the machine under test; ParameterError for a delay of more periods than are kept."""
     p = parameters
     steps = max(math.ceil(period / p.step * (1.0 - _ROUNDING)), 1)
@@ -44,12 +53,16 @@ def prepare(parameters: CircuitsParameters, vehicle: Vehicle, period: float) -> 
                 f"{name}.delay: {path.delay!r} is refused, expected at most {longest:g} s, {periods} control periods"
             )
     motor = {field.name: getattr(vehicle.motor, field.name) for field in fields(Machine)}
-    machine = Machine(**{**motor, "rotor_inertia": max(vehicle.motor.rotor_inertia, p.least_rotor_inertia)})
+    machine = Machine(
+        **{**motor, "rotor_inertia": max(vehicle.motor.rotor_inertia, p.least_rotor_inertia)}
+    )
     inverter = InverterParameters(machine=machine, thermal=vehicle.motor.thermal)
     return constants(p, inverter, h, steps)
 
 
-def constants(p: CircuitsParameters, machine: InverterParameters, h: float, steps: int) -> circuit.CircuitsConstants:
+def constants(
+    p: CircuitsParameters, machine: InverterParameters, h: float, steps: int
+) -> circuit.CircuitsConstants:
     """What steps of a width [s], so many in a control period, need of a machine under test."""
     delay, load_delay = p.set_point.delay / h, p.load_set_point.delay / h
     lags = (share_of_lag(each.machine.torque_lag, h) for each in (machine, p.load))
@@ -63,11 +76,23 @@ def outputs(
     """All channels at the instant of the state: the one way out of the bench."""
     n = s.circuits
     shafts = BenchShafts(
-        Wheels(n[0].torque_path.now, n[1].torque_path.now, n[2].torque_path.now, n[3].torque_path.now),
+        Wheels(
+            n[0].torque_path.now, n[1].torque_path.now, n[2].torque_path.now, n[3].torque_path.now
+        ),
         Wheels(n[0].mean_torque, n[1].mean_torque, n[2].mean_torque, n[3].mean_torque),
-        Wheels(n[0].mean_shaft_torque, n[1].mean_shaft_torque, n[2].mean_shaft_torque, n[3].mean_shaft_torque),
+        Wheels(
+            n[0].mean_shaft_torque,
+            n[1].mean_shaft_torque,
+            n[2].mean_shaft_torque,
+            n[3].mean_shaft_torque,
+        ),
         Wheels(n[0].speed, n[1].speed, n[2].speed, n[3].speed),
-        Wheels(n[0].mean_load_torque, n[1].mean_load_torque, n[2].mean_load_torque, n[3].mean_load_torque),
+        Wheels(
+            n[0].mean_load_torque,
+            n[1].mean_load_torque,
+            n[2].mean_load_torque,
+            n[3].mean_load_torque,
+        ),
         Wheels(n[0].load_speed, n[1].load_speed, n[2].load_speed, n[3].load_speed),
     )
     u, mains = max(s.voltage, _LEAST_VOLTAGE), p.load.dc_link.supply_voltage
@@ -76,7 +101,12 @@ def outputs(
         Wheels(driven[0] * u, driven[1] * u, driven[2] * u, driven[3] * u),
         Wheels(driven[0] * mains, driven[1] * mains, driven[2] * mains, driven[3] * mains),
         Wheels(n[0].power / u, n[1].power / u, n[2].power / u, n[3].power / u),
-        Wheels(n[0].load_power / mains, n[1].load_power / mains, n[2].load_power / mains, n[3].load_power / mains),
+        Wheels(
+            n[0].load_power / mains,
+            n[1].load_power / mains,
+            n[2].load_power / mains,
+            n[3].load_power / mains,
+        ),
     )
     return shafts, electrical, _temperatures(p, c, s, driven), _energy(p, c, s)
 
@@ -99,7 +129,12 @@ def _temperatures(
             driven[2] * coolant_outlet(thermal, n[2].machine),
             driven[3] * coolant_outlet(thermal, n[3].machine),
         ),
-        Wheels(driven[0] * load_cold, driven[1] * load_cold, driven[2] * load_cold, driven[3] * load_cold),
+        Wheels(
+            driven[0] * load_cold,
+            driven[1] * load_cold,
+            driven[2] * load_cold,
+            driven[3] * load_cold,
+        ),
         Wheels(
             driven[0] * coolant_outlet(load, n[0].load),
             driven[1] * coolant_outlet(load, n[1].load),
@@ -155,7 +190,8 @@ def circuits(
 ) -> None:
     """Each motor of the car on a shaft with a load machine, a transducer between them (dissertation, chapter 4).
 
-    The machine under test follows the torque that the laws ask for, the load machine what the virtual car asks for.
+    The machine under test follows the torque that the laws ask for, the load machine what the
+    virtual car asks for.
     """
     s.voltage = battery.voltage
     for i in range(4):
@@ -163,7 +199,9 @@ def circuits(
             enabled = p.enabled == BOTH or p.enabled == (LEFT if i % 2 == 0 else RIGHT)
             circuit.power(s.circuits[i], enabled, battery.voltage, p.load.dc_link.supply_voltage)
             shaft_torque = command.drive[i] / car.gear_ratio  # section 4.1
-            given = circuit.CircuitSetPoint(shaft_torque, load.mode[i], load.torque[i], load.speed[i])
+            given = circuit.CircuitSetPoint(
+                shaft_torque, load.mode[i], load.torque[i], load.speed[i]
+            )
             circuit.advance_circuit(p, c, s.circuits[i], s.periods, given, period)
     s.periods += 1.0
 
@@ -174,7 +212,10 @@ def outputs_with_flow(
 ) -> tuple[BenchShafts, BenchElectrical, BenchTemperatures, BenchEnergy, BenchCoolant]:
     """Those of `circuits`, and the flow in the coolant loops [l/min]: none where there is no circuit or no cooling."""
     shafts, electrical, temperatures, energy = outputs(p, car, c, s)
-    flow, load_flow = p.cooling * c.machine.thermal.coolant_flow, p.cooling * p.load.thermal.coolant_flow
+    flow, load_flow = (
+        p.cooling * c.machine.thermal.coolant_flow,
+        p.cooling * p.load.thermal.coolant_flow,
+    )
     n = car.driven
     coolant = BenchCoolant(
         Wheels(n[0] * flow, n[1] * flow, n[2] * flow, n[3] * flow),

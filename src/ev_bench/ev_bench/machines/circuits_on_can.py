@@ -8,7 +8,13 @@ from dataclasses import dataclass, replace
 from ev_bench.bus.model import channel_frames
 from ev_bench.bus.parameters import load_database
 from ev_bench.machines.bus_faults import measured, present
-from ev_bench.machines.can_circuit import SET_POINT_WORDS, CanConstants, ChannelPlace, Line, advance_can_circuit
+from ev_bench.machines.can_circuit import (
+    SET_POINT_WORDS,
+    CanConstants,
+    ChannelPlace,
+    Line,
+    advance_can_circuit,
+)
 from ev_bench.machines.circuits import constants
 from ev_bench.machines.circuits import outputs as outputs_of_circuits
 from ev_bench.machines.circuits import prepare as prepare_circuits
@@ -48,7 +54,9 @@ class CanCircuitsState(CircuitsState):
 
     line_11: Line = part(Line)
     line_12: Line = part(Line)
-    set_points: list[float] = series(4 * SET_POINT_WORDS + 2, NO_FRAME, unit="1", about="as in SetPointFrames")
+    set_points: list[float] = series(
+        4 * SET_POINT_WORDS + 2, NO_FRAME, unit="1", about="as in SetPointFrames"
+    )
 
 
 def prepare(parameters: CanCircuitsParameters, vehicle: Vehicle, period: float) -> CanConstants:
@@ -79,17 +87,25 @@ def prepare(parameters: CanCircuitsParameters, vehicle: Vehicle, period: float) 
 
 def channel_layouts(database: Database, circuit: str) -> list[FrameLayout]:
     """The frames of a circuit, which must stand in this order of identifiers."""
-    frames = [database[f"{device}{circuit}_{kind}"] for kind in _FRAMES for device in ("Drive", "Load")]
+    frames = [
+        database[f"{device}{circuit}_{kind}"] for kind in _FRAMES for device in ("Drive", "Load")
+    ]
     frames.append(database["Ecu_Heartbeat"])
     if [frame.identifier for frame in frames] != sorted(frame.identifier for frame in frames):
-        raise ParameterError(f"the frames of circuit {circuit} must have identifiers in the order {', '.join(_FRAMES)}")
+        raise ParameterError(
+            f"the frames of circuit {circuit} must have identifiers in the order {', '.join(_FRAMES)}"
+        )
     return frames
 
 
 def two_driven(_parameters: CanCircuitsParameters, vehicle: Vehicle) -> str:
     """The two circuits are those of one axle."""
     driven = vehicle.driven_wheels
-    return "" if len(driven) == 2 and len({name.partition("_")[0] for name in driven}) == 1 else "one driven axle"
+    return (
+        ""
+        if len(driven) == 2 and len({name.partition("_")[0] for name in driven}) == 1
+        else "one driven axle"
+    )
 
 
 @compilable
@@ -102,7 +118,12 @@ def outputs(
     shafts = BenchShafts(
         shafts.set_point,
         shafts.machine_torque,
-        Wheels(_said(p, c, s, 0, t[0]), _said(p, c, s, 1, t[1]), _said(p, c, s, 2, t[2]), _said(p, c, s, 3, t[3])),
+        Wheels(
+            _said(p, c, s, 0, t[0]),
+            _said(p, c, s, 1, t[1]),
+            _said(p, c, s, 2, t[2]),
+            _said(p, c, s, 3, t[3]),
+        ),
         shafts.speed,
         shafts.load_torque,
         shafts.load_speed,
@@ -128,7 +149,9 @@ def outputs(
 
 
 @compilable
-def _said(p: CanCircuitsParameters, c: CanConstants, s: CanCircuitsState, wheel: int, torque: float) -> float:
+def _said(
+    p: CanCircuitsParameters, c: CanConstants, s: CanCircuitsState, wheel: int, torque: float
+) -> float:
     """What the transducer of a wheel measures of a torque [N m], with the last fault."""
     channel = int(p.inject.drive)
     if wheel != int(c.right if channel == 0 else c.left):
@@ -141,10 +164,18 @@ def _said(p: CanCircuitsParameters, c: CanConstants, s: CanCircuitsState, wheel:
     "circuits_on_can",
     prepare=prepare,
     outputs=outputs,
-    writes=(BenchShafts, BenchElectrical, BenchTemperatures, BenchEnergy, FeedbackFrames, BusStates),
+    writes=(
+        BenchShafts,
+        BenchElectrical,
+        BenchTemperatures,
+        BenchEnergy,
+        FeedbackFrames,
+        BusStates,
+    ),
     needs=(two_driven,),
     requires={"plant": "planar_on_bench", "inverter_gateway": "can"},
-    in_real_time={"plant.wheel_speed": "virtual"},  # what is measured comes a period later than in lockstep
+    # what is measured comes a period later than in lockstep
+    in_real_time={"plant.wheel_speed": "virtual"},
     heavy=True,
 )
 @compilable
@@ -177,7 +208,10 @@ def _say(s: CanCircuitsState, set_points: SetPointFrames) -> None:
             s.set_points[SET_POINT_WORDS + place],
         )
         loads = 2 * SET_POINT_WORDS + 2 + place
-        s.line_11.set_points[SET_POINT_WORDS + place], s.line_12.set_points[SET_POINT_WORDS + place] = (
+        (
+            s.line_11.set_points[SET_POINT_WORDS + place],
+            s.line_12.set_points[SET_POINT_WORDS + place],
+        ) = (
             s.set_points[loads],
             s.set_points[SET_POINT_WORDS + loads],
         )

@@ -20,18 +20,40 @@ NONE, RIGHT, LEFT, BOTH = range(len(ENABLED_CIRCUITS))
 class SetPointParameters:
     """How an inverter takes its set-points; by default at once and as they are."""
 
-    delay: float = parameter(0.0, unit="s", low=0.0, high=1.0, about="until a set-point acts", source=_ASSUMED)
+    delay: float = parameter(
+        0.0, unit="s", low=0.0, high=1.0, about="until a set-point acts", source=_ASSUMED
+    )
     torque_rate: float = parameter(
-        _ANY_RATE, unit="N m/s", low=1.0, high=_ANY_RATE, about="fastest change of a torque set-point", source=_ASSUMED
+        _ANY_RATE,
+        unit="N m/s",
+        low=1.0,
+        high=_ANY_RATE,
+        about="fastest change of a torque set-point",
+        source=_ASSUMED,
     )
     speed_rate: float = parameter(
-        _ANY_RATE, unit="rad/s^2", low=1.0, high=_ANY_RATE, about="fastest change of a speed set-point", source=_ASSUMED
+        _ANY_RATE,
+        unit="rad/s^2",
+        low=1.0,
+        high=_ANY_RATE,
+        about="fastest change of a speed set-point",
+        source=_ASSUMED,
     )
     torque_resolution: float = parameter(
-        0.0, unit="N m", low=0.0, high=10.0, about="step of torque set-points; 0: any value", source=_ASSUMED
+        0.0,
+        unit="N m",
+        low=0.0,
+        high=10.0,
+        about="step of torque set-points; 0: any value",
+        source=_ASSUMED,
     )
     speed_resolution: float = parameter(
-        0.0, unit="rad/s", low=0.0, high=10.0, about="step of speed set-points; 0: any value", source=_ASSUMED
+        0.0,
+        unit="rad/s",
+        low=0.0,
+        high=10.0,
+        about="step of speed set-points; 0: any value",
+        source=_ASSUMED,
     )
 
 
@@ -40,11 +62,23 @@ class ShaftParameters:
     """Couplings and transducer between the two machines of a circuit."""
 
     stiffness: float = parameter(
-        2e4, unit="N m/rad", low=100.0, high=1e8, about="of transducer and couplings", source=_ASSUMED
+        2e4,
+        unit="N m/rad",
+        low=100.0,
+        high=1e8,
+        about="of transducer and couplings",
+        source=_ASSUMED,
     )
-    damping: float = parameter(4.0, unit="N m s/rad", low=0.0, high=1e5, about="of the same", source=_ASSUMED)
+    damping: float = parameter(
+        4.0, unit="N m s/rad", low=0.0, high=1e5, about="of the same", source=_ASSUMED
+    )
     friction: float = parameter(
-        0.002, unit="N m s/rad", low=0.0, high=10.0, about="of the bearings, per speed", source=_ASSUMED
+        0.002,
+        unit="N m s/rad",
+        low=0.0,
+        high=10.0,
+        about="of the bearings, per speed",
+        source=_ASSUMED,
     )
 
 
@@ -57,7 +91,9 @@ class CircuitsParameters:
         choices=ENABLED_CIRCUITS,
         about="circuits whose inverters are enabled; services of the node lead it step by step",
     )
-    cooling: bool = setting(True, about="whether the cooling is on; without it no step of the test sequence is taken")
+    cooling: bool = setting(
+        True, about="whether the cooling is on; without it no step of the test sequence is taken"
+    )
     step: float = setting(1e-3, unit="s", low=1e-6, high=1e-3, about="longest step of the shafts")
     set_point: SetPointParameters = group(SetPointParameters)
     load_set_point: SetPointParameters = group(SetPointParameters)
@@ -75,7 +111,11 @@ class CanCircuitsParameters(CircuitsParameters):
 
     bus: BusModelParameters = group(BusModelParameters)
     command_timeout: float = setting(
-        0.01, unit="s", low=0.001, high=1.0, about="without a valid set-point for longer than this: fault"
+        0.01,
+        unit="s",
+        low=0.001,
+        high=1.0,
+        about="without a valid set-point for longer than this: fault",
     )
     dc_link: DcLinkParameters = group(DcLinkParameters)
     inject: BusFaultParameters = group(BusFaultParameters)
@@ -88,7 +128,9 @@ KEPT_SET_POINTS = 64  # set-points that are kept, one for each control period
 class SetPointState:
     """A set-point on its way into an inverter."""
 
-    line: list[float] = series(KEPT_SET_POINTS, unit="", about="set-points of the last periods, in a ring")
+    line: list[float] = series(
+        KEPT_SET_POINTS, unit="", about="set-points of the last periods, in a ring"
+    )
     now: float = entry(unit="", about="what the inverter follows")
 
 
@@ -101,7 +143,9 @@ class CircuitState:
     load_speed_path: SetPointState = part(SetPointState)
     machine: Inverter = part(Inverter)
     load: Inverter = part(Inverter)
-    twist: float = entry(unit="rad", about="of the shaft, positive where the machine under test is ahead")
+    twist: float = entry(
+        unit="rad", about="of the shaft, positive where the machine under test is ahead"
+    )
     speed: float = entry(unit="rad/s", about="of the machine under test, forwards positive")
     load_speed: float = entry(unit="rad/s", about="of the load machine")
     mean_torque: float = entry(unit="N m", about="of the machine under test, over the last period")

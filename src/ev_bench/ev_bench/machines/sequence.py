@@ -36,7 +36,8 @@ class Sequence:
     def after(self, step: str, cooling: bool, chosen: str = "both") -> Sequence:
         """The sequence after a step; ValueError, with the reason, for one that is not due.
 
-        The machines need their cooling from the first step on. After an emergency only `disconnect` is left.
+        The machines need their cooling from the first step on. After an emergency only `disconnect`
+        is left.
         """
         if self.emergency:
             if step != "disconnect":

@@ -36,7 +36,9 @@ class TestBenchNode(SteppedNode):
     def successor(self, configuration: Configuration, changed: Iterable[str] = ()) -> Part:
         """What goes on with other parameters; ValueError if they enable what the emergency switch has disabled."""
         if self.sequence.emergency and configuration.values()[_ENABLED] != "none":
-            raise ValueError(f"{_ENABLED} is refused after an emergency stop, expected none until disconnect")
+            raise ValueError(
+                f"{_ENABLED} is refused after an emergency stop, expected none until disconnect"
+            )
         return super().successor(configuration, changed)
 
     def reconfigured(self) -> None:
@@ -70,7 +72,8 @@ def make(**node_arguments: Any) -> SteppedNode:
     """The node: in real time behind a bus it uses that, else bus or none are within the graph."""
     with given_parameters(_ROLE, **node_arguments) as given:
         if given.get("mode") == "realtime" and given.get("method") == "circuits_on_can":
-            from ev_bench.nodes.inverter import OnBus  # it needs python-can, which others do without
+            # it needs python-can, which others do without
+            from ev_bench.nodes.inverter import OnBus
 
             return type("TestBenchOnBus", (OnBus, TestBenchNode), {})(**node_arguments)
         return TestBenchNode(**node_arguments)

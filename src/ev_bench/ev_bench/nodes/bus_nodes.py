@@ -74,7 +74,8 @@ class WithBus(Spinnable):
         if self.channels is None:
             return False
         ticks, progressed = self._ticks.passed(), False
-        if ticks > 1:  # it was held up: what waits on the bus came late, and shall not count as if it had not
+        # it was held up: what waits on the bus came late, and shall not count as if it had not
+        if ticks > 1:
             self._make(self.channels, ticks)
         for circuit, frame in self.channels.received():
             self.take(circuit, frame)
@@ -112,7 +113,9 @@ class BusNode(WithBus, Node):
     """
 
     def __init__(self, name: str, parameters: type, **node_arguments: Any) -> None:
-        super().__init__(name, automatically_declare_parameters_from_overrides=True, **node_arguments)
+        super().__init__(
+            name, automatically_declare_parameters_from_overrides=True, **node_arguments
+        )
         self.parameters: Any = build(parameters, ros_parameters.given(self, node_arguments))
         ros_parameters.follow(self, entries(self.parameters), self._take_over)
         self.database: Database = load_database(self.parameters.bus.database)
@@ -149,8 +152,9 @@ class BusNode(WithBus, Node):
 class RoleOnBus(WithBus, SteppedNode):
     """Steps as every node does, and besides makes cycles of 1 ms by the wall clock, with frames in and out.
 
-    A subclass makes what plays its role (`played_by`): an object that steps or advances, with `receive(circuit,
-    frame)` and `cycle(ticks)` for the bus, and `go_on_from(other)` where parameters change.
+    A subclass makes what plays its role (`played_by`): an object that steps or advances, with
+    `receive(circuit, frame)` and `cycle(ticks)` for the bus, and `go_on_from(other)` where
+    parameters change.
     """
 
     def __init__(self, *arguments: Any, **node_arguments: Any) -> None:
@@ -167,7 +171,9 @@ class RoleOnBus(WithBus, SteppedNode):
 
     def new_part(self, configuration: Configuration, may_wait: bool = True) -> Part:
         """What plays the role, behind its sensors."""
-        return behind_sensors(configuration, PythonPart(configuration.method, self.played_by(configuration)))
+        return behind_sensors(
+            configuration, PythonPart(configuration.method, self.played_by(configuration))
+        )
 
     def successor(self, configuration: Configuration, changed: Iterable[str] = ()) -> Part:
         """What goes on with other parameters, in the midst of a period, and with what has come over the bus in it."""

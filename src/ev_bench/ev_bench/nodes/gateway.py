@@ -84,7 +84,11 @@ def make(**node_arguments: Any) -> Any:
         if given.get("mode") == "realtime" and given.get("method", _METHOD) == _METHOD:
             return GatewayRoleOnBus(**node_arguments)
         in_graph = "method" in given or given.get("mode") == "lockstep"
-        return make_node(_ROLE, **node_arguments) if in_graph else InverterGatewayNode(**node_arguments)
+        return (
+            make_node(_ROLE, **node_arguments)
+            if in_graph
+            else InverterGatewayNode(**node_arguments)
+        )
 
 
 def main() -> None:

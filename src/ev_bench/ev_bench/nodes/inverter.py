@@ -25,7 +25,9 @@ class InverterNode(BusNode):
 
     def prepare(self) -> None:
         """The two circuits, at rest."""
-        self.circuits = {name: CircuitStation(self.database, name, self.parameters) for name in CIRCUITS}
+        self.circuits = {
+            name: CircuitStation(self.database, name, self.parameters) for name in CIRCUITS
+        }
         self.changed()
 
     def changed(self) -> None:
@@ -41,7 +43,11 @@ class InverterNode(BusNode):
 
     def cycle(self, ticks: int) -> list[tuple[str, Frame]]:
         """Advance everything; the frames of the inverters."""
-        return [(name, frame) for name, circuit in self.circuits.items() for frame in circuit.step(ticks)]
+        return [
+            (name, frame)
+            for name, circuit in self.circuits.items()
+            for frame in circuit.step(ticks)
+        ]
 
 
 class OnBus(RoleOnBus):
@@ -55,7 +61,9 @@ class OnBus(RoleOnBus):
 
     def open_channels(self) -> Channels:
         """Those of its parameters, with meters; the log is the gateway's."""
-        return Channels(self.configuration.parameters.bus, meters=self._meters_of(self.configuration))
+        return Channels(
+            self.configuration.parameters.bus, meters=self._meters_of(self.configuration)
+        )
 
     def _meters_of(self, configuration: Configuration) -> Mapping[str, BusMeter]:
         if not self._meters:

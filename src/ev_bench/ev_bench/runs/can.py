@@ -18,8 +18,9 @@ from ev_stack.running.children import ends_with_us
 from ev_stack.scenarios.scenario import Run
 
 _ENDS = ("inverter_gateway", "test_bench")
-# Two for each ROS domain, so that runs at the same time do not receive the frames of each other; below those that Linux
-# gives to sockets which ask for none (from 32768 on), one of which would be in use now and then.
+# Two for each ROS domain, so that runs at the same time do not receive the frames of each other;
+# below those that Linux gives to sockets which ask for none (from 32768 on), one of which would be
+# in use now and then.
 _FIRST_CAN_PORT = 28111
 _ECHO_PATIENCE = 0.5  # s for a frame to come back
 
@@ -28,7 +29,8 @@ _ECHO_PATIENCE = 0.5  # s for a frame to come back
 def real_bus(run: Run, domain: int, directory: Path) -> Iterator[dict[str, dict[str, Any]]]:
     """Further parameters of the nodes at both ends of a bus, by name; nothing in lockstep and where there is none.
 
-    Channels without a name get one of this run alone. RunFailed if a hub is needed and does not start.
+    Channels without a name get one of this run alone. RunFailed if a hub is needed and does not
+    start.
     """
     if not (run.realtime and all(name in run.configurations for name in _ENDS)):
         yield {}
@@ -37,7 +39,11 @@ def real_bus(run: Run, domain: int, directory: Path) -> Iterator[dict[str, dict[
     with _channels(bus, domain) as (interface, channels):
         announce(f"{run.name}: CAN over {interface}, {' and '.join(channels)}")
         names = [f"bus.channel_{circuit}" for circuit in CIRCUITS]
-        given = {"bus.interface": interface, "bus.address": bus.address, **dict(zip(names, channels, strict=True))}
+        given = {
+            "bus.interface": interface,
+            "bus.address": bus.address,
+            **dict(zip(names, channels, strict=True)),
+        }
         log = {"bus.log": str(directory / bus.log)} if bus.log else {}
         yield {_ENDS[0]: given | log, _ENDS[1]: given}
 
@@ -50,7 +56,10 @@ def _channels(bus: BusInterface, domain: int) -> Iterator[tuple[str, list[str]]]
         yield bus.interface, named
         return
     if bus.interface == "udp_multicast":
-        free = [f"{name.partition(':')[0]}:{_FIRST_CAN_PORT + 2 * domain + n}" for n, name in enumerate(named)]
+        free = [
+            f"{name.partition(':')[0]}:{_FIRST_CAN_PORT + 2 * domain + n}"
+            for n, name in enumerate(named)
+        ]
         if bus.address != LOOPBACK or _works(free[0]):
             yield bus.interface, free
             return
@@ -82,13 +91,17 @@ def _works(channel: str) -> bool:
 def _hub() -> Iterator[str]:
     """HOST:PORT of a hub that lasts as long as the block."""
     words = [sys.executable, "-m", "ev_bench.can_hub", "--port", "0"]
-    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True, preexec_fn=ends_with_us()) as hub:
+    with subprocess.Popen(
+        words, stdout=subprocess.PIPE, text=True, preexec_fn=ends_with_us()
+    ) as hub:
         try:
             assert hub.stdout is not None
             line = hub.stdout.readline().strip()
             place = line.rpartition(" ")[2]
             if not place.startswith(f"{HOST}:"):
-                raise RunFailed(f"the hub for CAN frames did not start: {line or 'it said nothing'}")
+                raise RunFailed(
+                    f"the hub for CAN frames did not start: {line or 'it said nothing'}"
+                )
             yield place
         finally:
             hub.terminate()
@@ -97,7 +110,8 @@ def _hub() -> Iterator[str]:
 def frame_log(run: Run, directory: Path) -> FrameLog | None:
     """The log that the gateway of a run in lockstep asks for, open; None without one.
 
-    In real time the node that sends on the bus writes its log. RunFailed if the file cannot be written.
+    In real time the node that sends on the bus writes its log. RunFailed if the file cannot be
+    written.
     """
     gateway = run.configurations.get("inverter_gateway")
     file = gateway.parameters.bus.log if gateway else ""

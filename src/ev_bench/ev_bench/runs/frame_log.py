@@ -60,7 +60,9 @@ def logged_frames(recording: Recording, bench: Configuration) -> tuple[list[Logg
     from ev_core.lockstep.parts import compiled_parts
     from ev_core.lockstep.run import call
 
-    layouts = {c: channel_layouts(load_database(bench.parameters.bus.database), c) for c in CIRCUITS}
+    layouts = {
+        c: channel_layouts(load_database(bench.parameters.bus.database), c) for c in CIRCUITS
+    }
     rate = bench.parameters.bus.bit_rate
     counts = {c: names(CanCircuitsState()).index(f"line_{c}.channel.sent_count") for c in CIRCUITS}
     columns = {frame.channels()[name]: values for name, values in recording.channels.items()}
@@ -83,7 +85,9 @@ def logged_frames(recording: Recording, bench: Configuration) -> tuple[list[Logg
             call(part, here.ctypes.data, there)
         for circuit, count in counts.items():
             begin, sent = count + 1, int(parts[0].state[count])
-            for place, end, low, high in parts[0].state[begin : begin + SENT * sent].reshape(sent, SENT).tolist():
+            for place, end, low, high in (
+                parts[0].state[begin : begin + SENT * sent].reshape(sent, SENT).tolist()
+            ):
                 layout = layouts[circuit][int(place)]
                 data = layout.data(joined(low, high))
                 found.append(LoggedFrame(time + end / rate, circuit, layout.identifier, data))

@@ -24,13 +24,20 @@ def _of_a_bus(circuit: str) -> Iterable[NamedMetric]:
         return float(np.ptp(carried)) if len(carried) else 0.0
 
     name = f"bus_{circuit}_"
-    yield NamedMetric(f"{name}load", "1", f"mean load of the {circuit} bus", mean_load, (load,), LOWER)
+    yield NamedMetric(
+        f"{name}load", "1", f"mean load of the {circuit} bus", mean_load, (load,), LOWER
+    )
     yield NamedMetric(
         f"{name}longest_latency", "s", f"max latency on the {circuit} bus",
         lambda run: channel(run.signals, latency).max(), (latency,), LOWER,
     )  # fmt: skip
     yield NamedMetric(
-        f"{name}latency_jitter", "s", "max - min latency of the periods that carried frames", jitter, (latency,), LOWER
+        f"{name}latency_jitter",
+        "s",
+        "max - min latency of the periods that carried frames",
+        jitter,
+        (latency,),
+        LOWER,
     )
     yield NamedMetric(
         f"{name}lost_frames", "1", f"frames lost on the {circuit} bus", lambda run: channel(run.signals, lost)[-1],

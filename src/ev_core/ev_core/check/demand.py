@@ -1,7 +1,7 @@
 """Check that a law obeys the driver: its torques depend on the drive and on the brake that it is asked for.
 
-A law that drops one of them is no torque vectoring: on a benchmark it would save the energy of the torque that it does
-not give.
+A law that drops one of them is no torque vectoring: on a benchmark it would save the energy of the
+torque that it does not give.
 """
 
 import numpy as np
@@ -11,7 +11,8 @@ from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.signals import DriverCommand, WheelTorqueRequest
 
-_ASKS = {"electronic_differential": DriverCommand, "asr": WheelTorqueRequest}  # by role the signal with its demand
+# by role the signal with its demand
+_ASKS = {"electronic_differential": DriverCommand, "asr": WheelTorqueRequest}
 _PEDALS = ("drive", "brake")
 _TORQUE = 300.0  # N m, of all wheels or of each
 

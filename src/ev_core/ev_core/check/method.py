@@ -20,7 +20,9 @@ class ContractError(AssertionError):
 
     def __init__(self, method: str, findings: Sequence[str]) -> None:
         self.findings = tuple(findings)
-        super().__init__("\n".join([f"{method} breaks the contract:", *(f"- {finding}" for finding in findings)]))
+        super().__init__(
+            "\n".join([f"{method} breaks the contract:", *(f"- {finding}" for finding in findings)])
+        )
 
 
 def check_method(
@@ -36,18 +38,22 @@ def check_method(
 ) -> Reached:
     """Hold a registered method, with these parameter values, against the contract; ContractError lists the findings.
 
-    It has to be exact (`inexact`), pure and deterministic, finite or refused, and the same to the bit after it was
-    saved and loaded, after a parameter was set to its own value, and compiled if it is marked so. Its torques have to
-    depend on what the driver drives and brakes (`ignored_demand`). No index of a law may leave its row where one
-    parameter is at an end of its range (`out_of_range`). If it claims mirror symmetry it is held to that, unless
-    `mirrored` is false, for values that are an exception. For each seed it is stepped so many times with what `inputs`
-    makes: random numbers and launches, by default. The answer says how often its lines were reached in plain Python; a
-    function of its module that was never called is a finding, unless `whole` is false, for values that leave some out.
+    It has to be exact (`inexact`), pure and deterministic, finite or refused, and the same to the
+    bit after it was saved and loaded, after a parameter was set to its own value, and compiled if
+    it is marked so. Its torques have to depend on what the driver drives and brakes
+    (`ignored_demand`). No index of a law may leave its row where one parameter is at an end of its
+    range (`out_of_range`). If it claims mirror symmetry it is held to that, unless `mirrored` is
+    false, for values that are an exception. For each seed it is stepped so many times with what
+    `inputs` makes: random numbers and launches, by default. The answer says how often its lines
+    were reached in plain Python; a function of its module that was never called is a finding,
+    unless `whole` is false, for values that leave some out.
     """
     configuration = configure(role, {"method": name, **(values or {})})
     for each in values or {}:
         refuse_unused(each, [configuration])
-    return check_configuration(configuration, seeds=seeds, steps=steps, inputs=inputs, mirrored=mirrored, whole=whole)
+    return check_configuration(
+        configuration, seeds=seeds, steps=steps, inputs=inputs, mirrored=mirrored, whole=whole
+    )
 
 
 def check_configuration(
@@ -60,7 +66,9 @@ def check_configuration(
     whole: bool = False,
 ) -> Reached:
     """Hold a method that is configured already, such as that of a scenario, against the contract."""
-    found = list(_findings(configuration, seeds, steps, inputs, mirrored and configuration.method.mirrored))
+    found = list(
+        _findings(configuration, seeds, steps, inputs, mirrored and configuration.method.mirrored)
+    )
     lines = Reached({}, {})
     if not found:
         lines = reached(Subject(configuration, _is_heavy(configuration), steps, inputs), seeds)
@@ -78,7 +86,11 @@ def _is_heavy(configuration: Configuration) -> bool:
 
 
 def _findings(
-    configuration: Configuration, seeds: Sequence[int], steps: int, inputs: MakesInputs, mirrored: bool
+    configuration: Configuration,
+    seeds: Sequence[int],
+    steps: int,
+    inputs: MakesInputs,
+    mirrored: bool,
 ) -> Iterator[str]:
     if found_inexact := inexact(configuration.method):
         yield found_inexact
@@ -89,7 +101,8 @@ def _findings(
         subject = Subject(configuration, compiled, steps, inputs)
         found = list(_of(subject, seeds, mirrored))
         yield from found
-        if found:  # findings of plain Python need not be repeated, and compiled code would fail less gently
+        # findings of plain Python need not be repeated, and compiled code would fail less gently
+        if found:
             return
     if law is not None and not _is_heavy(configuration):
         beyond = out_of_range(configuration, seeds[0], inputs)

@@ -1,7 +1,8 @@
 """Left and right alike: a mirrored car in mirrored motion gets the mirrored answer, to the bit.
 
-Mirrored means: values of left and right wheels are exchanged, and `lateral` quantities change their sign. A quantity
-declares this at the field of its signal or at its parameter. Zero has no sign here.
+Mirrored means: values of left and right wheels are exchanged, and `lateral` quantities change their
+sign. A quantity declares this at the field of its signal or at its parameter. Zero has no sign
+here.
 """
 
 import re
@@ -25,7 +26,10 @@ def asymmetry(subject: Subject, seed: int) -> str:
     """First difference between the mirror image of a run and the run of the mirror image; empty if none."""
     other = replace(subject, configuration=mirrored_configuration(subject.configuration))
     frames = subject.frames(seed)
-    image, of_image = mirrored(outputs(subject.part(), frames)), outputs(other.part(), mirrored(frames))
+    image, of_image = (
+        mirrored(outputs(subject.part(), frames)),
+        outputs(other.part(), mirrored(frames)),
+    )
     if not (found := difference(subject, image, of_image + 0.0)):
         return ""
     return f"left and right are not alike: the mirror image and the run of the mirror image differ, {found}"
@@ -68,7 +72,9 @@ def mirrored_configuration(configuration: Configuration) -> Configuration:
     """The configuration of the mirror image: its vehicle, its parameters."""
     known = {entry.name: entry for entry in configuration.entries()}
     values = {_among(known, name): _mirrored_value(entry) for name, entry in known.items()}
-    return configuration.changed({name: value for name, value in values.items() if value != known[name].default})
+    return configuration.changed(
+        {name: value for name, value in values.items() if value != known[name].default}
+    )
 
 
 def _among(known: Collection[str], name: str) -> str:
@@ -87,8 +93,13 @@ def _mirrored_value(entry: Entry) -> Any:
         return tuple(-element for element in value) if entry.is_array else -value
     if spec.per_wheel:
         return tuple(_exchanged(value))
-    if entry.name == "faults":  # of wheels and sides; those of signals act behind the part that is checked
+    # of wheels and sides; those of signals act behind the part that is checked
+    if entry.name == "faults":
         return tuple(map(_other_side, value))
     if entry.type is str:
-        return tuple(_among(spec.choices, each) for each in value) if entry.is_array else _among(spec.choices, value)
+        return (
+            tuple(_among(spec.choices, each) for each in value)
+            if entry.is_array
+            else _among(spec.choices, value)
+        )
     return value

@@ -22,9 +22,12 @@ def out_of_range(configuration: Configuration, seed: int, inputs: MakesInputs) -
             if end is None or not math.isfinite(end):
                 continue
             try:
-                there = Subject(configuration.changed({entry.name: entry.type(end)}), False, _STEPS, inputs)
+                there = Subject(
+                    configuration.changed({entry.name: entry.type(end)}), False, _STEPS, inputs
+                )
                 outputs(there.part(), there.frames(seed))
-            except (ParameterError, SignalError) as error:  # also of values that do not go with the others
+            # also of values that do not go with the others
+            except (ParameterError, SignalError) as error:
                 if isinstance(error.__cause__, IndexError):
                     return f"with {entry.name} at {end:g}, {error}"
     return ""

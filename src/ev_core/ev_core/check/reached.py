@@ -1,8 +1,8 @@
 """Lines that the checks reach in a law's text, and functions that C libraries round differently.
 
-A line that no input reaches is unchecked: a law that works only while the pedal is free would pass all checks with the
-brakes pressed. A function of math or numpy is exact if every C library rounds it in the same way
-(docs/elementary_functions.md).
+A line that no input reaches is unchecked: a law that works only while the pedal is free would pass
+all checks with the brakes pressed. A function of math or numpy is exact if every C library rounds
+it in the same way (docs/elementary_functions.md).
 """
 
 import dis
@@ -68,7 +68,9 @@ class Reached:
 
 def reached(subject: Subject, seeds: Sequence[int]) -> Reached:
     """Step a method with all these seeds, and count the lines of it that they reach."""
-    codes = {function.__code__: _named(function) for function in _functions(subject.configuration.method)}
+    codes = {
+        function.__code__: _named(function) for function in _functions(subject.configuration.method)
+    }
     calls, lines = dict.fromkeys(codes.values(), 0), Counter[_Line]()
     if subject.compiled or sys.gettrace() is not None:
         return Reached({}, {})
@@ -112,10 +114,16 @@ def _functions(method: Method) -> list[FunctionType]:
         roots = [law.function, *([law.outputs] if law.outputs else [])]
     elif isinstance(factory, type):
         found = {name: getattr(factory, name) for name in dir(factory) if not name.startswith("__")}
-        roots = [each for name, each in found.items() if isinstance(each, FunctionType) and name not in _BESIDES]
+        roots = [
+            each
+            for name, each in found.items()
+            if isinstance(each, FunctionType) and name not in _BESIDES
+        ]
     else:
         return []  # a library, a recording
-    return [each for each in Reach(*roots).functions.values() if each.__module__ == roots[0].__module__]
+    return [
+        each for each in Reach(*roots).functions.values() if each.__module__ == roots[0].__module__
+    ]
 
 
 def _named(function: FunctionType) -> str:
@@ -130,7 +138,9 @@ def inexact(method: Method) -> str:
         roots = [law.function, law.outputs]
     for kind in getattr(method.factory, "__mro__", ()) if law is None else ():
         roots += vars(kind).values()
-    for function in Reach(*(each for each in roots if isinstance(each, FunctionType))).functions.values():
+    for function in Reach(
+        *(each for each in roots if isinstance(each, FunctionType))
+    ).functions.values():
         for line, name in _used(function):
             file = function.__code__.co_filename
             return f"{file}, line {line}: {name} is rounded otherwise elsewhere, take it from ev_core.elementary"
@@ -144,9 +154,16 @@ def _used(function: FunctionType) -> Iterator[tuple[int, str]]:
         line = each.positions.lineno or line if each.positions else line
         if each.opname == "LOAD_GLOBAL":
             found = function.__globals__.get(each.argval)
-            module = found if found is math or found is np else None  # an array is equal to nothing as a whole
+            # an array is equal to nothing as a whole
+            module = found if found is math or found is np else None
             own = getattr(found, "__name__", "")
-            if own in _ROUNDED and (isinstance(found, np.ufunc) or getattr(found, "__module__", "") == "math"):
+            if own in _ROUNDED and (
+                isinstance(found, np.ufunc) or getattr(found, "__module__", "") == "math"
+            ):
                 yield line, own
-        elif module is not None and each.opname in ("LOAD_ATTR", "LOAD_METHOD") and each.argval in _ROUNDED:
+        elif (
+            module is not None
+            and each.opname in ("LOAD_ATTR", "LOAD_METHOD")
+            and each.argval in _ROUNDED
+        ):
             yield line, f"{module.__name__}.{each.argval}"

@@ -1,9 +1,9 @@
 """Checks of state and numbers: a method is pure, finite, with a complete declared state and the same bits compiled.
 
-The same inputs give the same outputs, also stopped, saved and loaded. A step gives numbers, or is refused; NaN neither
-leaves a method nor stays in it, and a quantity without direction is never negative. A law stepped twice with the same
-signals, compiled and in plain Python, gives every number with the same bits. Each check returns its finding in words,
-empty if there is none.
+The same inputs give the same outputs, also stopped, saved and loaded. A step gives numbers, or is
+refused; NaN neither leaves a method nor stays in it, and a quantity without direction is never
+negative. A law stepped twice with the same signals, compiled and in plain Python, gives every
+number with the same bits. Each check returns its finding in words, empty if there is none.
 """
 
 import copy
@@ -13,7 +13,15 @@ from typing import Any
 
 import numpy as np
 
-from ev_core.check.stepping import ExtremeInputs, MakesInputs, RandomInputs, Subject, difference, outputs, stepped
+from ev_core.check.stepping import (
+    ExtremeInputs,
+    MakesInputs,
+    RandomInputs,
+    Subject,
+    difference,
+    outputs,
+    stepped,
+)
 from ev_core.compiled.part import CompiledPart, NeedsPython
 from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.parts import hand_over
@@ -28,8 +36,9 @@ from ev_msgs_py.contract.fields import SignalError, shape_of
 def impurity(subject: Subject, seed: int) -> str:
     """Difference between two objects with the same inputs.
 
-    One runs alone. The other takes turns with a third one, which is made later and reads other inputs: a number that
-    objects share, in the class, the module or a random generator of the process, shows there.
+    One runs alone. The other takes turns with a third one, which is made later and reads other
+    inputs: a number that objects share, in the class, the module or a random generator of the
+    process, shows there.
     """
     frames, others = subject.frames(seed), subject.frames(seed + 1)
     alone = outputs(subject.part(), frames)
@@ -77,7 +86,11 @@ def lost_by_live_change(subject: Subject, seed: int) -> str:
     made = Subject(changed, subject.compiled, subject.steps).part()
     hand_over(part, made)
     found = difference(subject, outputs(steady, frames[stop:]), outputs(made, frames[stop:]))
-    return f"parameters set to their own values after {stop} steps change the run, {found}" if found else ""
+    return (
+        f"parameters set to their own values after {stop} steps change the run, {found}"
+        if found
+        else ""
+    )
 
 
 def unnamed_state(subject: Subject) -> str:
@@ -120,7 +133,9 @@ def resized_by_live_change(subject: Subject) -> str:
     for entry in entries(configuration.parameters):
         for value in () if entry.spec.read_only else _other_values(entry):
             try:
-                other = Subject(configuration.changed({entry.name: value}), subject.compiled, subject.steps).part()
+                other = Subject(
+                    configuration.changed({entry.name: value}), subject.compiled, subject.steps
+                ).part()
             except LawError as error:
                 return f"with {entry.name} = {value}: {error}"
             except ValueError:  # a value that does not go with the others
@@ -155,7 +170,9 @@ def not_refused(subject: Subject, seed: int) -> str:
             part = subject.part()
         except Exception as error:  # as above
             return f"absurd inputs, step {step}: {_one_line(error)}; a refusal is a ValueError"
-    return "absurd inputs leave NaN in the state, though none was refused" if _holds_nan(part) else ""
+    return (
+        "absurd inputs leave NaN in the state, though none was refused" if _holds_nan(part) else ""
+    )
 
 
 def _negative(subject: Subject, numbers: np.ndarray) -> str:
@@ -176,21 +193,32 @@ def _holds_nan(part: Part) -> bool:
 
 
 def _one_line(error: Exception) -> str:
-    return str(error) if isinstance(error, SignalError | LawError) else f"{type(error).__name__}: {error}"
+    return (
+        str(error)
+        if isinstance(error, SignalError | LawError)
+        else f"{type(error).__name__}: {error}"
+    )
 
 
-def differing_bits(configuration: Configuration, steps: int, seed: int, inputs: MakesInputs = RandomInputs) -> str:
+def differing_bits(
+    configuration: Configuration, steps: int, seed: int, inputs: MakesInputs = RandomInputs
+) -> str:
     """First difference between the compiled and the interpreted form of a configured law."""
     method, common = configuration.method, configuration.common
     settings = (configuration.parameters, common.vehicle, common.control_period)
     try:
-        compiled, plain = CompiledPart(method, *settings), PythonPart(method, create(method, *settings))
+        compiled, plain = (
+            CompiledPart(method, *settings),
+            PythonPart(method, create(method, *settings)),
+        )
     except NeedsPython:  # it prints, and so it runs in plain Python alone
         return ""
     count = len(plain.state)  # compiled, a law without a state has one number in its memory
     subject = Subject(configuration, True, steps, inputs)
     ones, others = (
-        np.array([np.append(stepped(part, here), part.state[:count]) for here in subject.frames(seed)])
+        np.array(
+            [np.append(stepped(part, here), part.state[:count]) for here in subject.frames(seed)]
+        )
         for part in (compiled, plain)
     )
     return difference(subject, ones, others)

@@ -1,7 +1,7 @@
 """A configured method as the checks step it: frame by frame, and all its output as frames.
 
-Its inputs are random but plausible signals, and launches: numbers at random alone never bring into play what a law
-limits, estimates and counts over many steps.
+Its inputs are random but plausible signals, and launches: numbers at random alone never bring into
+play what a law limits, estimates and counts over many steps.
 """
 
 import math
@@ -29,7 +29,16 @@ _TURNING = 0.02  # probability in a step that a wheel begins to grip or to spin
 _BRAKE = 200.0  # N m
 _RATE = 0.01  # share of the drive torque by which the pedal goes down in a step
 # Largest magnitude by unit; a field that is never negative takes the magnitude.
-_LARGEST = {"N m": 800.0, "rad": 0.6, "rad/s": 60.0, "m/s": 18.0, "m/s^2": 6.0, "N": 6000.0, "m": 50.0, "V": 400.0}
+_LARGEST = {
+    "N m": 800.0,
+    "rad": 0.6,
+    "rad/s": 60.0,
+    "m/s": 18.0,
+    "m/s^2": 6.0,
+    "N": 6000.0,
+    "m": 50.0,
+    "V": 400.0,
+}
 _BRAKES = ("brake", "brake_torque")
 _REPEATED = 0.2  # probability that a number stays what it was
 _ZERO = 0.2  # probability that a number is zero
@@ -56,7 +65,10 @@ class Launch:
         self._slip = [0.0] * 4
         spins = r.choice(((1.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 1.0), (1.0, 1.0, 1.0, 1.0)))
         self._growth = [spin * r.uniform(0.1, 1.5) for spin in spins]  # [1/s]
-        self._angle, self._yaw_rate = r.choice((0.0, r.uniform(-0.4, 0.4))), r.choice((0.0, r.uniform(-0.6, 0.6)))
+        self._angle, self._yaw_rate = (
+            r.choice((0.0, r.uniform(-0.4, 0.4))),
+            r.choice((0.0, r.uniform(-0.6, 0.6))),
+        )
 
     def next(self) -> Mapping[type, Any]:
         """Signals of the next step by type, those that a launch determines."""
@@ -91,8 +103,8 @@ class Launch:
 class RandomInputs:
     """Signals of some types for one step after the other, `period` seconds apart.
 
-    For a while all numbers are at random, with the brake pedal pressed or free. Then comes a launch, as long as what
-    limits, estimates and counts needs in order to come into play.
+    For a while all numbers are at random, with the brake pedal pressed or free. Then comes a
+    launch, as long as what limits, estimates and counts needs in order to come into play.
     """
 
     launches = True
@@ -114,7 +126,10 @@ class RandomInputs:
         now = signals.Instant(self._steps * self._period)
         self._steps += 1
         moving: Mapping[type, Any] = self._launch.next() if self._launch else {}
-        return tuple(now if kind is signals.Instant else moving.get(kind) or self._signal(kind) for kind in self._reads)
+        return tuple(
+            now if kind is signals.Instant else moving.get(kind) or self._signal(kind)
+            for kind in self._reads
+        )
 
     def _begin(self) -> None:
         launches = self.launches and self._launch is None
@@ -195,7 +210,9 @@ class Subject:
 
 
 @lru_cache(maxsize=8)  # each check asks for the same ones
-def _frames(make_inputs: MakesInputs, reads: tuple[type, ...], seed: int, period: float, steps: int) -> np.ndarray:
+def _frames(
+    make_inputs: MakesInputs, reads: tuple[type, ...], seed: int, period: float, steps: int
+) -> np.ndarray:
     inputs, frames = make_inputs(reads, seed, period), np.zeros((steps, frame.SIZE))
     for here in frames:
         for kind, signal in zip(reads, inputs.next(), strict=True):
@@ -232,5 +249,9 @@ def difference(subject: Subject, one: np.ndarray, other: np.ndarray) -> str:
     for kind in subject.configuration.method.writes:
         for channel, number in zip(shape_of(kind).channels, frame.places(kind), strict=True):
             written[number] = f"{kind.__name__}.{channel}"
-    otherwise = f"number {place - frame.SIZE} of the state" if place >= frame.SIZE else "what it does not write"
+    otherwise = (
+        f"number {place - frame.SIZE} of the state"
+        if place >= frame.SIZE
+        else "what it does not write"
+    )
     return f"step {step}: {written.get(place, otherwise)} is {one[step, place]!s} and {other[step, place]!s}"

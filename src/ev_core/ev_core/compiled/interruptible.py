@@ -1,9 +1,9 @@
 """Calls of compiled code that may never return, such as a law with an endless loop: Ctrl-C ends the wait for them.
 
-How it works: Python handles signals in its main thread alone, and there only between two of its own steps. So another
-thread makes the call, and the main thread waits for it. Where the handler of a signal raises an exception, or a
-request to stop has waited for a while, the wait ends; a call that still does not return is given up, with its thread,
-which goes with the process.
+How it works: Python handles signals in its main thread alone, and there only between two of its own
+steps. So another thread makes the call, and the main thread waits for it. Where the handler of a
+signal raises an exception, or a request to stop has waited for a while, the wait ends; a call that
+still does not return is given up, with its thread, which goes with the process.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ from typing import Any
 _GRACE = 0.5  # s for a call to return after a signal: one of a law that ends takes far less
 _LOOK = 0.1  # s between two looks at requests to stop
 
-# For each request that is under way: a function that returns whether a stop was asked for. It raises nothing by itself.
+# For each request that is under way: a function that returns whether a stop was asked for. It
+# raises nothing by itself.
 REQUESTS: list[Callable[[], bool]] = []
 
 
@@ -31,7 +32,8 @@ class _Caller:
         self._given: tuple[Callable[[], Any], Any] | None = None
         self.result: Any = None
         self.error: BaseException | None = None
-        # Not one that Python counts: workers may be forked off beside it, for it holds nothing between two calls.
+        # Not one that Python counts: workers may be forked off beside it, for it holds nothing
+        # between two calls.
         start_new_thread(self._make_calls, ())
 
     def begin(self, call: Callable[[], Any], works_on: Any) -> None:
@@ -59,8 +61,8 @@ os.register_at_fork(after_in_child=_idle.clear)  # their threads are not there
 def interruptible(call: Callable[[], Any], works_on: Any = None) -> Any:
     """Return the result of a call, or raise its error; KeyboardInterrupt where a signal ends the wait.
 
-    `works_on` holds the memory on which compiled code works by its address: a call that is given up goes on. Other
-    threads than the main one, which get no signals, make the call themselves.
+    `works_on` holds the memory on which compiled code works by its address: a call that is given up
+    goes on. Other threads than the main one, which get no signals, make the call themselves.
     """
     if threading.current_thread() is not threading.main_thread():
         return call()

@@ -1,11 +1,12 @@
 """Lists and records of the state where the text of a law means something else in plain Python than compiled.
 
-In plain Python an assignment binds one list or record to two names, a slice is a list of its own, and + and * join and
-repeat lists. Compiled all of them are numbers in a row: an assignment copies them, a slice is a part of them, + and *
-count with them one by one.
+In plain Python an assignment binds one list or record to two names, a slice is a list of its own,
+and + and * join and repeat lists. Compiled all of them are numbers in a row: an assignment copies
+them, a slice is a part of them, + and * count with them one by one.
 
-How it works: the text of a law is followed, and that of the functions to which it hands parts of its state, with the
-part that each name refers to. Twice, for a name may have in a loop the part that the round before has left in it.
+How it works: the text of a law is followed, and that of the functions to which it hands parts of
+its state, with the part that each name refers to. Twice, for a name may have in a loop the part
+that the round before has left in it.
 """
 
 from __future__ import annotations
@@ -44,7 +45,8 @@ class _Followed:
     def __init__(self, tree_of: Callable[[FunctionType], ast.AST]) -> None:
         self._tree_of = tree_of
         self.marked = set(FUNCTIONS)
-        self._given: dict[tuple[Any, ...], Any] = {}  # what a function gives back, by what it was given
+        # what a function gives back, by what it was given
+        self._given: dict[tuple[Any, ...], Any] = {}
         self.found: dict[FunctionType, dict[ast.AST, Found]] = {}
 
     def through(self, function: FunctionType, known: dict[str, Any]) -> Any:
@@ -117,10 +119,17 @@ class _Text(ast.NodeVisitor):
             self.visit(each)
 
     def visit_BinOp(self, node: ast.BinOp | ast.AugAssign) -> None:
-        both = (node.target, node.value) if isinstance(node, ast.AugAssign) else (node.left, node.right)
+        both = (
+            (node.target, node.value)
+            if isinstance(node, ast.AugAssign)
+            else (node.left, node.right)
+        )
         if any(isinstance(self._part(_whole(each)), list) for each in both):
             self._copied.update(both)
-            self._say(node, f"{ast.unparse(node)} joins lists in plain Python, write a loop over their numbers")
+            self._say(
+                node,
+                f"{ast.unparse(node)} joins lists in plain Python, write a loop over their numbers",
+            )
         self.generic_visit(node)
 
     visit_AugAssign = visit_BinOp
@@ -129,13 +138,18 @@ class _Text(ast.NodeVisitor):
         both = (node.left, *node.comparators)
         if any(isinstance(self._part(_whole(each)), list) for each in both):
             self._copied.update(both)
-            self._say(node, f"{ast.unparse(node)} compares lists as a whole, write a loop over their numbers")
+            self._say(
+                node,
+                f"{ast.unparse(node)} compares lists as a whole, write a loop over their numbers",
+            )
         self.generic_visit(node)
 
     def visit_If(self, node: ast.If | ast.While | ast.IfExp) -> None:
         if isinstance(self._part(_whole(node.test)), list):
             self._copied.add(node.test)
-            self._say(node.test, f"{ast.unparse(node.test)} is a list, write what is asked of its numbers")
+            self._say(
+                node.test, f"{ast.unparse(node.test)} is a list, write what is asked of its numbers"
+            )
         self.generic_visit(node)
 
     visit_While = visit_IfExp = visit_If
@@ -143,20 +157,35 @@ class _Text(ast.NodeVisitor):
     def visit_Call(self, node: ast.Call) -> None:
         if isinstance(node.func, ast.Name) and node.func.id in _ONLY_READING:
             self._copied.update(node.args)
-        given = [each for each in (*node.args, *(each.value for each in node.keywords)) if _leads_on(self._part(each))]
-        if len(given) == 1 and isinstance(self._part(node.func), FunctionType):  # and nothing else that it may change
+        given = [
+            each
+            for each in (*node.args, *(each.value for each in node.keywords))
+            if _leads_on(self._part(each))
+        ]
+        # and nothing else that it may change
+        if len(given) == 1 and isinstance(self._part(node.func), FunctionType):
             self._copied.update(given)
         self.generic_visit(node)
         self._part(node)
 
     def visit_Subscript(self, node: ast.Subscript) -> None:
         if isinstance(node.ctx, ast.Store) and isinstance(self._part(node.value), _Slice):
-            self._say(node, f"{ast.unparse(node)} is written, in plain Python a slice that is handed over is a copy")
-        if isinstance(node.slice, ast.Slice) and isinstance(node.ctx, ast.Load) and node not in self._copied:
+            self._say(
+                node,
+                f"{ast.unparse(node)} is written, in plain Python a slice that is handed over is a copy",
+            )
+        if (
+            isinstance(node.slice, ast.Slice)
+            and isinstance(node.ctx, ast.Load)
+            and node not in self._copied
+        ):
             of = self._part(node.value)
             if isinstance(of, list) and not _is_record(of[0]):
                 text = ast.unparse(node)
-                self._say(node, f"{text} is a list of its own in plain Python, read its numbers one by one")
+                self._say(
+                    node,
+                    f"{text} is a list of its own in plain Python, read its numbers one by one",
+                )
         elif isinstance(node.value, ast.Subscript):
             self._copied.add(node.value)
         self.generic_visit(node)
@@ -172,7 +201,11 @@ class _Text(ast.NodeVisitor):
             self._known[target.id] = found
         elif isinstance(target, ast.Tuple | ast.List):
             for place, each in enumerate(target.elts):
-                of = found[min(place, len(found) - 1)] if isinstance(found, tuple | list) and found else None
+                of = (
+                    found[min(place, len(found) - 1)]
+                    if isinstance(found, tuple | list) and found
+                    else None
+                )
                 self._bind(each, of)
 
     def _shared(self, place: ast.expr, value: ast.expr) -> str:
@@ -195,7 +228,9 @@ class _Text(ast.NodeVisitor):
             case ast.Attribute(value=of, attr=name):
                 whole = self._part(of)
                 found = getattr(whole, name, None)
-                return found if _is_record(whole) or isinstance(whole, tuple) else self._reached(found)
+                return (
+                    found if _is_record(whole) or isinstance(whole, tuple) else self._reached(found)
+                )
             case ast.Subscript(value=of, slice=place):
                 return _item(self._part(of), place)
             case ast.NamedExpr(value=value):
@@ -241,7 +276,9 @@ class _Text(ast.NodeVisitor):
             known = inspect.signature(function).bind(*given, **by_name).arguments
         except TypeError:  # Python reports this call itself
             return None
-        return self._followed.through(function, known) if any(map(_leads_on, known.values())) else None
+        return (
+            self._followed.through(function, known) if any(map(_leads_on, known.values())) else None
+        )
 
 
 def _is_named_tuple(found: Any) -> bool:
@@ -289,4 +326,8 @@ def _pairs(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, ast.expr]]
 
 def _whole(value: ast.expr) -> ast.expr:
     """The list of which an expression is a slice; the expression itself if it is no slice."""
-    return value.value if isinstance(value, ast.Subscript) and isinstance(value.slice, ast.Slice) else value
+    return (
+        value.value
+        if isinstance(value, ast.Subscript) and isinstance(value.slice, ast.Slice)
+        else value
+    )

@@ -1,9 +1,10 @@
 """Compiled code as Python calls it: the instants of a run in one loop, and single functions.
 
-How it works: each part is a C function with its state and its constants, by their addresses. At each instant those that
-answer are called one behind the other with the frame of the instant, then those that integrate, which write into the
-frame of the next one. The loop ends where a part fails, or writes a number that is not finite. Where it is on disk it
-is loaded without numba: importing numba takes longer than a short run.
+How it works: each part is a C function with its state and its constants, by their addresses. At
+each instant those that answer are called one behind the other with the frame of the instant, then
+those that integrate, which write into the frame of the next one. The loop ends where a part fails,
+or writes a number that is not finite. Where it is on disk it is loaded without numba: importing
+numba takes longer than a short run.
 """
 
 from __future__ import annotations
@@ -29,8 +30,9 @@ _EXPONENT = 0x7FF0000000000000  # of a float64: all ones in what is infinite or 
 class Parts(NamedTuple):
     """Parts of a run, as the loop calls them.
 
-    `rows` has a row of integers for each part: addresses of its function, its state and its constants, begin and end of
-    the numbers that it writes. The first `answering` parts answer, the others integrate.
+    `rows` has a row of integers for each part: addresses of its function, its state and its
+    constants, begin and end of the numbers that it writes. The first `answering` parts answer, the
+    others integrate.
     """
 
     rows: np.ndarray
@@ -51,7 +53,12 @@ def _is_finite(bits: np.ndarray, at: int, begin: int, end: int) -> bool:
 
 @compilable
 def _drive_instant(
-    frames: np.ndarray, here: int, there: int, which: tuple[int, int], parts: Parts, stopped: np.ndarray
+    frames: np.ndarray,
+    here: int,
+    there: int,
+    which: tuple[int, int],
+    parts: Parts,
+    stopped: np.ndarray,
 ) -> int:
     """Let parts, from the first of `which` up to the second, answer in frame `here`, or integrate to frame `there`."""
     width = frames.shape[1] * 8
@@ -69,7 +76,9 @@ def _drive_instant(
 
 
 @compilable
-def _drive_instants(frames: np.ndarray, first: int, last: int, final: bool, parts: Parts, stopped: np.ndarray) -> int:
+def _drive_instants(
+    frames: np.ndarray, first: int, last: int, final: bool, parts: Parts, stopped: np.ndarray
+) -> int:
     for n in range(first, last + int(final)):
         end = parts.answering if n == last else len(parts.rows)
         status = _drive_instant(frames, n, n + 1, (0, end), parts, stopped)
@@ -176,24 +185,30 @@ def _through() -> Any:
     return CFUNCTYPE(c_int32, *kinds)(_THROUGH.address())
 
 
-def run_instants(frames: np.ndarray, first: int, last: int, final: bool, parts: Parts, stopped: np.ndarray) -> int:
+def run_instants(
+    frames: np.ndarray, first: int, last: int, final: bool, parts: Parts, stopped: np.ndarray
+) -> int:
     """Let the parts answer at the instants first..last-1 and integrate from each of them to the next one.
 
-    `frames` of shape (instants, frame size) begin at the first instant; at a `final` last one all answer, too. All
-    arrays are contiguous, those of integers int64. Returns FINISHED; or NOT_FINITE or FAILED, with instant and part in
-    `stopped`, and then nothing behind that has been done.
+    `frames` of shape (instants, frame size) begin at the first instant; at a `final` last one all
+    answer, too. All arrays are contiguous, those of integers int64. Returns FINISHED; or NOT_FINITE
+    or FAILED, with instant and part in `stopped`, and then nothing behind that has been done.
     """
     at, rows, stop = frames.ctypes.data, parts.rows.ctypes.data, stopped.ctypes.data
     run = _instants()
-    status: int = run(at, *frames.shape, first, last, final, rows, len(parts.rows), parts.answering, stop)
+    status: int = run(
+        at, *frames.shape, first, last, final, rows, len(parts.rows), parts.answering, stop
+    )
     return status
 
 
-def run_through(frames: np.ndarray, times: np.ndarray, first: int, last: int, parts: Parts, stopped: np.ndarray) -> int:
+def run_through(
+    frames: np.ndarray, times: np.ndarray, first: int, last: int, parts: Parts, stopped: np.ndarray
+) -> int:
     """Drive a run on two frames, in turn that of the instant and the next one; all answer at `last`, as `run_instants`.
 
-    `first` is 0, the start, or the `last` one of the call before. `times` are those of the instants from the start on
-    [s]. The third number in `stopped` is the index of the frame.
+    `first` is 0, the start, or the `last` one of the call before. `times` are those of the instants
+    from the start on [s]. The third number in `stopped` is the index of the frame.
     """
     at, clock = frames.ctypes.data, times.ctypes.data
     rows, stop = parts.rows.ctypes.data, stopped.ctypes.data

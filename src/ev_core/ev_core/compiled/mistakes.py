@@ -1,9 +1,10 @@
 """Why a law cannot be compiled, in one line: file, line, what is wrong, what to write instead.
 
-How it works: before a law is compiled, `wrong_text` looks in its text for constructs that would mean something else
-compiled, or never end, and `wrong_answer` takes its first step in plain Python. When the compiler fails nevertheless,
-it reports the cause in the middle of hundreds of lines. `mistake` then looks whether plain Python fails as well, which
-gives the better line, and translates the compiler's text if it does not.
+How it works: before a law is compiled, `wrong_text` looks in its text for constructs that would
+mean something else compiled, or never end, and `wrong_answer` takes its first step in plain Python.
+When the compiler fails nevertheless, it reports the cause in the middle of hundreds of lines.
+`mistake` then looks whether plain Python fails as well, which gives the better line, and translates
+the compiler's text if it does not.
 """
 
 from __future__ import annotations
@@ -36,15 +37,23 @@ from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.contract.wheels import Wheels
 
-_PLACE = re.compile(r'File "(?P<file>[^"<]+)", line (?P<line>\d+)|Raised from (?P<path>\S+) \((?P<at>\d+)\)')
-_CALLED = re.compile(r"resolving callee type: Function\(<(?:built-in function|function|ufunc|class) '?([\w.]+)")
-_CAUSE = re.compile(r"(?:Failed in nopython mode pipeline.*\n\s*|raised a specific error:\n\s*\w+: (?!Failed))(\S.*)")
-# Calls by which an author looks at a law; the compiler knows print, but its code cannot be called without Python.
+_PLACE = re.compile(
+    r'File "(?P<file>[^"<]+)", line (?P<line>\d+)|Raised from (?P<path>\S+) \((?P<at>\d+)\)'
+)
+_CALLED = re.compile(
+    r"resolving callee type: Function\(<(?:built-in function|function|ufunc|class) '?([\w.]+)"
+)
+_CAUSE = re.compile(
+    r"(?:Failed in nopython mode pipeline.*\n\s*|raised a specific error:\n\s*\w+: (?!Failed))(\S.*)"
+)
+# Calls by which an author looks at a law; the compiler knows print, but its code cannot be called
+# without Python.
 _DEBUGGING = ("print", "breakpoint", "input")
 _IN_PYTHON = "needs Python, which runs it, slower and with the same numbers"
 _WAYS_OUT = (ast.Break, ast.Return, ast.Raise)
 _SHARED = (ast.List, ast.Dict, ast.Set)
-# Texts of the compiler, and their meaning for the author of a law; \1 is the content of the first bracket.
+# Texts of the compiler, and their meaning for the author of a law; \1 is the content of the first
+# bracket.
 _MEANINGS = (
     (
         r"Untyped global name '(\w+)':.*<class 'function'>",
@@ -57,7 +66,10 @@ _MEANINGS = (
     (r"name '(\w+)' is not defined", r"\1 is not defined"),
     (r"use of yield|closure", "a generator or inner function is used, write its terms out"),
     (r"Exception matching", "an exception is caught, test the condition instead"),
-    (r"Can't index at", "a signal or Wheels lacks some of its fields, give all of them: defaults are not compiled"),
+    (
+        r"Can't index at",
+        "a signal or Wheels lacks some of its fields, give all of them: defaults are not compiled",
+    ),
     (r"f-string|FORMAT|BUILD_STRING", "a text is made, expected numbers"),
     (
         r"assigned to variable '(\w+)' in globals",
@@ -67,7 +79,9 @@ _MEANINGS = (
 )
 
 
-def mistake(method: Method, parameters: Any, vehicle: Any, period: float, error: BaseException) -> str:
+def mistake(
+    method: Method, parameters: Any, vehicle: Any, period: float, error: BaseException
+) -> str:
     """One line about a law for which the compiler has raised an error."""
     law = law_of(method)
     found = _in_python(method, LawObject(law, parameters, vehicle, period))
@@ -79,10 +93,15 @@ def wrong_answer(method: Method, parameters: Any, vehicle: Any, period: float) -
     law = law_of(method)
     try:
         with _unseen():
-            found = None if law.heavy else _of_answer(method, LawObject(law, parameters, vehicle, period))
+            found = (
+                None
+                if law.heavy
+                else _of_answer(method, LawObject(law, parameters, vehicle, period))
+            )
     except (TypeError, NameError) as error:  # of the text, whatever the inputs are
         found = _raised(error)
-    except Exception:  # a step with inputs out of nowhere: what else it raises need not be a mistake
+    # a step with inputs out of nowhere: what else it raises need not be a mistake
+    except Exception:
         return ""
     return line_about(method, *found) if found else ""
 
@@ -94,21 +113,36 @@ def needs_python(method: Method, functions: Iterable[FunctionType], error: BaseE
     for function in functions:
         file, begin = beginning(function)
         for node in ast.walk(_tree(function)):
-            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in _DEBUGGING:
+            if (
+                isinstance(node, ast.Call)
+                and isinstance(node.func, ast.Name)
+                and node.func.id in _DEBUGGING
+            ):
                 lines = range(begin + node.lineno - 1, begin + (node.end_lineno or 0))
                 if takes or at in [(file, line) for line in lines]:
                     return line_about(method, file, lines[0], f"{node.func.id} {_IN_PYTHON}")
-    return line_about(method, *beginning(law_of(method).function), f"it {_IN_PYTHON}") if takes else ""
+    return (
+        line_about(method, *beginning(law_of(method).function), f"it {_IN_PYTHON}") if takes else ""
+    )
 
 
 def wrong_text(method: Method, functions: Iterable[FunctionType]) -> str:
     """One line about the first of these functions that would do something else compiled; empty if there is none."""
     law = law_of(method)
-    marked, own = set(FUNCTIONS), [each for each in (law.function, law.outputs) if each in FUNCTIONS]
+    marked, own = (
+        set(FUNCTIONS),
+        [each for each in (law.function, law.outputs) if each in FUNCTIONS],
+    )
     of_state = wrong_lists(own, law.state(), _tree)
     for function in filter(marked.__contains__, functions):
-        found = _wrong(function, tuple(inspect.signature(function).parameters) if function in own else ())
-        for node, what in (*found, *of_state.get(function, ()), *unassigned(_tree(function), function)):
+        found = _wrong(
+            function, tuple(inspect.signature(function).parameters) if function in own else ()
+        )
+        for node, what in (
+            *found,
+            *of_state.get(function, ()),
+            *unassigned(_tree(function), function),
+        ):
             file, line = beginning(function)
             return line_about(method, file, line + node.lineno - 1, what)
     return ""
@@ -124,12 +158,17 @@ def _wrong(function: FunctionType, arguments: tuple[str, ...]) -> Iterator[tuple
     for node in ast.walk(_tree(function)):
         match node:
             case ast.Global(names=names) | ast.Nonlocal(names=names):
-                yield node, f"{names[0]} is set for all objects of the law, declare it as state (entry)"
+                yield (
+                    node,
+                    f"{names[0]} is set for all objects of the law, declare it as state (entry)",
+                )
             case ast.Import() | ast.ImportFrom():
                 yield node, "a module is imported here, import it at the top of the file"
             case ast.Try():
                 yield node, "an exception is caught, test the condition instead"
-            case ast.While(test=ast.Constant()) if not any(isinstance(e, _WAYS_OUT) for e in ast.walk(node)):
+            case ast.While(test=ast.Constant()) if not any(
+                isinstance(e, _WAYS_OUT) for e in ast.walk(node)
+            ):
                 yield node, "the loop never ends, give it a bound: for i in range(n)"
             case ast.Call(func=ast.Name(id=name)) if name == function.__name__:
                 yield node, f"{name} calls itself, write a loop"
@@ -137,11 +176,15 @@ def _wrong(function: FunctionType, arguments: tuple[str, ...]) -> Iterator[tuple
                 yield node, f"{name} makes a text, expected numbers"
             case ast.Compare() if any(_is_text(each) for each in (node.left, *node.comparators)):
                 yield node, "a choice is compared with a text, expected a member of its Choice"
-            case ast.Subscript(value=ast.Name(id=name), slice=ast.Constant(value=str(key))) if name in arguments:
+            case ast.Subscript(value=ast.Name(id=name), slice=ast.Constant(value=str(key))) if (
+                name in arguments
+            ):
                 yield node, f'{name}["{key}"] is not known, write {name}.{key}'
             case ast.arguments(vararg=ast.arg() as many) | ast.arguments(kwarg=ast.arg() as many):
                 yield many, f"{many.arg} stands for any number of arguments, name each of them"
-            case ast.arguments() if shared := [each for each in node.defaults if isinstance(each, _SHARED)]:
+            case ast.arguments() if shared := [
+                each for each in node.defaults if isinstance(each, _SHARED)
+            ]:
                 yield shared[0], "this default is one for all calls, declare it as state (entry)"
     for node, name in _assigned(function):
         root = re.split(r"\W", name)[0]
@@ -164,7 +207,9 @@ def _assigned(function: Callable[..., Any]) -> Iterator[tuple[ast.expr, str]]:
 def _tree(function: Callable[..., Any]) -> ast.AST:
     """Syntax tree of a function; that of an empty module where its text is not known, as of a lambda."""
     try:
-        return parsed(textwrap.dedent(inspect.getsource(function)) if function.__name__ != "<lambda>" else "")
+        return parsed(
+            textwrap.dedent(inspect.getsource(function)) if function.__name__ != "<lambda>" else ""
+        )
     except OSError:
         return ast.Module([], [])
 
@@ -191,9 +236,13 @@ def _in_python(method: Method, made: LawObject) -> tuple[str, int, str] | None:
 
 def _raised(error: Exception) -> tuple[str, int, str] | None:
     """Line of the author's text that has raised an error, and the error in words; None if no line of it has."""
-    frames = [each for each in traceback.extract_tb(error.__traceback__) if is_of_author(each.filename)]
+    frames = [
+        each for each in traceback.extract_tb(error.__traceback__) if is_of_author(each.filename)
+    ]
     at = frames[-1] if frames else None
-    return (at.filename, at.lineno or 0, in_words(error)) if at and at.filename != __file__ else None
+    return (
+        (at.filename, at.lineno or 0, in_words(error)) if at and at.filename != __file__ else None
+    )
 
 
 def _of_answer(method: Method, made: LawObject) -> tuple[str, int, str] | None:
@@ -208,7 +257,9 @@ def _of_answer(method: Method, made: LawObject) -> tuple[str, int, str] | None:
         file, begin = beginning(law.function)
         entry = f"s.{name}."
         lines = (
-            node.lineno for node, text in _assigned(law.function) if entry.startswith(f"{text.partition('[')[0]}.")
+            node.lineno
+            for node, text in _assigned(law.function)
+            if entry.startswith(f"{text.partition('[')[0]}.")
         )
         line = next(lines, 1)
         return file, begin + line - 1, f"s.{name} becomes {type(value).__name__}, expected a number"
@@ -217,7 +268,10 @@ def _of_answer(method: Method, made: LawObject) -> tuple[str, int, str] | None:
     wrote = given if isinstance(given, tuple) and not hasattr(given, "_fields") else (given,)
     at = beginning(law.outputs or law.function)
     if [type(each) for each in wrote] != [*method.writes]:
-        names = [" and ".join(each.__name__ for each in kinds) for kinds in (map(type, wrote), method.writes)]
+        names = [
+            " and ".join(each.__name__ for each in kinds)
+            for kinds in (map(type, wrote), method.writes)
+        ]
         return *at, f"it returns {names[0]}, expected {names[1]}"
     for kind, signal in zip(method.writes, wrote, strict=True):
         per_wheel = shape_of(kind).per_wheel
@@ -231,16 +285,26 @@ def _of_answer(method: Method, made: LawObject) -> tuple[str, int, str] | None:
 def _of_compiler(law: Law, error: BaseException) -> tuple[str, int, str]:
     """Finding of the compiler, at the last line that it names and that belongs to no library."""
     text = str(error)
-    places = [found for found in _PLACE.finditer(text) if is_of_author(found["file"] or found["path"])]
+    places = [
+        found for found in _PLACE.finditer(text) if is_of_author(found["file"] or found["path"])
+    ]
     for pattern, meaning in _MEANINGS:
         if found := re.search(pattern, text):
             what = found.expand(meaning)
             break
     else:
         called = _CALLED.findall(text[: places[-1].start()] if places else text)
-        causes = _CAUSE.findall(text) or [line for line in text.splitlines() if line.strip()] or [type(error).__name__]
+        causes = (
+            _CAUSE.findall(text)
+            or [line for line in text.splitlines() if line.strip()]
+            or [type(error).__name__]
+        )
         what = f"{called[-1]} is not compiled for what it is given here" if called else causes[-1]
     if not places:
         return *beginning(law.function), what
     place = places[-1]
-    return str(Path(place["file"] or place["path"]).resolve()), int(place["line"] or place["at"]), what
+    return (
+        str(Path(place["file"] or place["path"]).resolve()),
+        int(place["line"] or place["at"]),
+        what,
+    )

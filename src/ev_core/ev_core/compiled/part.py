@@ -65,10 +65,13 @@ class NeedsPython(ParameterError):
 
 
 @contextmanager
-def in_one_line(method: Method, parameters: Any, vehicle: Any, period: float) -> Iterator[Callable[[Reach], None]]:
+def in_one_line(
+    method: Method, parameters: Any, vehicle: Any, period: float
+) -> Iterator[Callable[[Reach], None]]:
     """Turn the errors of a law that cannot be compiled into one line, LawError.
 
-    The block calls the function that it is given with all that the law reaches, so that the text is checked first.
+    The block calls the function that it is given with all that the law reaches, so that the text is
+    checked first.
     """
     reached: list[FunctionType] = []
 
@@ -111,7 +114,12 @@ class CompiledPart:
     is_checked: bool  # whether it is no law of ours, so that it may fail, or never end
 
     def __init__(
-        self, method: Method, parameters: Any, vehicle: Any, period: float, like: CompiledPart | None = None
+        self,
+        method: Method,
+        parameters: Any,
+        vehicle: Any,
+        period: float,
+        like: CompiledPart | None = None,
     ) -> None:
         self._made_of = (method, parameters, vehicle, period)
         self._method = method
@@ -143,7 +151,9 @@ class CompiledPart:
     @state.setter
     def state(self, row: Any) -> None:
         if len(row) != len(self._state):
-            raise ParameterError(f"a state of {len(row)} numbers is refused, expected are {len(self._state)}")
+            raise ParameterError(
+                f"a state of {len(row)} numbers is refused, expected are {len(self._state)}"
+            )
         self._state[:] = row
 
     def start(self, there: Frame) -> None:
@@ -167,11 +177,13 @@ class CompiledPart:
             status = self._call(*given)
         return status != 0
 
-    def raised(self, numbers: Sequence[float] | None, state: np.ndarray | None = None) -> ValueError:
+    def raised(
+        self, numbers: Sequence[float] | None, state: np.ndarray | None = None
+    ) -> ValueError:
         """Error of the step that has just failed: plain Python takes it again, from the same state.
 
-        `numbers` are those of the frame that it read, None at the start; the state is that of the part, or the one
-        that it was stepped with.
+        `numbers` are those of the frame that it read, None at the start; the state is that of the
+        part, or the one that it was stepped with.
         """
         method = self._method
         plain = PythonPart(method, create(*self._made_of))
@@ -187,12 +199,15 @@ class CompiledPart:
             return error
         what = "its compiled form fails where plain Python does not; run it without @compilable"
         file, line = beginning(law_of(method).function)
-        return LawError(f"{file}, line {line}: {method.role} law {named(law_of(method).function)}: {what}")
+        return LawError(
+            f"{file}, line {line}: {method.role} law {named(law_of(method).function)}: {what}"
+        )
 
     def refuse_not_finite(self, there: Frame) -> None:
         """SignalError if a number that it wrote is not finite."""
         numbers = there.numbers
-        if not math.isfinite(sum(numbers[self._begin : self._end])):  # or just large: their sum overflows
+        # or just large: their sum overflows
+        if not math.isfinite(sum(numbers[self._begin : self._end])):
             for shape, place in self._writes:
                 shape.refuse_not_finite(numbers[place])
 
@@ -226,7 +241,9 @@ def step(now, next, state, constants):
 
 
 def _code(name: str, head: int, change: Callable[..., None]) -> Code:
-    return Code(name, _TEXT.format(head=head, size=frame.SIZE), {"FLOAT": np.float64, "change": change})
+    return Code(
+        name, _TEXT.format(head=head, size=frame.SIZE), {"FLOAT": np.float64, "change": change}
+    )
 
 
 # The one function of all sensors, and that of all faults of signals, by what makes their rows.

@@ -2,20 +2,22 @@
 
     int step(double *now, double *next, double *state, double *constants)
 
-How it works: a role that answers reads and writes `now`. One that integrates reads `now`, advances its state, and
-writes `next`; with `now` a null pointer it writes its initial outputs. All outputs begin as NaN, which no frame may
-hold, and remain NaN where the law raises an exception.
+How it works: a role that answers reads and writes `now`. One that integrates reads `now`, advances
+its state, and writes `next`; with `now` a null pointer it writes its initial outputs. All outputs
+begin as NaN, which no frame may hold, and remain NaN where the law raises an exception.
 
-A law that is not ours is compiled with all that it calls so that an index out of range raises an exception, which costs
-it time. Then the result is 1, and the state is that before the step: it works on a copy. The same holds where an output
-is not finite, or negative and must not be: plain Python may find the line.
+A law that is not ours is compiled with all that it calls so that an index out of range raises an
+exception, which costs it time. Then the result is 1, and the state is that before the step: it
+works on a copy. The same holds where an output is not finite, or negative and must not be: plain
+Python may find the line.
 
 `constants` is one row of numbers for each object: parameters, car, prepared constants.
 
     total  period  p ...  car ...  records of c ...  c ...  tables ...
 
-`total` is the length of the row. A declared record in `c` is read by name at its place, like `p` and `car`. For a tuple
-of numbers in `c` (a table) the row holds its place and its length; the numbers themselves come at the end.
+`total` is the length of the row. A declared record in `c` is read by name at its place, like `p`
+and `car`. For a tuple of numbers in `c` (a table) the row holds its place and its length; the
+numbers themselves come at the end.
 """
 
 from __future__ import annotations
@@ -80,7 +82,9 @@ def constants_row(trees: Mapping[str, Any], c: Any, period: float) -> np.ndarray
 
 
 def _wrong_constant(c: Any) -> TypeError:
-    return TypeError(f"prepare gives {kind_of(c)}, expected a NamedTuple of numbers and tuples of numbers")
+    return TypeError(
+        f"prepare gives {kind_of(c)}, expected a NamedTuple of numbers and tuples of numbers"
+    )
 
 
 def _leaves(c: Any) -> list[Any]:
@@ -192,9 +196,20 @@ _sources: dict[Any, tuple[str, dict[str, Any]]] = {}
 
 def part_source(method: Method, given: Given) -> tuple[str, dict[str, Any]]:
     """The text, and the names that it uses; the same objects for all that is laid out alike, as the runs of a batch."""
-    law, shapes = law_of(method), [shape_of_record(each) for each in (*given.trees.values(), given.values["s"])]
+    law, shapes = (
+        law_of(method),
+        [shape_of_record(each) for each in (*given.trees.values(), given.values["s"])],
+    )
     functions = law.function, law.outputs
-    key = (method.role, method.name, method.reads, method.writes, *functions, *shapes, _shape_of(given.values["c"]))
+    key = (
+        method.role,
+        method.name,
+        method.reads,
+        method.writes,
+        *functions,
+        *shapes,
+        _shape_of(given.values["c"]),
+    )
     if key not in _sources:
         _sources[key] = _part_source(method, given)
     return _sources[key]
@@ -210,7 +225,12 @@ def _part_source(method: Method, given: Given) -> tuple[str, dict[str, Any]]:
     law = law_of(method)
     layout = constants_type(given.trees, given.values["c"])
     unpacking = Unpacking(given.values["c"], layout.itemsize // 8)
-    names: dict[str, Any] = {"CONSTANTS": layout, "FLOAT": np.float64, "law": law.function, "Wheels": Wheels}
+    names: dict[str, Any] = {
+        "CONSTANTS": layout,
+        "FLOAT": np.float64,
+        "law": law.function,
+        "Wheels": Wheels,
+    }
     names.update(unpacking.names)
     lines = [f"{name} = k.{name}" for name, tree in given.trees.items() if tree]
     lines.append(f"c = {unpacking.text}")
@@ -242,14 +262,24 @@ def _part_source(method: Method, given: Given) -> tuple[str, dict[str, Any]]:
     write, writing = "", _writing(method.writes, checked)
     names["NAN"] = math.nan
     if checked:
-        # In a `try` the compiler makes a block of each operation, and follows the blocks by recursion. So reading and
-        # writing, of up to hundreds of numbers, stand outside.
+        # In a `try` the compiler makes a block of each operation, and follows the blocks by
+        # recursion. So reading and writing, of up to hundreds of numbers, stand outside.
         names["are_finite"], names["without_sign"] = are_finite, without_sign
         write = _WRITE.format(writing="\n".join(_indented(writing)))
         begin, end = frame.span(method.writes)
         done = [*(["copy(kept, numbers)"] if is_copied else []), "status = 0"]
-        writing = ["write(there, output)", f"if are_finite(there, {begin}, {end}):", *_indented(done)]
-        calls = ["status = 1", "try:", *_indented([*calls, *writing]), "except Exception:", "    pass"]
+        writing = [
+            "write(there, output)",
+            f"if are_finite(there, {begin}, {end}):",
+            *_indented(done),
+        ]
+        calls = [
+            "status = 1",
+            "try:",
+            *_indented([*calls, *writing]),
+            "except Exception:",
+            "    pass",
+        ]
         writing = []
     body = [*reading, *calls, *writing]
     body = [f"there[{frame.PLACES[signal].start}] = NAN" for signal in method.writes] + body

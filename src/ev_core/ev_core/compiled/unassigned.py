@@ -1,8 +1,9 @@
 """Names of a function that may have no value where they are read: plain Python raises there, compiled they are 0.
 
-How it works: the statements are followed in their order, with the names that have a value by then on every way there.
-Behind branches these are the names that have one at the end of each, and behind a loop those from before it, unless
-its text shows that it runs once at least. Ways that return, raise or leave the loop do not count for what follows.
+How it works: the statements are followed in their order, with the names that have a value by then
+on every way there. Behind branches these are the names that have one at the end of each, and behind
+a loop those from before it, unless its text shows that it runs once at least. Ways that return,
+raise or leave the loop do not count for what follows.
 """
 
 from __future__ import annotations
@@ -20,7 +21,10 @@ def unassigned(tree: ast.AST, function: Callable[..., Any]) -> Iterator[tuple[as
         if isinstance(defined, ast.FunctionDef):
             flow = _Flow(defined, function.__globals__)
             yield from (
-                (node, f"{node.id} may have no value here, give it one on every way: compiled it is 0")
+                (
+                    node,
+                    f"{node.id} may have no value here, give it one on every way: compiled it is 0",
+                )
                 for node in flow.found
             )
             return  # inner functions are refused as such
@@ -38,7 +42,8 @@ class _Flow:
         self.found: list[ast.Name] = []
         given = defined.args
         self._through(
-            defined.body, frozenset(each.arg for each in (*given.posonlyargs, *given.args, *given.kwonlyargs))
+            defined.body,
+            frozenset(each.arg for each in (*given.posonlyargs, *given.args, *given.kwonlyargs)),
         )
 
     def _through(self, body: Iterable[ast.stmt], have: Names | None) -> Names | None:
@@ -69,7 +74,9 @@ class _Flow:
                 return self._around(node, have, None if never_ends else have)
             case ast.For(target=target, iter=iterated):
                 have = self._read(iterated, have)
-                return self._around(node, have | _bound([target]), None if self._runs(iterated) else have)
+                return self._around(
+                    node, have | _bound([target]), None if self._runs(iterated) else have
+                )
             case ast.Match(subject=subject, cases=cases):
                 return self._matched(cases, self._read(subject, have))
             case ast.AnnAssign(value=None):
@@ -89,11 +96,17 @@ class _Flow:
             within = tried | _named(case.pattern)
             within = within if case.guard is None else self._read(case.guard, within)
             behind = _on_both(behind, self._through(case.body, within))
-            takes_all = isinstance(case.pattern, ast.MatchAs) and case.pattern.pattern is None and case.guard is None
+            takes_all = (
+                isinstance(case.pattern, ast.MatchAs)
+                and case.pattern.pattern is None
+                and case.guard is None
+            )
             tried = None if takes_all else tried
         return _on_both(behind, tried)
 
-    def _around(self, loop: ast.For | ast.While, within: Names, without: Names | None) -> Names | None:
+    def _around(
+        self, loop: ast.For | ast.While, within: Names, without: Names | None
+    ) -> Names | None:
         """Behind a loop whose body begins with the names `within`; `without` are those where it does not run at all."""
         self._breaks.append([])
         self._continues.append([])
@@ -111,17 +124,24 @@ class _Flow:
     def _runs(self, iterated: ast.expr) -> bool:
         """Return whether a loop runs once at least: all but ranges and slices have their length by declaration."""
         match iterated:
-            case ast.Call(func=ast.Name(id="range"), args=[ast.Call(func=ast.Name(id="len"), args=[of])]):
+            case ast.Call(
+                func=ast.Name(id="range"), args=[ast.Call(func=ast.Name(id="len"), args=[of])]
+            ):
                 return self._runs(of)
             case ast.Call(func=ast.Name(id="range"), args=args):
                 if any(isinstance(each, ast.Call) for arg in args for each in ast.walk(arg)):
                     return False
                 try:
-                    text = compile(ast.Expression(ast.Tuple(args, ast.Load(), lineno=1, col_offset=0)), "", "eval")
+                    text = compile(
+                        ast.Expression(ast.Tuple(args, ast.Load(), lineno=1, col_offset=0)),
+                        "",
+                        "eval",
+                    )
                     return len(range(*eval(text, dict(self._constants)))) > 0
                 except Exception:  # it depends on what the function is given
                     return False
-            case ast.Call(args=args):  # enumerate, zip, reversed and the like, or a function of one's own
+            # enumerate, zip, reversed and the like, or a function of one's own
+            case ast.Call(args=args):
                 return all(map(self._runs, args))
             case ast.IfExp(body=one, orelse=other):
                 return self._runs(one) and self._runs(other)
@@ -130,7 +150,8 @@ class _Flow:
             case ast.Subscript(slice=ast.Slice()):
                 return False
             case ast.Name(id=name) if name in self._iterables:
-                found, self._iterables[name] = self._iterables[name], None  # it may be made of itself
+                # it may be made of itself
+                found, self._iterables[name] = self._iterables[name], None
                 runs = found is not None and self._runs(found)
                 self._iterables[name] = found
                 return runs
@@ -146,7 +167,12 @@ class _Flow:
             is_read = isinstance(each, ast.Name) and isinstance(each.ctx, ast.Load)
             if isinstance(each, ast.AugAssign):
                 each, is_read = each.target, True
-            if is_read and isinstance(each, ast.Name) and each.id in self._own and each.id not in have:
+            if (
+                is_read
+                and isinstance(each, ast.Name)
+                and each.id in self._own
+                and each.id not in have
+            ):
                 self.found.append(each)
         return have
 
@@ -155,22 +181,35 @@ def _bound(nodes: Iterable[ast.AST]) -> Names:
     """The names that some statements or targets give a value."""
     found = [each for node in nodes for each in ast.walk(node)]
     hidden = {id(name) for each in found for name in _of_comprehension(each)}
-    stored = (each for each in found if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store))
+    stored = (
+        each for each in found if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)
+    )
     names = frozenset(each.id for each in stored if id(each) not in hidden)
     return names.union(*(_named(each) for each in found if isinstance(each, ast.pattern)))
 
 
 def _named(pattern: ast.pattern) -> Names:
     """The names that a pattern of a case gives a value."""
-    found = ((each, "rest" if isinstance(each, ast.MatchMapping) else "name") for each in ast.walk(pattern))
-    return frozenset(name for each, kind in found if (name := getattr(each, kind, None)) is not None)
+    found = (
+        (each, "rest" if isinstance(each, ast.MatchMapping) else "name")
+        for each in ast.walk(pattern)
+    )
+    return frozenset(
+        name for each, kind in found if (name := getattr(each, kind, None)) is not None
+    )
 
 
 def _of_comprehension(node: ast.AST) -> Iterator[ast.Name]:
     """Names that belong to a comprehension alone; none for any other node."""
     if isinstance(node, ast.ListComp | ast.SetComp | ast.DictComp | ast.GeneratorExp):
-        own = {each.id for of in node.generators for each in ast.walk(of.target) if isinstance(each, ast.Name)}
-        first = {id(each) for each in ast.walk(node.generators[0].iter)}  # which is read outside of it
+        own = {
+            each.id
+            for of in node.generators
+            for each in ast.walk(of.target)
+            if isinstance(each, ast.Name)
+        }
+        # which is read outside of it
+        first = {id(each) for each in ast.walk(node.generators[0].iter)}
         for each in ast.walk(node):
             if isinstance(each, ast.Name) and each.id in own and id(each) not in first:
                 yield each
@@ -179,7 +218,9 @@ def _of_comprehension(node: ast.AST) -> Iterator[ast.Name]:
 def _iterables(tree: ast.AST) -> dict[str, ast.expr | None]:
     """Values of a function's names, None for a name with several, or with a part of one."""
     found: dict[str, ast.expr | None] = {}
-    single = {id(each.targets[0]): each.value for each in ast.walk(tree) if isinstance(each, ast.Assign)}
+    single = {
+        id(each.targets[0]): each.value for each in ast.walk(tree) if isinstance(each, ast.Assign)
+    }
     for each in ast.walk(tree):
         if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store):
             found[each.id] = None if each.id in found else single.get(id(each))

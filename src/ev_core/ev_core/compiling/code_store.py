@@ -1,9 +1,10 @@
 """The store of machine code on disk: names of files, and their content.
 
-How it works: a file is named after everything that its content depends on. The key of a text is its name and digits of
-all that the text reaches (`fingerprint`). The rest of the file's name stands for processor, compiler and settings. So
-a file is right as long as its name is found; edited texts, other processors and other compilers have files of their
-own, and the oldest of one name are deleted.
+How it works: a file is named after everything that its content depends on. The key of a text is its
+name and digits of all that the text reaches (`fingerprint`). The rest of the file's name stands for
+processor, compiler and settings. So a file is right as long as its name is found; edited texts,
+other processors and other compilers have files of their own, and the oldest of one name are
+deleted.
 """
 
 from __future__ import annotations
@@ -25,8 +26,15 @@ _CODE = "code"
 _KEPT_TEXTS = 8  # of one name: those of other checkouts, of branches and of tests come back
 _MAKERS = ("numba", "llvmlite", "numpy")
 # Settings of the compiler that change its code.
-_SETTINGS = ("NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "NUMBA_OPT", "NUMBA_BOUNDSCHECK", inside_numba.VARIABLE)
-# Modules that give the compiler its options, and treat our functions: no text of a function shows these.
+_SETTINGS = (
+    "NUMBA_CPU_NAME",
+    "NUMBA_CPU_FEATURES",
+    "NUMBA_OPT",
+    "NUMBA_BOUNDSCHECK",
+    inside_numba.VARIABLE,
+)
+# Modules that give the compiler its options, and treat our functions: no text of a function shows
+# these.
 _INVISIBLE = ("inside_numba", "inside_numba_checks", "inside_numba_code", "machine_code")
 
 _reaches: dict[Any, Reach] = {}

@@ -1,11 +1,13 @@
 """A digest of all that the compiled form of some functions depends on, and a look whether it still holds.
 
-numba keeps a compiled function until its own file changes. It would not notice that a function which this one calls, or
-a number which it takes from another module, has changed, and the old results would come back.
+numba keeps a compiled function until its own file changes. It would not notice that a function
+which this one calls, or a number which it takes from another module, has changed, and the old
+results would come back.
 
-How it works: from some functions and values, `Reach` follows the names in their code through modules, defaults and
-closures to other functions and values, and adds all of them to a digest in the order in which they are found. It keeps
-the objects that it has found at each name, so that `holds` only compares identities.
+How it works: from some functions and values, `Reach` follows the names in their code through
+modules, defaults and closures to other functions and values, and adds all of them to a digest in
+the order in which they are found. It keeps the objects that it has found at each name, so that
+`holds` only compares identities.
 """
 
 from __future__ import annotations
@@ -25,7 +27,8 @@ from ev_core.compiling.inside_numba import options_of
 from ev_msgs_py.compilable import INLINED
 
 _NOTHING = object()
-_FOREIGN = ("numpy", "numba", "llvmlite")  # their versions determine their content, like Python's own
+# their versions determine their content, like Python's own
+_FOREIGN = ("numpy", "numba", "llvmlite")
 _OF_PYTHON = os.path.dirname(os.__file__)
 
 
@@ -37,7 +40,8 @@ def fingerprint(*roots: Any) -> str:
 class Reach:
     """All that some functions and values reach: by the names in their code, through modules, defaults and closures.
 
-    `digits` are its digest, `functions` those that were found, `made` the objects that numba has made of some of them.
+    `digits` are its digest, `functions` those that were found, `made` the objects that numba has
+    made of some of them.
     """
 
     def __init__(self, *roots: Any) -> None:
@@ -69,7 +73,8 @@ class Reach:
         if isinstance(found, tuple | list):
             self._tell(_constant(type(found)), len(found))
             yield from found
-        elif isinstance(found, np.ndarray | np.generic):  # what numpy shows of a long array is not all of it
+        # what numpy shows of a long array is not all of it
+        elif isinstance(found, np.ndarray | np.generic):
             content = found.tobytes()
             self._arrays.append((found, content))
             self._tell(found.dtype, found.shape, hashlib.sha256(content).hexdigest())
@@ -82,7 +87,11 @@ class Reach:
         else:
             self.functions[id(function)] = function
             self._made_of.append((function, _parts(function)))
-            self._tell(f"{function.__module__}.{function.__qualname__}", function in INLINED, *options_of(found))
+            self._tell(
+                f"{function.__module__}.{function.__qualname__}",
+                function in INLINED,
+                *options_of(found),
+            )
             self._digest.update(_code(function.__code__) + b"\0")
             yield from self._used_by(function)
 
@@ -96,7 +105,8 @@ class Reach:
         for place in places:  # and the modules found on the way
             for name in names:
                 found = place.get(name, _NOTHING)
-                if found is not _NOTHING or hasattr(builtins, name):  # which a global one may come to hide
+                # which a global one may come to hide
+                if found is not _NOTHING or hasattr(builtins, name):
                     self._looked_up.append((place, name, found))
                 if found is not _NOTHING:
                     yield from (name, found)
@@ -121,7 +131,13 @@ def _are_same(one: tuple[Any, ...], other: tuple[Any, ...]) -> bool:
 def _parts(function: FunctionType) -> tuple[Any, ...]:
     """Objects that a function consists of, which may be replaced while its name keeps the same function."""
     by_name = function.__kwdefaults__ or {}
-    return (function.__code__, function.__defaults__, *by_name, *by_name.values(), *_contents(function))
+    return (
+        function.__code__,
+        function.__defaults__,
+        *by_name,
+        *by_name.values(),
+        *_contents(function),
+    )
 
 
 def _contents(function: FunctionType) -> Iterator[Any]:
@@ -138,12 +154,17 @@ def _is_looked_into(found: Any) -> bool:
         return False
     package = found.__name__.partition(".")[0]
     file = getattr(found, "__file__", None) or _OF_PYTHON
-    return package not in _FOREIGN and not (package in sys.stdlib_module_names and file.startswith(_OF_PYTHON))
+    return package not in _FOREIGN and not (
+        package in sys.stdlib_module_names and file.startswith(_OF_PYTHON)
+    )
 
 
 def _code(code: CodeType) -> bytes:
     """A function's instructions, in bytes that do not depend on its place in a file."""
-    constants = [_code(each) if isinstance(each, CodeType) else repr(each).encode() for each in code.co_consts]
+    constants = [
+        _code(each) if isinstance(each, CodeType) else repr(each).encode()
+        for each in code.co_consts
+    ]
     called = (code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, code.co_flags)
     names = repr((code.co_names, code.co_varnames, code.co_freevars, called)).encode()
     return b"\0".join((code.co_code, names, *constants))
@@ -163,6 +184,7 @@ def _constant(value: Any) -> str:
         return value.__name__
     if isinstance(value, type):
         return f"{value.__qualname__}{getattr(value, '_fields', '')}{dict(getattr(value, '__members__', {}))}"
-    if isinstance(value, partial):  # which numba does not call: it is there by its name only, and shows an address
+    # which numba does not call: it is there by its name only, and shows an address
+    if isinstance(value, partial):
         return f"partial {getattr(value.func, '__qualname__', type(value.func))}"
     return repr(value)

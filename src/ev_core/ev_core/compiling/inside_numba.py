@@ -1,9 +1,10 @@
 """Touches of numba's inside: each has a plain public way as well, and can be switched off.
 
-A touch makes compiled code faster to make, to load or to run; without it the same text gives the same bits.
-EV_STACK_PLAIN_NUMBA names touches that shall not be used, separated by commas, or is `all`. A touch is not used either
-where the installed numba lacks its private names: one line says so (docs/compiled_laws.md, tools/newest_numba.py).
-Those of code on disk, `overloads` and `object_code`, are in `inside_numba_code`, `checks` in `inside_numba_checks`.
+A touch makes compiled code faster to make, to load or to run; without it the same text gives the
+same bits. EV_STACK_PLAIN_NUMBA names touches that shall not be used, separated by commas, or is
+`all`. A touch is not used either where the installed numba lacks its private names: one line says
+so (docs/compiled_laws.md, tools/newest_numba.py). Those of code on disk, `overloads` and
+`object_code`, are in `inside_numba_code`, `checks` in `inside_numba_checks`.
 
 numba is imported where it is used: loading it takes longer than a node takes to start.
 """
@@ -46,7 +47,9 @@ def switched_off() -> frozenset[str]:
     named = frozenset(os.environ.get(VARIABLE, "").replace(",", " ").split())
     for name in sorted(named - {*TOUCHES, "all"}):
         allowed = ", ".join(TOUCHES)
-        raise ParameterError(f"{VARIABLE}: {quoted(name)} is refused, expected all, or some of {allowed}")
+        raise ParameterError(
+            f"{VARIABLE}: {quoted(name)} is refused, expected all, or some of {allowed}"
+        )
     return frozenset(TOUCHES) if "all" in named else named
 
 
@@ -59,21 +62,26 @@ def is_used(touch: str) -> bool:
         for name in TOUCHES[touch].split():
             resolve_name(f"numba.{name}")
     except (ImportError, AttributeError) as error:
-        print(f"numba is another one, so {touch} goes the plain way, which is slower: {error}", file=sys.stderr)
+        print(
+            f"numba is another one, so {touch} goes the plain way, which is slower: {error}",
+            file=sys.stderr,
+        )
         return False
     return True
 
 
-# callees: functions that only compiled functions call become machine code within their callers alone. numba makes each
-# of them machine code of its own as well, for callers in Python, which takes a third of the whole time, and optimises
-# what is inlined again at every level. Plain: it does.
+# callees: functions that only compiled functions call become machine code within their callers
+# alone. numba makes each of them machine code of its own as well, for callers in Python, which
+# takes a third of the whole time, and optimises what is inlined again at every level. Plain: it
+# does.
 
 
 @contextmanager
 def only_machine_code_of(name: str, made: Sequence[Any]) -> Iterator[None]:
     """Make machine code in this block only of the function with this name; Python cannot call the others.
 
-    Objects that numba has `made` of functions of others, which Python may call, are made again before and behind it.
+    Objects that numba has `made` of functions of others, which Python may call, are made again
+    before and behind it.
     """
     make_anew(made)
     if not is_used("callees"):
@@ -147,7 +155,9 @@ def make_memory_known() -> None:
 
     @type_callable(working_memory)
     def _type(context: Any) -> Any:
-        return lambda layout: types.Array(layout.dtype, 1, "C") if isinstance(layout, types.DType) else None
+        return lambda layout: (
+            types.Array(layout.dtype, 1, "C") if isinstance(layout, types.DType) else None
+        )
 
     @lower_builtin(working_memory, types.DType)
     def _lowered(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -176,13 +186,16 @@ def make_choices_known() -> None:
         return context.cast(builder, value, kind.dtype, to)
 
 
-# edits: numba forgets what it has made of functions that have changed since. Plain: a new process is asked for.
+# edits: numba forgets what it has made of functions that have changed since. Plain: a new process
+# is asked for.
 
 
 def forget_made_of(functions: Sequence[Callable[..., Any]]) -> None:
     """Let numba make these functions again; ParameterError if this touch is switched off."""
     if not is_used("edits"):
-        raise ParameterError(f"a compiled function has changed, which needs a new process without edits in {VARIABLE}")
+        raise ParameterError(
+            f"a compiled function has changed, which needs a new process without edits in {VARIABLE}"
+        )
     from numba.core.registry import cpu_target
 
     typing: Any = cpu_target.typing_context
@@ -198,8 +211,8 @@ _replaced: list[Any] = []  # machine code of C functions, since others may hold 
 def make_anew(made: Iterable[Any]) -> None:
     """Let numba compile functions of others again (njit, cfunc, vectorize, methods of a jitclass), callees first.
 
-    The numbers that these take from their modules were those of another time, and their indices were not checked. Code
-    in numba's own files on disk is not taken either, for the same reasons.
+    The numbers that these take from their modules were those of another time, and their indices
+    were not checked. Code in numba's own files on disk is not taken either, for the same reasons.
     """
     config: Any = import_module("numba").config
     before, config.BOUNDSCHECK = config.BOUNDSCHECK, 1
@@ -223,8 +236,8 @@ def make_anew(made: Iterable[Any]) -> None:
         config.BOUNDSCHECK = before
 
 
-# options: what numba knows of what it has made, and no text shows. Plain: it is another one in each process, so that
-# nothing that reaches it is taken from disk.
+# options: what numba knows of what it has made, and no text shows. Plain: it is another one in each
+# process, so that nothing that reaches it is taken from disk.
 
 _OPTIONS = ("targetoptions", "_sig", "types")  # of a function: njit, cfunc, vectorize
 

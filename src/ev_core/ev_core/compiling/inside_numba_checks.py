@@ -1,7 +1,8 @@
 """The touch `checks` of numba (`inside_numba`): functions that a law of others calls fail where plain Python fails.
 
-What a function with `boundscheck` calls checks its indices, its divisors, and whether functions of math have a result.
-Plain: every function checks indices and divisors, more slowly, and none checks results.
+What a function with `boundscheck` calls checks its indices, its divisors, and whether functions of
+math have a result. Plain: every function checks indices and divisors, more slowly, and none checks
+results.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ from typing import Any
 from ev_core.compiling.inside_numba import is_used
 
 RAISING, QUIET = "python", "numpy"  # numba's words for what a division by zero does
-_RAISED = "excinfo"  # an argument of functions that can raise, which some within numba itself cannot
+# an argument of functions that can raise, which some within numba itself cannot
+_RAISED = "excinfo"
 
 
 @cache
@@ -55,7 +57,11 @@ def _check_results() -> None:
 
     cpu_target.target_context.refresh()  # which fills the registry
     numbers = {types.Float: types.float64, types.Integer: types.int64}
-    known = [each for each in builtin_registry.functions if each[1] in (pow, operator.pow, operator.ipow, round)]
+    known = [
+        each
+        for each in builtin_registry.functions
+        if each[1] in (pow, operator.pow, operator.ipow, round)
+    ]
     for lower, function, kinds in (*mathimpl.registry.functions, *known):
         narrower = tuple(numbers.get(kind, kind) for kind in kinds)  # is preferred
         if narrower != kinds:
@@ -85,7 +91,9 @@ def _checked(lower: Callable[..., Any]) -> Callable[..., Any]:
         floats = [each for each in arguments if each.type == DoubleType()]
         given = reduce(builder.fadd, floats, Constant(DoubleType(), 0.0))
         not_below = builder.fcmp_unordered(">=", given, Constant(DoubleType(), 2.0**63))
-        is_wrong = builder.or_(not_below, builder.fcmp_ordered("<", given, Constant(DoubleType(), -(2.0**63))))
+        is_wrong = builder.or_(
+            not_below, builder.fcmp_ordered("<", given, Constant(DoubleType(), -(2.0**63)))
+        )
         if isinstance(kind, types.Float):  # NaN of what is none, infinity of what is finite
             is_new = builder.and_(is_nan(builder, result), builder.not_(is_nan(builder, given)))
             is_large = builder.and_(is_inf(builder, result), is_finite(builder, given))

@@ -16,7 +16,8 @@ from typing import Any
 from ev_core.compiling.inside_numba import is_used, switched_off
 from ev_core.compiling.object_symbols import calls
 
-# overloads: what numba makes of functions that Python calls is kept in files of ours. Plain: each process makes it.
+# overloads: what numba makes of functions that Python calls is kept in files of ours. Plain: each
+# process makes it.
 
 
 def keep_overloads(
@@ -28,7 +29,8 @@ def keep_overloads(
 ) -> None:
     """Let numba, once `ready`, `read` what it has made of a function for types, given as a text, and `write` it.
 
-    It does so within `alone`, so that of several processes one compiles; addresses of this process are not written.
+    It does so within `alone`, so that of several processes one compiles; addresses of this process
+    are not written.
     """
     if not is_used("overloads"):
         return
@@ -56,10 +58,14 @@ def keep_overloads(
 
 def _with_names(kinds: Sequence[Any]) -> list[Any]:
     """Types with the names of what they hold, which numba does not show of a named tuple."""
-    return [(kind, getattr(kind, "fields", ()), _with_names(getattr(kind, "types", ()))) for kind in kinds]
+    return [
+        (kind, getattr(kind, "fields", ()), _with_names(getattr(kind, "types", ())))
+        for kind in kinds
+    ]
 
 
-# object_code: machine code is taken out of numba, and loaded without it by llvmlite. Plain: each process compiles.
+# object_code: machine code is taken out of numba, and loaded without it by llvmlite. Plain: each
+# process compiles.
 
 # Modules of numba with what compiled code may call, and how their functions are named there.
 _HELPERS = {"numba._helperlib": "numba_", "numba.core.runtime._nrt_python": "NRT_"}
@@ -84,7 +90,8 @@ def loaded(symbol: str, code: bytes) -> int:
     binding.initialize_native_asmprinter()
     machine = binding.Target.from_default_triple().create_target_machine()
     try:
-        _name_helpers(binding)  # before an engine makes other things known by the names of exceptions
+        # before an engine makes other things known by the names of exceptions
+        _name_helpers(binding)
     except (ImportError, AttributeError):  # of another numba
         return 0
     engine = binding.create_mcjit_compiler(binding.parse_assembly(""), machine)
@@ -94,7 +101,8 @@ def loaded(symbol: str, code: bytes) -> int:
         from numba.core.registry import cpu_target
         from numba.core.runtime.nrt import rtsys
 
-        rtsys.initialize(cpu_target.target_context)  # the heap of numba, for which such code has to wait
+        # the heap of numba, for which such code has to wait
+        rtsys.initialize(cpu_target.target_context)
     if not all(map(binding.address_of_symbol, called)):
         return 0
     engine.add_object_file(found)
@@ -108,7 +116,11 @@ def _name_helpers(binding: Any) -> None:
     """Name the functions that code may call besides the C library, as numba does when it has compiled a function."""
     package: Any = importlib.util.find_spec("numba")
     numba = Path(package.submodule_search_locations[0])
-    helpers = {f"PyExc_{name}": id(value) for name, value in vars(builtins).items() if isinstance(value, type)}
+    helpers = {
+        f"PyExc_{name}": id(value)
+        for name, value in vars(builtins).items()
+        if isinstance(value, type)
+    }
     for place, prefix in _HELPERS.items():
         folder, _, name = place.rpartition(".")
         module: Any = sys.modules.get(place)
@@ -123,10 +135,13 @@ def _name_helpers(binding: Any) -> None:
             binding.add_symbol(name, address)
 
 
-# In the compiler's text a call by which a function takes the interpreter, and the marks of one that only an error leads
-# to: C functions report exceptions, a C function that is called may have no address, a library may be missing.
+# In the compiler's text a call by which a function takes the interpreter, and the marks of one that
+# only an error leads to: C functions report exceptions, a C function that is called may have no
+# address, a library may be missing.
 _TAKEN = re.compile(r"\bcall [^\n]*@numba_gil_ensure\(")
-_ONLY_OF_ERRORS = re.compile(r"^define [^\n]*@cfunc\.|\bcall [^\n]*(?:_get_wrapper_address\)|@Py_FatalError\()", re.M)
+_ONLY_OF_ERRORS = re.compile(
+    r"^define [^\n]*@cfunc\.|\bcall [^\n]*(?:_get_wrapper_address\)|@Py_FatalError\()", re.M
+)
 
 
 def takes_interpreter(step: Any) -> bool:

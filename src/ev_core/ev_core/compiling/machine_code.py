@@ -1,13 +1,14 @@
 """Functions as machine code: compiled once, loaded from the store without the compiler, and called by their address.
 
-How it works: a caller gives a short text with a function `step` and the objects that the text names. Its key changes
-with all that the text reaches (`code_store`). `function_address` looks for the key in this process, then on disk, and
-compiles at last; one process compiles while others wait for its file. Loading numba takes longer than a node takes to
-start, so that it is imported only where a text has to be compiled.
+How it works: a caller gives a short text with a function `step` and the objects that the text
+names. Its key changes with all that the text reaches (`code_store`). `function_address` looks for
+the key in this process, then on disk, and compiles at last; one process compiles while others wait
+for its file. Loading numba takes longer than a node takes to start, so that it is imported only
+where a text has to be compiled.
 
-The compiler knows all functions that are marked as compilable. What it has made of them is forgotten when one of them
-has changed. Sums keep the order in which they are written (no fastmath), so results are the same to the bit in every
-run.
+The compiler knows all functions that are marked as compilable. What it has made of them is
+forgotten when one of them has changed. Sums keep the order in which they are written (no fastmath),
+so results are the same to the bit in every run.
 """
 
 from __future__ import annotations
@@ -105,8 +106,12 @@ def _make_known() -> None:
     def called(typing: Any, address: Any, first: Any, second: Any, third: Any, fourth: Any) -> Any:
         def lowered(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
             pointer = ir.IntType(8).as_pointer()
-            function = builder.inttoptr(arguments[0], ir.FunctionType(ir.IntType(32), [pointer] * 4).as_pointer())
-            return builder.call(function, [builder.inttoptr(word, pointer) for word in arguments[1:]])
+            function = builder.inttoptr(
+                arguments[0], ir.FunctionType(ir.IntType(32), [pointer] * 4).as_pointer()
+            )
+            return builder.call(
+                function, [builder.inttoptr(word, pointer) for word in arguments[1:]]
+            )
 
         return types.int32(*[types.intp] * 5), lowered
 
@@ -133,7 +138,10 @@ def register_functions() -> None:
         return
     while _registered < len(FUNCTIONS):
         function = FUNCTIONS[_registered]
-        options = {"error_model": inside_numba_checks.error_model(), "forceinline": function in INLINED}
+        options = {
+            "error_model": inside_numba_checks.error_model(),
+            "forceinline": function in INLINED,
+        }
         register_jitable(no_cfunc_wrapper=True, **options)(function)
         _registered += 1
     _reached = Reach(*FUNCTIONS)
@@ -165,8 +173,8 @@ def _keep(function: Any, key: str, reach: Reach) -> None:
 def compiled_address(key: str, text: str, names: dict[str, Any]) -> int:
     """The address of the C function `step` of a text, compiled now and kept for processes without the compiler.
 
-    Code that holds addresses of this process is not kept: another process would jump into nowhere. TakesInterpreter
-    if it cannot be called by its address.
+    Code that holds addresses of this process is not kept: another process would jump into nowhere.
+    TakesInterpreter if it cannot be called by its address.
     """
     _announce(key)
     with inside_numba.only_machine_code_of("step", made_by_others(text, names)):
@@ -196,9 +204,11 @@ def executed(key: str, text: str, names: dict[str, Any]) -> Any:
     """The function `step` of a text that uses these names, in a module of its own."""
     module = ModuleType(f"ev_stack_{key}")
     vars(module).update(names)
-    sys.modules[module.__name__] = module  # code that numba loads from disk asks for its module by name
+    # code that numba loads from disk asks for its module by name
+    sys.modules[module.__name__] = module
     file = f"<{key}>"
-    linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)  # for the compiler's errors
+    # for the compiler's errors
+    linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
     exec(compile(text, file, "exec"), vars(module))
     return vars(module)["step"]
 

@@ -6,9 +6,14 @@ import struct
 from collections.abc import Iterator
 
 _ELF = b"\x7fELF"
-# One symbol: of ELF with 64 bits name, kind, visibility, section, value, size; with 32 bits name, value, size, kind,
-# visibility, section; of COFF name, value, section, type, class, entries that follow.
-_WIDE, _NARROW, _COFF = struct.Struct("<IBBHQQ"), struct.Struct("<IIIBBH"), struct.Struct("<8sIhHBB")
+# One symbol: of ELF with 64 bits name, kind, visibility, section, value, size; with 32 bits name,
+# value, size, kind, visibility, section; of COFF name, value, section, type, class, entries that
+# follow.
+_WIDE, _NARROW, _COFF = (
+    struct.Struct("<IBBHQQ"),
+    struct.Struct("<IIIBBH"),
+    struct.Struct("<8sIhHBB"),
+)
 _COFF_HEAD = struct.Struct("<HHIII")
 _CONTENT = (b".text", b".rodata", b".rdata")
 _EXTERNAL = 2  # class of a COFF symbol that others may define
@@ -24,15 +29,21 @@ def code_size(code: bytes) -> int:
     from llvmlite import binding
 
     sections = binding.ObjectFileRef.from_data(code).sections()
-    return sum(section.size() for section in sections if (section.name() or b"").startswith(_CONTENT))
+    return sum(
+        section.size() for section in sections if (section.name() or b"").startswith(_CONTENT)
+    )
 
 
 def _of_elf(code: bytes) -> Iterator[str]:
     from llvmlite import binding
 
-    sections = {section.name(): section.data() for section in binding.ObjectFileRef.from_data(code).sections()}
+    sections = {
+        section.name(): section.data()
+        for section in binding.ObjectFileRef.from_data(code).sections()
+    }
     names, is_wide = sections[b".strtab"], code[len(_ELF)] == _EXTERNAL
-    for entry in list((_WIDE if is_wide else _NARROW).iter_unpack(sections[b".symtab"]))[1:]:  # the first one is none
+    # the first one is none
+    for entry in list((_WIDE if is_wide else _NARROW).iter_unpack(sections[b".symtab"]))[1:]:
         if entry[3 if is_wide else 5] == 0:
             yield _until_zero(names, entry[0])
 

@@ -1,7 +1,8 @@
 """A function `step` as an object file for another processor than this one, with the same bits.
 
-The compiler's text of a function (LLVM) is the same for all processors. It is taken before machine code is made of it,
-and without the frame by which Python calls it. So an object file calls nothing but what `Processor.may_call` lists.
+The compiler's text of a function (LLVM) is the same for all processors. It is taken before machine
+code is made of it, and without the frame by which Python calls it. So an object file calls nothing
+but what `Processor.may_call` lists.
 """
 
 from __future__ import annotations
@@ -16,11 +17,12 @@ from ev_core.compiling.object_symbols import calls
 from ev_core.compiling.user_cache import alone, read_checked, write_checked
 from ev_msgs_py.refusal import ParameterError
 
-# Exact in every C library: what fills memory, takes a number's exponent apart or changes it, and a remainder.
+# Exact in every C library: what fills memory, takes a number's exponent apart or changes it, and a
+# remainder.
 _EVERYWHERE = frozenset(("memset", "frexp", "ldexp", "fmod"))
 _PAGES = "___chkstk_ms"  # touches the pages of a large frame one by one, as Windows asks for
-# What C compilers bring for 32-bit Arm: memory, integers of 64 bits and their conversions, all exact. And what these
-# processors have no instruction for.
+# What C compilers bring for 32-bit Arm: memory, integers of 64 bits and their conversions, all
+# exact. And what these processors have no instruction for.
 _OF_ARM = frozenset(
     """
     __aeabi_memset __aeabi_memset4 __aeabi_memset8 __aeabi_memclr __aeabi_memclr4 __aeabi_memclr8
@@ -62,7 +64,9 @@ X86_64_LINUX = Processor("x86_64-unknown-linux-gnu", "x86-64-v2")
 X86_64_WINDOWS = Processor("x86_64-w64-windows-gnu", "x86-64-v2", "", _EVERYWHERE | {_PAGES})
 AARCH64_LINUX = Processor("aarch64-unknown-linux-gnu", "generic")
 ARM_LINUX = Processor("armv7-unknown-linux-gnueabihf", "generic", "+vfp4", _EVERYWHERE | _OF_ARM)
-CORTEX_M4 = Processor("thumbv7em-unknown-none-eabihf", "cortex-m4", "", _EVERYWHERE | _OF_ARM | _SOFT)
+CORTEX_M4 = Processor(
+    "thumbv7em-unknown-none-eabihf", "cortex-m4", "", _EVERYWHERE | _OF_ARM | _SOFT
+)
 
 _CALLED = """
 define i32 @{symbol}(ptr %now, ptr %next, ptr %state, ptr %constants) {{
@@ -72,7 +76,8 @@ define i32 @{symbol}(ptr %now, ptr %next, ptr %state, ptr %constants) {{
   ret i32 %status
 }}
 """
-# A law with checked indices looks in `raised` for an exception before it raises one, and gives a status itself.
+# A law with checked indices looks in `raised` for an exception before it raises one, and gives a
+# status itself.
 _CALLED_CHECKED = """
 define i32 @{symbol}(ptr %now, ptr %next, ptr %state, ptr %constants) {{
   %given = alloca i32
@@ -91,20 +96,23 @@ _SHARED = re.compile(r"= common (local_unnamed_addr )?global")
 _COUNTED = re.compile(r"^define linkonce_odr void @(NRT_(?:inc|dec)ref)\(.*?^}$", re.M | re.S)
 _UNCOUNTED = r"define internal void @\1(ptr %0) {\n  ret void\n}"
 _EXPONENTS = re.compile(r"@numba_(frexp|ldexp)\b")
-# A structure with a pointer is shorter where pointers have 32 bits; the text may count its bytes already.
+# A structure with a pointer is shorter where pointers have 32 bits; the text may count its bytes
+# already.
 _OF_POINTERS = re.compile(r"= alloca [\[{][^\n]*\bptr\b")
 
 
 def object_file(code: Code, symbol: str, processor: Processor) -> bytes:
     """The object file of a text's function under the name `symbol`: int32 symbol(now, next, state, constants).
 
-    It returns 0, and something else where the function has raised an exception, or answers so. ParameterError if it
-    calls what may not be there.
+    It returns 0, and something else where the function has raised an exception, or answers so.
+    ParameterError if it calls what may not be there.
     """
     from llvmlite import binding
 
     name, text = _of_compiler(code)
-    text = _EXPONENTS.sub(r"@\1", _COUNTED.sub(_UNCOUNTED, _SHARED.sub("= internal global", _HEAD.sub("", text))))
+    text = _EXPONENTS.sub(
+        r"@\1", _COUNTED.sub(_UNCOUNTED, _SHARED.sub("= internal global", _HEAD.sub("", text)))
+    )
     machine = processor.machine
     head = f'target triple = "{processor.triple}"\ntarget datalayout = "{machine.target_data}"\n'
     called = _CALLED_CHECKED if "boundscheck=True" in code.text else _CALLED
@@ -113,17 +121,26 @@ def object_file(code: Code, symbol: str, processor: Processor) -> bytes:
         function.add_function_attribute("nounwind")
         if function.name != symbol and not function.is_declaration:
             function.linkage = "internal"
-    passes = binding.create_new_module_pass_manager()  # only for functions without callers: all is optimised already
+    # only for functions without callers: all is optimised already
+    passes = binding.create_new_module_pass_manager()
     passes.add_global_dead_code_eliminate_pass()
-    passes.run(module, binding.create_pass_builder(machine, binding.create_pipeline_tuning_options()))
+    passes.run(
+        module, binding.create_pass_builder(machine, binding.create_pipeline_tuning_options())
+    )
     if "p:32:32" in str(machine.target_data) and _OF_POINTERS.search(str(module)):
-        raise ParameterError(f"{code.name} is refused for {processor.triple}, it keeps pointers in working memory")
+        raise ParameterError(
+            f"{code.name} is refused for {processor.triple}, it keeps pointers in working memory"
+        )
     made: bytes = machine.emit_object(module)
     foreign = sorted({*calls(made)} - processor.may_call)
     if any(name.startswith("NRT_") for name in foreign):
-        raise ParameterError(f"{code.name} is refused, it makes a list or an array in a step, which needs a heap")
+        raise ParameterError(
+            f"{code.name} is refused, it makes a list or an array in a step, which needs a heap"
+        )
     if foreign:
-        raise ParameterError(f"{code.name} is refused, its code calls {', '.join(foreign)}, which is not everywhere")
+        raise ParameterError(
+            f"{code.name} is refused, its code calls {', '.join(foreign)}, which is not everywhere"
+        )
     return made
 
 

@@ -1,7 +1,7 @@
 """The cache folder of this user, and files in it that carry a checksum.
 
-Machine code in it is executed. So no other user may write there, and a file that a full disk, a crash or a hand has
-changed is made again, never loaded.
+Machine code in it is executed. So no other user may write there, and a file that a full disk, a
+crash or a hand has changed is made again, never loaded.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ _OTHERS = stat.S_IWGRP | stat.S_IWOTH
 def cache_folder() -> Path:
     """The folder of EV_STACK_CACHE, else `ev_stack` in the user's cache folder (XDG_CACHE_HOME, ~/.cache).
 
-    Where that cannot be written, a folder that goes with this process; one line says so. ParameterError if others
-    could put something there.
+    Where that cannot be written, a folder that goes with this process; one line says so.
+    ParameterError if others could put something there.
     """
     named = os.environ.get(VARIABLE)
     folder = Path(named).absolute() if named else _of_user()
@@ -53,15 +53,21 @@ def cache_folder() -> Path:
 
 
 def _of_user() -> Path:
-    named = os.environ.get("XDG_CACHE_HOME", "")  # a relative one does not count, by its specification
-    return (Path(named) if os.path.isabs(named) else Path(os.path.expanduser("~")) / ".cache") / "ev_stack"
+    # a relative one does not count, by its specification
+    named = os.environ.get("XDG_CACHE_HOME", "")
+    return (
+        Path(named) if os.path.isabs(named) else Path(os.path.expanduser("~")) / ".cache"
+    ) / "ev_stack"
 
 
 def _for_now(wanted: Path) -> Path:
     folder = Path(tempfile.mkdtemp(prefix="ev_stack-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     os.environ[VARIABLE] = str(folder)  # for the processes that are started from here
-    print(f"{wanted} cannot be written: what is compiled is kept in {folder} until this ends", file=sys.stderr)
+    print(
+        f"{wanted} cannot be written: what is compiled is kept in {folder} until this ends",
+        file=sys.stderr,
+    )
     return folder
 
 
@@ -70,7 +76,9 @@ def _danger(folder: Path) -> str:
     user, real = os.getuid(), folder.resolve()
     for path in dict.fromkeys((*reversed(folder.parents), folder, *reversed(real.parents), real)):
         found = path.lstat()
-        if (path == real and found.st_uid != user) or (path.is_symlink() and found.st_uid not in (user, 0)):
+        if (path == real and found.st_uid != user) or (
+            path.is_symlink() and found.st_uid not in (user, 0)
+        ):
             return f"{path} belongs to user {found.st_uid}"
         if path.is_symlink():
             continue
@@ -105,7 +113,11 @@ def read_checked(file: Path) -> bytes | None:
     if written == _checksum(content) + content:
         return content
     file.unlink(missing_ok=True)
-    print(f"{file} does not fit its checksum: it is removed and made again", file=sys.stderr, flush=True)
+    print(
+        f"{file} does not fit its checksum: it is removed and made again",
+        file=sys.stderr,
+        flush=True,
+    )
     return None
 
 
@@ -117,7 +129,8 @@ def _checksum(content: bytes) -> bytes:
 def alone(key: str) -> Iterator[None]:
     """Let one process of this user at a time enter the block; one that ends within it, in any way, lets others in.
 
-    Where the file system has no locks, or the folder is full, several make the same thing, which is slower.
+    Where the file system has no locks, or the folder is full, several make the same thing, which is
+    slower.
     """
     file = cache_folder() / f".{key}.lock"
     try:
@@ -130,5 +143,6 @@ def alone(key: str) -> Iterator[None]:
             fcntl.flock(descriptor, fcntl.LOCK_EX)
         yield
     finally:
-        file.unlink(missing_ok=True)  # a process that waits for it, or comes later, looks first for what was made
+        # a process that waits for it, or comes later, looks first for what was made
+        file.unlink(missing_ok=True)
         os.close(descriptor)

@@ -1,12 +1,13 @@
 """Elementary functions with the same bits on every machine (docs/elementary_functions.md).
 
-The C library's sin, exp, ... round differently with and without FMA, from version to version and from system to system.
-Ours are written with additions, multiplications, divisions and square roots in a fixed order, which IEEE 754 rounds in
-one way only, so Python and compiled code give the same bits everywhere. All are at most 1 ulp off and raise nothing.
+The C library's sin, exp, ... round differently with and without FMA, from version to version and
+from system to system. Ours are written with additions, multiplications, divisions and square roots
+in a fixed order, which IEEE 754 rounds in one way only, so Python and compiled code give the same
+bits everywhere. All are at most 1 ulp off and raise nothing.
 
-Those of `math` among them are safe as they are: IEEE 754 wants `sqrt` correctly rounded, and the results of
-`copysign`, `fabs`, `floor` and `isfinite` are exact. `sqrt` of a negative number and `floor` of what is not finite
-raise; in compiled functions of ours they do not: ask before.
+Those of `math` among them are safe as they are: IEEE 754 wants `sqrt` correctly rounded, and the
+results of `copysign`, `fabs`, `floor` and `isfinite` are exact. `sqrt` of a negative number and
+`floor` of what is not finite raise; in compiled functions of ours they do not: ask before.
 """
 
 from math import copysign, fabs, floor, isfinite, sqrt

@@ -32,12 +32,10 @@ COARSE_ZERO = 32
 COARSE = tuple(ldexp(1.0, 32 * k) for k in range(-COARSE_ZERO, 32))
 
 
-# Follows fdlibm; its notice:
-# Copyright (C) 1993 by Sun Microsystems, Inc. All rights reserved.
-# Developed at SunSoft, a Sun Microsystems, Inc. business.
-# Permission to use, copy, modify, and distribute this software is freely granted, provided that this notice is
-# preserved.
-# (The coefficients Q of expm1, and the logarithms; the exponential function is after Tang.)
+# Follows fdlibm; its notice: Copyright (C) 1993 by Sun Microsystems, Inc. All rights reserved.
+# Developed at SunSoft, a Sun Microsystems, Inc. business. Permission to use, copy, modify, and
+# distribute this software is freely granted, provided that this notice is preserved. (The
+# coefficients Q of expm1, and the logarithms; the exponential function is after Tang.)
 
 STEPS = 46.16624130844683  # 32 / ln 2
 STEP_HEAD = 0.021660849392446835  # ln 2 / 32, to 37 bits, so that up to 2**16 steps are exact,
@@ -76,8 +74,9 @@ def parts_of_exp(x: float, lift: int) -> tuple[float, float, float]:
 def exp(x: float) -> float:
     """e**x; 0.56 ulp, 0.75 where the result is subnormal.
 
-    By 2**(j/32) from a table and a polynomial for the rest: P. T. P. Tang, Table-Driven Implementation of the
-    Exponential Function in IEEE Floating-Point Arithmetic, ACM TOMS 15, 1989; the polynomial is Taylor's.
+    By 2**(j/32) from a table and a polynomial for the rest: P. T. P. Tang, Table-Driven
+    Implementation of the Exponential Function in IEEE Floating-Point Arithmetic, ACM TOMS 15, 1989;
+    the polynomial is Taylor's.
     """
     if LOWEST < x < HIGHEST:
         head, tail, scale = parts_of_exp(x, 0)
@@ -120,20 +119,28 @@ def expm1(x: float) -> float:
     return exp(x)
 
 
-# exp(x) / 2 is both sinh and cosh to all bits from here on; above HALVED_FROM it must not overflow before it is halved.
+# exp(x) / 2 is both sinh and cosh to all bits from here on; above HALVED_FROM it must not overflow
+# before it is halved.
 LARGE, HALVED_FROM = 22.0, 709.0
 
 # Taylor's series of sinh.
 S3, S5, S7, S9 = 1 / 6, 1 / 120, 1 / 5040, 1 / 362880
-S11, S13, S15, S17, S19 = 1 / 39916800, 1 / 6227020800, 1 / 1307674368000, 1 / 355687428096000, 1 / 121645100408832000
+S11, S13, S15, S17, S19 = (
+    1 / 39916800,
+    1 / 6227020800,
+    1 / 1307674368000,
+    1 / 355687428096000,
+    1 / 121645100408832000,
+)
 
 
 @compilable
 def tanh(x: float) -> float:
     """Hyperbolic tangent; 0.89 ulp.
 
-    Up to 0.55 by eight steps of Lambert's continued fraction x/(1 + x²/(3 + x²/(5 + ...))) (J. H. Lambert, 1768),
-    less its first term x; from there 1 - 2/(e**2x + 1), with what the sum e**2x + 1 loses made good.
+    Up to 0.55 by eight steps of Lambert's continued fraction x/(1 + x²/(3 + x²/(5 + ...))) (J. H.
+    Lambert, 1768), less its first term x; from there 1 - 2/(e**2x + 1), with what the sum e**2x + 1
+    loses made good.
     """
     size = abs(x)
     if size < 0.55:
@@ -273,8 +280,8 @@ def log1p(x: float) -> float:
 def atanh(x: float) -> float:
     """Inverse hyperbolic tangent: log((1 + x)/(1 - x))/2, infinite at ±1, NaN beyond; 0.87 ulp.
 
-    By fdlibm's series of the logarithm, which is one of atanh; the quotient with what its rounding misses, found by
-    Dekker's exact product (T. J. Dekker, Numerische Mathematik 18, 1971).
+    By fdlibm's series of the logarithm, which is one of atanh; the quotient with what its rounding
+    misses, found by Dekker's exact product (T. J. Dekker, Numerische Mathematik 18, 1971).
     """
     size = abs(x)
     if size < 0.17:

@@ -2,14 +2,20 @@
 
 from math import copysign, inf, nan, sqrt
 
-from ev_core.elementary.parts import HALF_PI, HALF_PI_TAIL, PI, PI_TAIL, QUARTER_PI, QUARTER_PI_TAIL, upper_half
+from ev_core.elementary.parts import (
+    HALF_PI,
+    HALF_PI_TAIL,
+    PI,
+    PI_TAIL,
+    QUARTER_PI,
+    QUARTER_PI_TAIL,
+    upper_half,
+)
 from ev_msgs_py.compilable import compilable
 
-# Follows fdlibm; its notice:
-# Copyright (C) 1993 by Sun Microsystems, Inc. All rights reserved.
-# Developed at SunSoft, a Sun Microsystems, Inc. business.
-# Permission to use, copy, modify, and distribute this software is freely granted, provided that this notice is
-# preserved.
+# Follows fdlibm; its notice: Copyright (C) 1993 by Sun Microsystems, Inc. All rights reserved.
+# Developed at SunSoft, a Sun Microsystems, Inc. business. Permission to use, copy, modify, and
+# distribute this software is freely granted, provided that this notice is preserved.
 
 P0 = 1.66666666666666657415e-01
 P1 = -3.25565818622400915405e-01
@@ -116,13 +122,14 @@ def atan(x: float) -> float:
     return result if x > 0.0 else -result
 
 
-# Between these the products of Dekker's division are exact; a quotient below NEGLIGIBLE is its own arc tangent.
+# Between these the products of Dekker's division are exact; a quotient below NEGLIGIBLE is its own
+# arc tangent.
 SMALL, LARGE = 1e-250, 1e290
 FAR, NEGLIGIBLE = 2.0**-60, 2.0**-28
 UP = 2.0**400
 
-# The angle from which the rest is counted, in two parts: by octant (the rest is added in the first and third) and by
-# the tangent's interval about 0, 1/2, 1.
+# The angle from which the rest is counted, in two parts: by octant (the rest is added in the first
+# and third) and by the tangent's interval about 0, 1/2, 1.
 HEADS = (
     *(0.0, ATAN_HALF, QUARTER_PI),
     *(HALF_PI, 1.1071487177940904, QUARTER_PI),
@@ -141,8 +148,9 @@ TAILS = (
 def atan2(y: float, x: float) -> float:
     """Angle of (x, y) from the x axis, -pi..pi, by the signs of zeros, too; 0.93 ulp.
 
-    The smaller over the larger side by fdlibm's polynomial for atan; near the x axis the quotient is carried to twice
-    the bits by Dekker's division (T. J. Dekker, Numerische Mathematik 18, 1971), else no rounding of it matters.
+    The smaller over the larger side by fdlibm's polynomial for atan; near the x axis the quotient
+    is carried to twice the bits by Dekker's division (T. J. Dekker, Numerische Mathematik 18,
+    1971), else no rounding of it matters.
     """
     small, large = abs(y), abs(x)
     steep = small > large

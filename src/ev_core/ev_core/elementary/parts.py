@@ -17,8 +17,8 @@ SPLIT = 2.0**27 + 1.0
 def upper_half(x: float) -> float:
     """Return the upper 26 bits of x, for |x| < 2**996; products of halves are exact.
 
-    G. W. Veltkamp's, in T. J. Dekker, A Floating-Point Technique for Extending the Available Precision, Numerische
-    Mathematik 18, 1971.
+    G. W. Veltkamp's, in T. J. Dekker, A Floating-Point Technique for Extending the Available
+    Precision, Numerische Mathematik 18, 1971.
     """
     shifted = x * SPLIT
     return shifted - (shifted - x)
@@ -26,7 +26,8 @@ def upper_half(x: float) -> float:
 
 # A shorter side below this part of the longer one is less than half an ulp of the result.
 NEGLIGIBLE = 2.0**-54
-# Between these the squares, and products of sides with what is left, neither overflow nor lose bits.
+# Between these the squares, and products of sides with what is left, neither overflow nor lose
+# bits.
 SMALL, LARGE = 2.0**-459, 2.0**511
 UP, DOWN = 2.0**600, 2.0**-600
 
@@ -35,8 +36,8 @@ UP, DOWN = 2.0**600, 2.0**-600
 def hypot(x: float, y: float) -> float:
     """sqrt(x**2 + y**2), the same for (y, x) and for all signs; no overflow on the way; 0.59 ulp.
 
-    The root is corrected by what its square misses, formed without cancellation: C. F. Borges, An Improved Algorithm
-    for hypot(a, b), arXiv:1904.09481, 2019, algorithm "unfused corrected".
+    The root is corrected by what its square misses, formed without cancellation: C. F. Borges, An
+    Improved Algorithm for hypot(a, b), arXiv:1904.09481, 2019, algorithm "unfused corrected".
     """
     a, b = abs(x), abs(y)
     if a < b:
@@ -68,7 +69,8 @@ def hypot(x: float, y: float) -> float:
 def fmod(x: float, y: float) -> float:
     """Remainder x - n y with n the integer part of x/y; exact; NaN for x infinite or y zero.
 
-    To the bit `math.fmod`, which the compiler does not know: between positive numbers % is the same.
+    To the bit `math.fmod`, which the compiler does not know: between positive numbers % is the
+    same.
     """
     size, step = abs(x), abs(y)
     if not (size < inf and step > 0.0):
@@ -80,7 +82,8 @@ def fmod(x: float, y: float) -> float:
 def remainder(x: float, y: float) -> float:
     """Remainder x - n y, n the integer nearest to x/y, the even one of two; exact; NaN for x infinite or y zero.
 
-    To the bit `math.remainder`, which the compiler does not know; by the other remainder, as CPython does it.
+    To the bit `math.remainder`, which the compiler does not know; by the other remainder, as
+    CPython does it.
     """
     size, step = abs(x), abs(y)
     if not (size < inf and step > 0.0):
@@ -92,6 +95,7 @@ def remainder(x: float, y: float) -> float:
     if rest > other:
         rest = -other
     elif rest == other:
-        # Half way: what x is without this half counts whole steps, an even or an odd number of them.
+        # Half way: what x is without this half counts whole steps, an even or an odd number of
+        # them.
         rest -= 2.0 * ((0.5 * (size - rest)) % step)
     return copysign(1.0, x) * rest

@@ -2,7 +2,14 @@
 
 from math import floor, frexp, inf, ldexp, nan
 
-from ev_core.elementary.parts import HALF_PI, HALF_PI_TAIL, QUARTER_PI, QUARTER_PI_TAIL, ROUND, upper_half
+from ev_core.elementary.parts import (
+    HALF_PI,
+    HALF_PI_TAIL,
+    QUARTER_PI,
+    QUARTER_PI_TAIL,
+    ROUND,
+    upper_half,
+)
 from ev_msgs_py.compilable import compilable
 
 UNIT, PER_UNIT = 2.0**24, 2.0**-24
@@ -37,10 +44,10 @@ def digit_of_product(x: tuple[float, float, float], at: int, carry: float) -> tu
 def reduced_huge(x: float) -> tuple[int, float, float]:
     """Return n, rest, tail: x = (n + 4 m) pi/2 + rest + tail with |rest| <= pi/4, for finite |x| >= 2**20.
 
-    The digits of x times those of 2/pi that neither give whole turns nor are too small to matter: M. Payne and
-    R. Hanek, Radian Reduction for Trigonometric Functions, SIGNUM Newsletter 18, 1983; arranged as in K. C. Ng, Good to
-    the Last Bit, 1992. Exact up to the product by pi/2, and no double is so close to a multiple of pi/2 that the digits
-    left out show.
+    The digits of x times those of 2/pi that neither give whole turns nor are too small to matter:
+    M. Payne and R. Hanek, Radian Reduction for Trigonometric Functions, SIGNUM Newsletter 18, 1983;
+    arranged as in K. C. Ng, Good to the Last Bit, 1992. Exact up to the product by pi/2, and no
+    double is so close to a multiple of pi/2 that the digits left out show.
     """
     size, exponent = frexp(abs(x))
     size *= UNIT
@@ -68,7 +75,8 @@ def reduced_huge(x: float) -> tuple[int, float, float]:
     n = floor(whole + 0.5)
     whole -= n
 
-    # The digits behind, as a sum of two numbers; then all together, with what the sum loses; then times pi/2.
+    # The digits behind, as a sum of two numbers; then all together, with what the sum loses; then
+    # times pi/2.
     unit *= PER_UNIT * PER_UNIT * PER_UNIT
     upper = (d2 * UNIT + d3) * unit
     unit *= PER_UNIT * PER_UNIT
@@ -90,23 +98,28 @@ def times_half_pi(rest: float, tail: float) -> tuple[float, float]:
     product = rest * HALF_PI
     high = upper_half(rest)
     low = rest - high
-    error = ((high * HALF_PI_HIGH - product) + high * HALF_PI_LOW + low * HALF_PI_HIGH) + low * HALF_PI_LOW
+    error = (
+        (high * HALF_PI_HIGH - product) + high * HALF_PI_LOW + low * HALF_PI_HIGH
+    ) + low * HALF_PI_LOW
     error += rest * HALF_PI_TAIL + tail * HALF_PI
     result = product + error
     return result, (product - result) + error
 
 
-# Follows fdlibm; its notice:
-# Copyright (C) 1993 by Sun Microsystems, Inc. All rights reserved.
-# Developed at SunSoft, a Sun Microsystems, Inc. business.
-# Permission to use, copy, modify, and distribute this software is freely granted, provided that this notice is
-# preserved.
+# Follows fdlibm; its notice: Copyright (C) 1993 by Sun Microsystems, Inc. All rights reserved.
+# Developed at SunSoft, a Sun Microsystems, Inc. business. Permission to use, copy, modify, and
+# distribute this software is freely granted, provided that this notice is preserved.
 
 QUARTERS = 0.6366197723675814  # 2 / pi
 
-# pi / 2 in parts of 33 bits, with exact multiples up to 2**20, each with the rest that is missing behind it.
+# pi / 2 in parts of 33 bits, with exact multiples up to 2**20, each with the rest that is missing
+# behind it.
 PART_1, BEHIND_1 = 1.57079632673412561417, 6.07710050650619224932e-11
-PART_2, PART_3, BEHIND_3 = 6.07710050630396597660e-11, 2.02226624871116645580e-21, 8.47842766036889956997e-32
+PART_2, PART_3, BEHIND_3 = (
+    6.07710050630396597660e-11,
+    2.02226624871116645580e-21,
+    8.47842766036889956997e-32,
+)
 
 MODERATE = 2.0**20  # [rad], below 2**20 quarter turns
 PLAIN = 1e-8  # a rest above this part of the quarters is not spoilt by cancellation
@@ -116,8 +129,8 @@ PLAIN = 1e-8  # a rest above this part of the quarters is not spoilt by cancella
 def reduced(x: float) -> tuple[int, float, float]:
     """Return n, rest, tail: x = (n + 4 m) pi/2 + rest + tail with |rest| <= pi/4, for finite x; to 60 bits.
 
-    W. J. Cody and W. Waite, Software Manual for the Elementary Functions, 1980, with the parts of pi/2 that fdlibm's
-    e_rem_pio2.c has.
+    W. J. Cody and W. Waite, Software Manual for the Elementary Functions, 1980, with the parts of
+    pi/2 that fdlibm's e_rem_pio2.c has.
     """
     if not -MODERATE < x < MODERATE:
         return reduced_huge(x)

@@ -24,29 +24,51 @@ class Kind:
         return self.low < self.high
 
 
-# Kinds that strike numbers in messages, be it in a sensor, its wire, or on the bus; in the order of their codes.
+# Kinds that strike numbers in messages, be it in a sensor, its wire, or on the bus; in the order of
+# their codes.
 OF_SIGNALS = {
-    "constant": Kind("shows the value, whatever is true: 0 is a broken wire", "of the number", -1e6, 1e6),
+    "constant": Kind(
+        "shows the value, whatever is true: 0 is a broken wire", "of the number", -1e6, 1e6
+    ),
     "scaled": Kind("shows the true number times the value", "1", -100.0, 100.0),
     "offset": Kind("shows the true number plus the value", "of the number", -1e6, 1e6),
     "noisy": Kind("adds Gaussian noise with this standard deviation", "of the number", 0.0, 1e6),
-    "tilted": Kind("an accelerometer out of the level by this angle shows a cos + g sin of it", "rad", -1.5, 1.5),
+    "tilted": Kind(
+        "an accelerometer out of the level by this angle shows a cos + g sin of it",
+        "rad",
+        -1.5,
+        1.5,
+    ),
     "swapped": Kind("two numbers, NUMBER,NUMBER, in each other's place"),
     "frozen": Kind("keeps what it showed last"),
-    "lost": Kind("is lost with this probability in a period: readers keep the last one", "1", 0.0, 1.0),
+    "lost": Kind(
+        "is lost with this probability in a period: readers keep the last one", "1", 0.0, 1.0
+    ),
     "delayed": Kind("comes so much later, in whole control periods", "s", 1e-4, 10.0),
-    "reordered": Kind("with this probability two in a row arrive in the wrong order", "1", 0.0, 1.0),
-    "restarted": Kind("the node that writes it is killed, and begins anew when the fault ends; readers keep the last"),
+    "reordered": Kind(
+        "with this probability two in a row arrive in the wrong order", "1", 0.0, 1.0
+    ),
+    "restarted": Kind(
+        "the node that writes it is killed, and begins anew when the fault ends; readers keep the last"
+    ),
 }
 
 # Kinds that strike the car itself, where the plant has them.
 OF_THE_CAR = {
-    "motor_share": Kind("the motor gives this share of what it is asked for: 0 is a dead motor", "1", 0.0, 1.0),
+    "motor_share": Kind(
+        "the motor gives this share of what it is asked for: 0 is a dead motor", "1", 0.0, 1.0
+    ),
     "motor_stuck": Kind("the motor keeps the torque that it has when the fault begins"),
-    "inverter_trip": Kind("asked for more than the value, the inverter switches off", "N m at the shaft", 0.0, 1e5),
-    "inverter_delay": Kind("the inverter gets its command later, in whole control periods", "s", 0.0, 0.5),
+    "inverter_trip": Kind(
+        "asked for more than the value, the inverter switches off", "N m at the shaft", 0.0, 1e5
+    ),
+    "inverter_delay": Kind(
+        "the inverter gets its command later, in whole control periods", "s", 0.0, 0.5
+    ),
     "hall_stuck": Kind("one of the three Hall sensors of a brushless motor always shows 1"),
-    "battery_share": Kind("the battery's power limits are this share of themselves: 0 is a cut-off", "1", 0.0, 1.0),
+    "battery_share": Kind(
+        "the battery's power limits are this share of themselves: 0 is a cut-off", "1", 0.0, 1.0
+    ),
     "puncture": Kind("the tyre loses this share of its air", "1", 0.0, 1.0),
 }
 KINDS = {**OF_SIGNALS, **OF_THE_CAR}
@@ -56,7 +78,10 @@ BATTERY = "battery"
 _TOLERANCE = 1e-6  # of a period: 0.3 s are 30 periods of 0.01 s, though 0.3/0.01 is a little less
 _SOME_WHEELS = {
     **{name: (name,) for name in WHEEL_NAMES},
-    **{side: tuple(name for name in WHEEL_NAMES if side in name) for side in ("front", "rear", "left", "right")},
+    **{
+        side: tuple(name for name in WHEEL_NAMES if side in name)
+        for side in ("front", "rear", "left", "right")
+    },
     "all": WHEEL_NAMES,
 }
 
@@ -85,7 +110,9 @@ class Fault(NamedTuple):
 
     def periods(self, period: float) -> tuple[float, float]:
         """The first control period with it, and the first one without it again."""
-        begin, end = (math.ceil(time / period - _TOLERANCE) if time < math.inf else time for time in self[4:6])
+        begin, end = (
+            math.ceil(time / period - _TOLERANCE) if time < math.inf else time for time in self[4:6]
+        )
         return float(begin), min(float(end), 1e18)
 
     def wheels(self) -> tuple[float, ...]:
@@ -104,23 +131,36 @@ def _fault(text: str) -> Fault:
         raise ParameterError(f"faults: {quoted(text)} is refused, expected {SYNTAX}")
     (name, where), rest = words[:2], words[2:]
     if name not in KINDS:
-        raise ParameterError(f"faults: {quoted(text)}: {unknown_name('kind of fault', name, KINDS)}")
+        raise ParameterError(
+            f"faults: {quoted(text)}: {unknown_name('kind of fault', name, KINDS)}"
+        )
     kind = KINDS[name]
     value = 0.0
     if kind.has_value:
         if not rest or rest[0] in ("from", "until"):
-            raise ParameterError(f"faults: {quoted(text)} lacks its value, {kind.low:g} to {kind.high:g} {kind.unit}")
+            raise ParameterError(
+                f"faults: {quoted(text)} lacks its value, {kind.low:g} to {kind.high:g} {kind.unit}"
+            )
         value = _number(text, rest.pop(0), kind.low, kind.high, kind.unit)
     times = {"from": 0.0, "until": math.inf}
     if len(rest) % 2 or len(set(rest[::2])) < len(rest) // 2 or not set(rest[::2]) <= set(times):
         raise ParameterError(f"faults: {quoted(text)} is refused, expected {SYNTAX}")
-    times.update({word: _number(text, time, 0.0, 1e9, "s") for word, time in zip(rest[::2], rest[1::2], strict=True)})
+    times.update(
+        {
+            word: _number(text, time, 0.0, 1e9, "s")
+            for word, time in zip(rest[::2], rest[1::2], strict=True)
+        }
+    )
     if times["from"] >= times["until"]:
-        raise ParameterError(f"faults: {quoted(text)} ends at {times['until']:g} s, expected after its begin")
+        raise ParameterError(
+            f"faults: {quoted(text)} ends at {times['until']:g} s, expected after its begin"
+        )
     if name in OF_THE_CAR:
         allowed = (BATTERY,) if name == "battery_share" else tuple(_SOME_WHEELS)
         if where not in allowed:
-            raise ParameterError(f"faults: {quoted(text)}: {where} is refused, expected {', '.join(allowed)}")
+            raise ParameterError(
+                f"faults: {quoted(text)}: {where} is refused, expected {', '.join(allowed)}"
+            )
     return Fault(text, name, where.replace("/", "."), value, times["from"], times["until"])
 
 
@@ -130,5 +170,7 @@ def _number(text: str, word: str, low: float, high: float, unit: str) -> float:
     except ValueError:
         value = math.nan
     if not low <= value <= high:
-        raise ParameterError(f"faults: {quoted(text)}: {word} is refused, expected {low:g} to {high:g} {unit}")
+        raise ParameterError(
+            f"faults: {quoted(text)}: {word} is refused, expected {low:g} to {high:g} {unit}"
+        )
     return value

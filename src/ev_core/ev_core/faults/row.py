@@ -1,6 +1,7 @@
 """Faults of signals in the frame: their output takes the place of the numbers, once per control period.
 
-A row of numbers has the settings of the faults behind one object, another one what lasts between periods:
+A row of numbers has the settings of the faults behind one object, another one what lasts between
+periods:
 
     constants  total  size of the state  entries  period [s]  then of each entry the numbers KIND to OTHER_UNSIGNED
     state      for each entry that remembers: whether it has begun, then the numbers
@@ -25,11 +26,14 @@ from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 
-CONSTANT, SCALED, OFFSET, NOISY, TILTED, SWAPPED, FROZEN, LOST, DELAYED, REORDERED, RESTARTED = range(len(OF_SIGNALS))
+CONSTANT, SCALED, OFFSET, NOISY, TILTED, SWAPPED, FROZEN, LOST, DELAYED, REORDERED, RESTARTED = (
+    range(len(OF_SIGNALS))
+)
 
-# The settings of an entry, one fault of one number. OTHER is the place of the number that it is swapped with, NUMBER
-# its own among those of the fault, MEMORY where the state has what it remembers, LENGTH numbers. A message carries
-# PLACE in single precision if it ROUNDS; a command that is UNSIGNED ends at 0, as no brake gives less.
+# The settings of an entry, one fault of one number. OTHER is the place of the number that it is
+# swapped with, NUMBER its own among those of the fault, MEMORY where the state has what it
+# remembers, LENGTH numbers. A message carries PLACE in single precision if it ROUNDS; a command
+# that is UNSIGNED ends at 0, as no brake gives less.
 FAULT_WIDTH = 15
 KIND, PLACE, OTHER, BEGIN, END, VALUE, SEED, FAULT_NAME, NUMBER, MEMORY, LENGTH = range(11)
 ROUNDS, OTHER_ROUNDS, UNSIGNED, OTHER_UNSIGNED = range(11, FAULT_WIDTH)
@@ -100,7 +104,8 @@ def remembered(state: Numbers, c: Sequence[float], period: int, is_on: bool, tru
         state[here] = true
         return shown
     if kind == REORDERED:
-        # The first of a pair comes when the second one is expected, and the second one before it, unheeded.
+        # The first of a pair comes when the second one is expected, and the second one before it,
+        # unheeded.
         shown = state[memory]
         state[memory] = true
         return shown if is_drawn(c, period // 2) else true
@@ -139,7 +144,9 @@ class FaultRow(Row):
 
     head, width, key, memory = FAULTS_HEAD, FAULT_WIDTH, (FAULT_NAME, NUMBER, LENGTH), MEMORY
 
-    def __init__(self, faults: Sequence[Fault], writes: tuple[type, ...], seed: int, period: float) -> None:
+    def __init__(
+        self, faults: Sequence[Fault], writes: tuple[type, ...], seed: int, period: float
+    ) -> None:
         self.constants = [0.0] * FAULTS_HEAD
         texts = [fault.text for fault in faults]
         for n, fault in enumerate(faults):
@@ -163,12 +170,26 @@ class FaultRow(Row):
         struck = channels_of(fault, writes)
         pairs = [struck] if fault.kind == "swapped" else [(channel, channel) for channel in struck]
         lengths = {"frozen": 1, "lost": 1, "reordered": 1, "restarted": 1}
-        length = max(round(fault.value / period), 1) if fault.kind == "delayed" else lengths.get(fault.kind, 0)
+        length = (
+            max(round(fault.value / period), 1)
+            if fault.kind == "delayed"
+            else lengths.get(fault.kind, 0)
+        )
         for number, (one, other) in enumerate(pairs):
             memory, self._size = self._size, self._size + (1 + length if length else 0)
             places = [float(one[1]), float(other[1])]
-            numbers = [float(_CODES.index(fault.kind)), *places, begin, end, fault.value, float(seed), float(name)]
-            carried_as = [float(flag) for flags in zip(one[2:], other[2:], strict=True) for flag in flags]
+            numbers = [
+                float(_CODES.index(fault.kind)),
+                *places,
+                begin,
+                end,
+                fault.value,
+                float(seed),
+                float(name),
+            ]
+            carried_as = [
+                float(flag) for flags in zip(one[2:], other[2:], strict=True) for flag in flags
+            ]
             yield [*numbers, float(number), float(memory), float(length), *carried_as]
 
     def step(self, numbers: Numbers) -> None:
@@ -181,7 +202,9 @@ def channels_of(fault: Fault, writes: tuple[type, ...]) -> list[tuple[str, int, 
     known = {}
     for signal in writes:
         shape = shape_of(signal)
-        for i, (name, place) in enumerate(zip(TOPICS[signal].channels, frame.places(signal), strict=True)):
+        for i, (name, place) in enumerate(
+            zip(TOPICS[signal].channels, frame.places(signal), strict=True)
+        ):
             known[name] = (name, place, shape.single[i], i in shape.unsigned_commands)
     topics = {TOPICS[signal].name.replace("/", ".") for signal in writes}
     if fault.kind == "restarted":  # a node that is killed has no output at all
@@ -193,20 +216,29 @@ def channels_of(fault: Fault, writes: tuple[type, ...]) -> list[tuple[str, int, 
     for where in fault.where.split(","):
         here = [known[name] for name in known if name == where or name.startswith(f"{where}.")]
         if not here:
-            listed = [name for name in known if name.partition(".")[0] == where.partition(".")[0]] or topics
-            raise ParameterError(f"faults: {quoted(fault.text)}: {unknown_name('number of this node', where, listed)}")
+            listed = [
+                name for name in known if name.partition(".")[0] == where.partition(".")[0]
+            ] or topics
+            raise ParameterError(
+                f"faults: {quoted(fault.text)}: {unknown_name('number of this node', where, listed)}"
+            )
         found += here
     if fault.kind == "swapped" and (len(found) != _PAIR or found[0] == found[1]):
-        raise ParameterError(f"faults: {quoted(fault.text)} names {len(found)} numbers, expected two, NUMBER,NUMBER")
+        raise ParameterError(
+            f"faults: {quoted(fault.text)} names {len(found)} numbers, expected two, NUMBER,NUMBER"
+        )
     if fault.kind == "tilted" and not all("acceleration" in name for name, *_ in found):
         raise ParameterError(f"faults: {quoted(fault.text)}: expected accelerations of imu")
     return found
 
 
-def refuse_faults(role: str, texts: tuple[str, ...], writes: tuple[type, ...], has_car: bool, period: float) -> None:
+def refuse_faults(
+    role: str, texts: tuple[str, ...], writes: tuple[type, ...], has_car: bool, period: float
+) -> None:
     """ParameterError, in one line, for a fault that a method of a role with these `writes` cannot have.
 
-    Nor may one lie between two instants, which are a control period [s] apart: it would never strike.
+    Nor may one lie between two instants, which are a control period [s] apart: it would never
+    strike.
     """
     for fault in parsed(texts):
         begin, end = fault.periods(period)

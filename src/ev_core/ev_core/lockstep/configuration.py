@@ -32,9 +32,9 @@ _METHOD, _SENSORS, _VEHICLE = "method", "sensors.", "vehicle."
 class Configuration:
     """A role, the method that plays it and all their parameters.
 
-    `sensors` are those of the signals that the method writes; `unused` values belong to other methods of the role.
-    `own_faults` are those of a method whose parameters have no `faults`. `from_files` are the names of parameters that
-    files set, and of those that name the files.
+    `sensors` are those of the signals that the method writes; `unused` values belong to other
+    methods of the role. `own_faults` are those of a method whose parameters have no `faults`.
+    `from_files` are the names of parameters that files set, and of those that name the files.
     """
 
     role: str
@@ -89,7 +89,10 @@ class Configuration:
 
     def entries(self) -> tuple[Entry, ...]:
         """Every parameter of the node with its present value as default."""
-        fixed = [dataclasses.replace(e, spec=dataclasses.replace(e.spec, read_only=True)) for e in entries(self.common)]
+        fixed = [
+            dataclasses.replace(e, spec=dataclasses.replace(e.spec, read_only=True))
+            for e in entries(self.common)
+        ]
         extra = entries(self.extra) if self.extra is not None else ()
         faults = entries(self.own_faults) if self.own_faults is not None else ()
         of_method = (*entries(self.parameters), *faults, *entries(self.sensors, _SENSORS))
@@ -113,7 +116,12 @@ class Configuration:
         if not rest:
             if extra is not None:
                 extra.refuse_beside(common)
-            changed = {"common": common, "parameters": parameters, "sensors": sensors, "own_faults": own_faults}
+            changed = {
+                "common": common,
+                "parameters": parameters,
+                "sensors": sensors,
+                "own_faults": own_faults,
+            }
             changed["extra"] = extra
             made = dataclasses.replace(self, **changed)
             same = parameters is self.parameters and own_faults is self.own_faults
@@ -121,14 +129,20 @@ class Configuration:
             return made if same else _fitting(made)
         kind = type(self.extra) if self.extra is not None else None
         is_same = values.get(_METHOD, self.method.name) == self.method.name
-        return configure(self.role, {**self.values(), **values}, kind, self.method if is_same else None)
+        return configure(
+            self.role, {**self.values(), **values}, kind, self.method if is_same else None
+        )
 
 
-def _of_same_text(role: str, values: Mapping[str, Any], extra: type | None, text: str) -> Configuration:
+def _of_same_text(
+    role: str, values: Mapping[str, Any], extra: type | None, text: str
+) -> Configuration:
     """The configuration of a pickle; ParameterError if its law file has another text than it had then."""
     made = configure(role, values, extra)
     if text_of(made.method) != text:
-        raise ParameterError(f"{role} method {made.method.name}: expected the file's text of when this was pickled")
+        raise ParameterError(
+            f"{role} method {made.method.name}: expected the file's text of when this was pickled"
+        )
     return made
 
 
@@ -156,10 +170,11 @@ def configure(
 ) -> Configuration:
     """The configuration of a role from dotted parameter names and values; others keep their default.
 
-    `extra` is a dataclass of further parameters that only this node has, `resolved` the method, if it is not to be
-    looked for by its name. Raises ParameterError for unknown names and refused values. A value for another method of
-    the same role, or for a sensor of a signal that this method does not write, is checked and then listed as unused, so
-    that one scenario file can serve several methods; `refuse_unused` is for values that are given for the chosen ones.
+    `extra` is a dataclass of further parameters that only this node has, `resolved` the method, if
+    it is not to be looked for by its name. Raises ParameterError for unknown names and refused
+    values. A value for another method of the same role, or for a sensor of a signal that this
+    method does not write, is checked and then listed as unused, so that one scenario file can serve
+    several methods; `refuse_unused` is for values that are given for the chosen ones.
     """
     rest = dict(values)
     method = resolved or chosen_method(role, rest)
@@ -178,10 +193,22 @@ def configure(
     elsewhere = {name for of, prefix in others for name in entries_by_name(of, prefix)}
     for name in rest:
         if name not in elsewhere:
-            known = [_METHOD, *flatten(common), *flatten(parameters), "faults", *(flatten(further) if further else ())]
+            known = [
+                _METHOD,
+                *flatten(common),
+                *flatten(parameters),
+                "faults",
+                *(flatten(further) if further else ()),
+            ]
             is_sensor = name.startswith(_SENSORS)  # there are many: listed where one is meant
-            raise unknown_name(f"parameter of {role}", name, flatten(sensors, _SENSORS) if is_sensor else known)
-    return _fitting(Configuration(role, method, parameters, common, further, tuple(sorted(rest)), sensors, own_faults))
+            raise unknown_name(
+                f"parameter of {role}", name, flatten(sensors, _SENSORS) if is_sensor else known
+            )
+    return _fitting(
+        Configuration(
+            role, method, parameters, common, further, tuple(sorted(rest)), sensors, own_faults
+        )
+    )
 
 
 def refuse_unused(name: str, configurations: Collection[Configuration]) -> None:
@@ -195,11 +222,18 @@ def refuse_unused(name: str, configurations: Collection[Configuration]) -> None:
     having = [
         each.name
         for each in methods_of(role).values()
-        if name in entries_by_name(each.parameters) or name in entries_by_name(sensors_for(each.writes), _SENSORS)
+        if name in entries_by_name(each.parameters)
+        or name in entries_by_name(sensors_for(each.writes), _SENSORS)
     ]
     chosen = ", ".join(dict.fromkeys(each.method.name for each in configurations))
-    where = f"its name there is {' or '.join(sorted(alike))}" if alike else f"expected with {', '.join(having)}"
-    raise ParameterError(f"parameter {name} is refused: {role} method {chosen} does not have it, {where}", name)
+    where = (
+        f"its name there is {' or '.join(sorted(alike))}"
+        if alike
+        else f"expected with {', '.join(having)}"
+    )
+    raise ParameterError(
+        f"parameter {name} is refused: {role} method {chosen} does not have it, {where}", name
+    )
 
 
 def _ends_alike(one: str, other: str) -> bool:
@@ -220,7 +254,9 @@ def _fitting(configuration: Configuration) -> Configuration:
     refuse_layout(method, parameters, common.vehicle)
     has_car, period = hasattr(parameters, "faults"), common.control_period
     refuse_faults(configuration.role, configuration.faults, method.writes, has_car, period)
-    return dataclasses.replace(configuration, common=common, parameters=parameters, from_files=from_files)
+    return dataclasses.replace(
+        configuration, common=common, parameters=parameters, from_files=from_files
+    )
 
 
 def _with_files(method: Method, parameters: Any) -> Any:
@@ -229,7 +265,9 @@ def _with_files(method: Method, parameters: Any) -> Any:
     with in_law(method):
         loaded = load(parameters)
         if not isinstance(loaded, type(parameters)):
-            raise WrongResultError(load, loaded, f"{type(parameters).__name__}: return the parameters")
+            raise WrongResultError(
+                load, loaded, f"{type(parameters).__name__}: return the parameters"
+            )
     return loaded
 
 
@@ -245,7 +283,9 @@ def _replaced(values: dict[str, Any], instance: P, prefix: str = "") -> P:
     """A parameter dataclass with its values in a dictionary, which are taken out of the dictionary."""
     kind: type = type(instance)
     known = entries_by_name(kind, prefix)
-    return replaced(instance, {name: values.pop(name) for name in [*values] if name in known}, prefix)
+    return replaced(
+        instance, {name: values.pop(name) for name in [*values] if name in known}, prefix
+    )
 
 
 def _take(values: dict[str, Any], of: type[P], prefix: str = "") -> P:
@@ -256,4 +296,5 @@ def _take(values: dict[str, Any], of: type[P], prefix: str = "") -> P:
 def chosen_method(role: str, values: Mapping[str, Any]) -> Method:
     """The method that the values choose for a role; ParameterError that lists the known ones if there is none."""
     name = values.get(_METHOD, ROLES[role].default_method)
-    return find_method(role, "off" if name is False else name)  # YAML 1.1 reads a bare `off` as false
+    # YAML 1.1 reads a bare `off` as false
+    return find_method(role, "off" if name is False else name)

@@ -38,11 +38,17 @@ def method_of_file(role: str, name: str) -> Method:
     methods = _registered[path, text].get(role, {})
     names = ", ".join(methods)
     if not methods:
-        raise ParameterError(f'{label}: the file has no law of this node, marked @method("{role}", ...)', "method")
+        raise ParameterError(
+            f'{label}: the file has no law of this node, marked @method("{role}", ...)', "method"
+        )
     if not chosen and len(methods) > 1:
-        raise ParameterError(f"{label}: the file has several laws: {names}; choose one by {path.name}:NAME", "method")
+        raise ParameterError(
+            f"{label}: the file has several laws: {names}; choose one by {path.name}:NAME", "method"
+        )
     if chosen and chosen not in methods:
-        raise ParameterError(f"{label}: the file has no law {quoted(chosen)}, expected one of {names}", "method")
+        raise ParameterError(
+            f"{label}: the file has no law {quoted(chosen)}, expected one of {names}", "method"
+        )
     return replace(methods[chosen or names], name=name)
 
 
@@ -62,14 +68,20 @@ def _run(label: str, path: Path, text: bytes) -> dict[str, dict[str, Method]]:
     try:
         return registered_by(name, lambda: exec(compile(text, path, "exec"), vars(module)))
     except (Exception, SystemExit) as error:  # a user's file may raise any error
-        raise ParameterError(f"{label}: {_line_of(error, path)}{type(error).__name__}: {error}", "method") from error
+        raise ParameterError(
+            f"{label}: {_line_of(error, path)}{type(error).__name__}: {error}", "method"
+        ) from error
 
 
 def _line_of(error: BaseException, path: Path) -> str:
     """The line of a file in which an error was raised, or that is no Python; empty if it is in no line of the file."""
     if isinstance(error, SyntaxError) and error.filename == str(path):
         return f"line {error.lineno}: "
-    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
+    lines = [
+        frame.lineno
+        for frame in traceback.extract_tb(error.__traceback__)
+        if frame.filename == str(path)
+    ]
     return f"line {lines[-1]}: " if lines else ""
 
 

@@ -22,7 +22,9 @@ def writers(roles: Mapping[str, Role]) -> dict[type, str]:
     for role in roles.values():
         for signal in role.may_write:
             if signal in by_signal:
-                raise GraphError(f"{signal.__name__} is written by both {by_signal[signal]} and {role.name}")
+                raise GraphError(
+                    f"{signal.__name__} is written by both {by_signal[signal]} and {role.name}"
+                )
             by_signal[signal] = role.name
     return by_signal
 
@@ -40,19 +42,28 @@ def step_order(roles: Mapping[str, Role]) -> tuple[str, ...]:
                 raise GraphError(f"{role.name} reads {signal.__name__}, which no role writes")
         if role.kind is RoleKind.ANSWERS:
             instant = (by_signal[signal] for signal in role.reads)
-            sorter.add(role.name, *(name for name in instant if roles[name].kind is RoleKind.ANSWERS))
+            sorter.add(
+                role.name, *(name for name in instant if roles[name].kind is RoleKind.ANSWERS)
+            )
     try:
         return tuple(sorter.static_order())
     except CycleError as error:
-        raise GraphError(f"roles wait for each other within one step: {' -> '.join(error.args[1])}") from None
+        raise GraphError(
+            f"roles wait for each other within one step: {' -> '.join(error.args[1])}"
+        ) from None
 
 
 def polling_order(roles: Mapping[str, Role], master: str) -> tuple[str, ...]:
     """Names of all roles in the order in which messages go from one to the next between two instants.
 
-    The master publishes first, then those that answer; the others that integrate need the last of these answers.
+    The master publishes first, then those that answer; the others that integrate need the last of
+    these answers.
     """
-    integrating = (role.name for role in roles.values() if role.kind is RoleKind.INTEGRATES and role.name != master)
+    integrating = (
+        role.name
+        for role in roles.values()
+        if role.kind is RoleKind.INTEGRATES and role.name != master
+    )
     return (master, *step_order(roles), *integrating)
 
 
@@ -65,9 +76,14 @@ def sequence(roles: Mapping[str, Role]) -> tuple[str, ...]:
 def arrival_order(roles: Mapping[str, Role], master: str) -> tuple[str, ...]:
     """Names of all roles in the order in which they publish an instant.
 
-    As in `sequence`, but the master goes on to an instant only when the others that integrate are there.
+    As in `sequence`, but the master goes on to an instant only when the others that integrate are
+    there.
     """
-    others = (role for role in sequence(roles) if role != master and roles[role].kind is RoleKind.INTEGRATES)
+    others = (
+        role
+        for role in sequence(roles)
+        if role != master and roles[role].kind is RoleKind.INTEGRATES
+    )
     return (*others, master, *step_order(roles))
 
 
@@ -78,8 +94,9 @@ _OWN = ("seed", "scheduling_priority", "lock_memory")
 def check_graph(configurations: Mapping[str, Configuration]) -> None:
     """ParameterError if the configured nodes do not fit together.
 
-    Nodes share one control period, one mode and one vehicle, what a method reads must be written by the others, and
-    the methods and values that it requires must be chosen, except where a role is played by a recording.
+    Nodes share one control period, one mode and one vehicle, what a method reads must be written by
+    the others, and the methods and values that it requires must be chosen, except where a role is
+    played by a recording.
     """
     common = {role: flatten(configuration.common) for role, configuration in configurations.items()}
     for name in flatten(CommonParameters()):
@@ -87,7 +104,11 @@ def check_graph(configurations: Mapping[str, Configuration]) -> None:
         if name not in _OWN and len(set(values.values())) > 1:
             given = ", ".join(f"{role} {value}" for role, value in values.items())
             raise ParameterError(f"{name} differs between nodes: {given}; expected one for all")
-    written = {signal for configuration in configurations.values() for signal in configuration.method.writes}
+    written = {
+        signal
+        for configuration in configurations.values()
+        for signal in configuration.method.writes
+    }
     for configuration in configurations.values():
         for signal in configuration.method.inputs:
             if signal not in written:

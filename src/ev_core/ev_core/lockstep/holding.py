@@ -41,10 +41,11 @@ class HeldInputs:
 class HoldingInbox(Inbox):
     """An inbox in which steps may be left out, and in which the newest inputs replace those that do not come.
 
-    Without that one lost message would stop nodes that read each other for ever. A step is also complete when one of
-    the `pacing` inputs of a later step is there. Where inputs are `neutral` as zero they may never have come. Else none
-    of them may be older than `HELD`: a node that still answered to a driver who is gone would repeat his last torque
-    for ever, each time with a new stamp.
+    Without that one lost message would stop nodes that read each other for ever. A step is also
+    complete when one of the `pacing` inputs of a later step is there. Where inputs are `neutral` as
+    zero they may never have come. Else none of them may be older than `HELD`: a node that still
+    answered to a driver who is gone would repeat his last torque for ever, each time with a new
+    stamp.
     """
 
     def __init__(self, inputs: Inputs, pacing: frozenset[type], neutral: bool) -> None:
@@ -62,7 +63,8 @@ class HoldingInbox(Inbox):
     def offer(self, kind: type, stamp: int, numbers: Sequence[float]) -> Arrival:
         """Judge a message, keep its numbers if it is new or begins a new run, and hold them if they are the newest.
 
-        Those of a step that was taken without them are held for the next one, too: a sender may be late each time.
+        Those of a step that was taken without them are held for the next one, too: a sender may be
+        late each time.
         """
         arrival, last = super().offer(kind, stamp, numbers), self.last
         is_of_run = last is None or (stamp - last) % self.period == 0
@@ -79,13 +81,19 @@ class HoldingInbox(Inbox):
         whole = super().complete()
         if whole is not None:
             return whole
-        held = (stamp for stamp, came in self.waiting.items() if stamp < self._paced and self._may_hold(stamp, came))
+        held = (
+            stamp
+            for stamp, came in self.waiting.items()
+            if stamp < self._paced and self._may_hold(stamp, came)
+        )
         return max(held, default=None)
 
     def _may_hold(self, stamp: int, came: int) -> bool:
         """Return whether a step can be taken with the held inputs in place of those that have not come for it."""
         oldest = stamp - max(HELD, 2 * self.period)
-        stamps = (self.held.stamp_of(kind) for i, kind in enumerate(self.reads) if not came >> i & 1)
+        stamps = (
+            self.held.stamp_of(kind) for i, kind in enumerate(self.reads) if not came >> i & 1
+        )
         return self._neutral or all(each >= max(oldest, 0) for each in stamps)
 
     def take(self, stamp: int) -> Frame:

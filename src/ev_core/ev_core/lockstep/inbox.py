@@ -1,9 +1,9 @@
 """The inbox of a node: it collects the inputs of each step until the step has all of them (docs/lockstep.md).
 
-How it works: every message carries the stamp of its instant. `judged` decides by the stamp whether a message is new,
-repeated, old, ahead of its time, or of a new run. A new one is kept in a row of numbers for its step, and the step is
-complete when all its inputs have come. The protocol is one text: it is interpreted here, and compiled in
-`node_loop/steps.py`. Both work on the same `Steps`.
+How it works: every message carries the stamp of its instant. `judged` decides by the stamp whether
+a message is new, repeated, old, ahead of its time, or of a new run. A new one is kept in a row of
+numbers for its step, and the step is complete when all its inputs have come. The protocol is one
+text: it is interpreted here, and compiled in `node_loop/steps.py`. Both work on the same `Steps`.
 """
 
 from __future__ import annotations
@@ -30,17 +30,19 @@ class Arrival(Enum):
     RESTART = "time went back to zero, or it is the first instant of a later run: a new run begins"
 
 
-NEW, REPEATED, OLD, GAP, RESTART = range(len(_ARRIVALS := tuple(Arrival)))  # as the protocol names them
+# as the protocol names them
+NEW, REPEATED, OLD, GAP, RESTART = range(len(_ARRIVALS := tuple(Arrival)))
 ROWS = 8  # steps whose inputs are kept at most
 NEVER = -(1 << 62)  # the stamp of an answer or step that has not been yet
-LAST, ANSWER, BEFORE = range(3)  # places in `Steps.done`: the last step, the last answer, the answer before it
+# places in `Steps.done`: the last step, the last answer, the answer before it
+LAST, ANSWER, BEFORE = range(3)
 
 
 class Steps(NamedTuple):
     """The steps of a node in integers; sets of its inputs are bits of one integer, the first input is the lowest bit.
 
-    The inputs of a step are in row `stamp // period % ROWS` of the frames. An answer is in the row of its inputs or, of
-    a node that integrates, in one of two rows behind all.
+    The inputs of a step are in row `stamp // period % ROWS` of the frames. An answer is in the row
+    of its inputs or, of a node that integrates, in one of two rows behind all.
     """
 
     done: Any  # (3,) stamps, NEVER where there is none
@@ -50,7 +52,8 @@ class Steps(NamedTuple):
     heralds: int  # those with writers that need this node's step before they go on to the next one
     followed: int  # those that a step needs of the next step as well
     period: int  # [ns]
-    lead: int  # stamp of an answer above that of its step [ns]: the period if the node integrates, else 0
+    # stamp of an answer above that of its step [ns]: the period if the node integrates, else 0
+    lead: int
     may_skip: int  # 1 in real time, where the master does not wait
 
 
@@ -59,7 +62,8 @@ class Inputs(NamedTuple):
 
     reads: tuple[type, ...]  # signal types of one step
     period: int  # of the step [ns]
-    heralds: frozenset[type] = frozenset()  # with writers that need this node's step before they publish the next one
+    # with writers that need this node's step before they publish the next one
+    heralds: frozenset[type] = frozenset()
     followed: frozenset[type] = frozenset()  # also needed of the next step
     lead: int = 0  # stamp of an answer above that of its step [ns]
 
@@ -91,7 +95,11 @@ def missing(steps: Any) -> Any:
     """The inputs that the step that is due lacks, of itself or of the step that follows it."""
     due = steps.done[LAST] + steps.period
     lacking = steps.inputs & ~come_for(steps, due)
-    return lacking | steps.followed & ~come_for(steps, due + steps.period) if steps.followed else lacking
+    return (
+        lacking | steps.followed & ~come_for(steps, due + steps.period)
+        if steps.followed
+        else lacking
+    )
 
 
 @compilable
@@ -103,8 +111,13 @@ def judged(steps: Any, stamp: int, i: int) -> Any:
         return GAP  # between the instants of every run
     if ahead != period and last != NEVER:
         is_herald = steps.heralds >> i & 1 != 0
-        if is_herald and ahead != 0 and (stamp == 0 or (last % period < stamp < RUNS and stamp % RUN == 0)):
-            return RESTART  # of a later run, or of a master that is another one and counts from zero
+        if (
+            is_herald
+            and ahead != 0
+            and (stamp == 0 or (last % period < stamp < RUNS and stamp % RUN == 0))
+        ):
+            # of a later run, or of a master that is another one and counts from zero
+            return RESTART
         if ahead % period != 0:
             return OLD  # of another run
         if ahead <= 0:
@@ -134,14 +147,16 @@ def note_answer(steps: Any, stamp: int) -> None:
 class Inbox:
     """Collects the numbers of one message of each kind per stamp, in a frame.
 
-    A node that has not stepped yet takes any step as its first; from then on steps follow each other without a gap,
-    unless `may_skip` (realtime, where the master does not wait). A message may run ahead of the next step by one more
-    step, because the writers do not wait for each other within a step.
+    A node that has not stepped yet takes any step as its first; from then on steps follow each
+    other without a gap, unless `may_skip` (realtime, where the master does not wait). A message may
+    run ahead of the next step by one more step, because the writers do not wait for each other
+    within a step.
 
-    The n-th run after a reset has stamps of n times `RUN` above its instants: a message that is still under way of a
-    run before fits to no step. The first stamp of a later run, or stamp zero after others, of one of the heralds begins
-    a new run. A step is complete when all its inputs are there, and of the `followed` ones those of the step after it
-    as well. Compiled code finds all numbers that last at `addresses`.
+    The n-th run after a reset has stamps of n times `RUN` above its instants: a message that is
+    still under way of a run before fits to no step. The first stamp of a later run, or stamp zero
+    after others, of one of the heralds begins a new run. A step is complete when all its inputs are
+    there, and of the `followed` ones those of the step after it as well. Compiled code finds all
+    numbers that last at `addresses`.
     """
 
     def __init__(self, inputs: Inputs, may_skip: bool = False) -> None:
@@ -210,7 +225,10 @@ class Inbox:
         """Stamp of the newest step that has all its inputs, None if there is none."""
         last = self.steps.done[LAST]
         if last == NEVER or self.steps.may_skip:
-            return max((stamp for stamp, came in self.waiting.items() if came == self.steps.inputs), default=None)
+            return max(
+                (stamp for stamp, came in self.waiting.items() if came == self.steps.inputs),
+                default=None,
+            )
         return None if missing(self.steps) else last + self.period
 
     def take(self, stamp: int) -> Frame:
@@ -223,5 +241,7 @@ class Inbox:
         lacking = self.steps.inputs if self.steps.done[LAST] == NEVER else missing(self.steps)
         found = self._kinds.get(lacking)
         if found is None:
-            found = self._kinds[lacking] = tuple(kind for i, kind in enumerate(self.reads) if lacking >> i & 1)
+            found = self._kinds[lacking] = tuple(
+                kind for i, kind in enumerate(self.reads) if lacking >> i & 1
+            )
         return found

@@ -51,7 +51,9 @@ class Sensed(CalledBack):
     The part never sees their numbers. The state is that of the part, then those of the rows.
     """
 
-    def __init__(self, part: Any, rows: Sequence[SensorRow | FaultRow], restart: Restart | None = None) -> None:
+    def __init__(
+        self, part: Any, rows: Sequence[SensorRow | FaultRow], restart: Restart | None = None
+    ) -> None:
         self.part, self.rows, self._restart = part, rows, restart
 
     @property
@@ -108,8 +110,8 @@ class Sensed(CalledBack):
 def part_of(configuration: Configuration, compiled: bool) -> Part:
     """A new part of a configuration, at rest, behind its sensors and faults.
 
-    `compiled` asks for compiled code where the method can be compiled; laws that are too heavy for plain Python are
-    compiled all the same.
+    `compiled` asks for compiled code where the method can be compiled; laws that are too heavy for
+    plain Python are compiled all the same.
     """
     return behind_sensors(configuration, method_part(configuration, compiled))
 
@@ -127,7 +129,9 @@ def rows_of(configuration: Configuration) -> list[SensorRow | FaultRow]:
     if not configuration.is_ideal:
         rows.append(SensorRow(configuration.sensors, common.seed, common.vehicle.driven_wheels))
     if faults := of_signals(configuration.faults):
-        rows.append(FaultRow(faults, configuration.method.writes, common.seed, common.control_period))
+        rows.append(
+            FaultRow(faults, configuration.method.writes, common.seed, common.control_period)
+        )
     return rows
 
 
@@ -155,8 +159,9 @@ def is_kept(configuration: Configuration) -> bool:
 def is_compiled(configuration: Configuration, may_wait: bool = True) -> bool:
     """Return whether a node runs a method compiled; where it `may_wait`, it is compiled now, once for all.
 
-    A method that cannot be compiled, and a light law without time to compile it, run in plain Python with the same
-    bits. ParameterError if a law is too heavy for plain Python and there is no time to compile it.
+    A method that cannot be compiled, and a light law without time to compile it, run in plain
+    Python with the same bits. ParameterError if a law is too heavy for plain Python and there is no
+    time to compile it.
     """
     law = configuration.method.law
     if law is None or not law.is_compilable:
@@ -166,7 +171,9 @@ def is_compiled(configuration: Configuration, may_wait: bool = True) -> bool:
     if not may_wait:
         if law.heavy:
             name = f"{configuration.role}={configuration.method.name}"
-            raise ParameterError(f"{name} is not compiled, for which real time cannot wait: ev-stack compile {name}")
+            raise ParameterError(
+                f"{name} is not compiled, for which real time cannot wait: ev-stack compile {name}"
+            )
         return False
     if not can_be_kept():
         return False
@@ -215,7 +222,9 @@ def compiled_part(configuration: Configuration, like: Any = None) -> Any:
     from ev_core.compiled.part import CompiledPart
 
     common = configuration.common
-    return CompiledPart(configuration.method, configuration.given, common.vehicle, common.control_period, like)
+    return CompiledPart(
+        configuration.method, configuration.given, common.vehicle, common.control_period, like
+    )
 
 
 def hand_over(before: Part, after: Part, changed: Iterable[str] = ()) -> None:

@@ -1,6 +1,7 @@
 """A graph that is driven from instant to instant in this process: the parts of all roles over a stack of frames.
 
-The stack holds a piece of the run, which stays in the processor's cache; its outputs then become series.
+The stack holds a piece of the run, which stays in the processor's cache; its outputs then become
+series.
 """
 
 from __future__ import annotations
@@ -30,7 +31,9 @@ def roles_in_order(played: Iterable[str]) -> tuple[tuple[str, ...], tuple[str, .
     """The played roles that answer, each after everything that it reads, and those that integrate."""
     names = set(played)
     integrating = (role for role in ROLES if ROLES[role].kind is RoleKind.INTEGRATES)
-    return tuple(role for role in step_order(ROLES) if role in names), tuple(r for r in integrating if r in names)
+    return tuple(role for role in step_order(ROLES) if role in names), tuple(
+        r for r in integrating if r in names
+    )
 
 
 def refuse_not_finite(numbers: np.ndarray, signals: Iterable[type]) -> None:
@@ -71,12 +74,17 @@ class GraphRun:
         check_graph(configurations)
         period = next(iter(configurations.values())).period
         answering, integrating = roles_in_order(configurations)
-        self.writes = {role: configuration.method.writes for role, configuration in configurations.items()}
+        self.writes = {
+            role: configuration.method.writes for role, configuration in configurations.items()
+        }
         roles = (*answering, *integrating)
         self.parts: list[tuple[str, Any]] = []
         for role in roles:
             self.parts += [(role, part) for part in compiled_parts(configurations[role])]
-        written = {role: frame.span(configuration.method.writes) for role, configuration in configurations.items()}
+        written = {
+            role: frame.span(configuration.method.writes)
+            for role, configuration in configurations.items()
+        }
         size = max(end for _, end in written.values())
         self.frames = np.zeros((min(_PIECE + 1, instants), size))
         self.series = np.empty((size, instants))
@@ -118,7 +126,8 @@ class GraphRun:
     def _error(self, status: int, instant: int, place: int) -> BaseException:
         """The error of a part that stopped at an instant of a piece, with the time if a number is not finite."""
         role, part = self.parts[place]
-        here = instant if place < self._answering else instant - 1  # of one that integrates it is the one before
+        # of one that integrates it is the one before
+        here = instant if place < self._answering else instant - 1
         try:
             if status == NOT_FINITE:
                 refuse_not_finite(self.frames[instant], self.writes[role])
@@ -140,8 +149,8 @@ class GraphRun:
 def output_again(configuration: Configuration, series: np.ndarray) -> np.ndarray:
     """The output of the part of a role that integrates for recorded inputs, without its sensors and faults.
 
-    `series` are all numbers of the frame, (frame size, instants); the same with the part's output in its place.
-    SignalError if a number of it is not finite.
+    `series` are all numbers of the frame, (frame size, instants); the same with the part's output
+    in its place. SignalError if a number of it is not finite.
     """
     part, writes = method_part(configuration, compiled=True), configuration.method.writes
     again, last = series.copy(), series.shape[1] - 1
@@ -157,7 +166,8 @@ def output_again(configuration: Configuration, series: np.ndarray) -> np.ndarray
         if guarded((part,), drive) != FINISHED:
             refuse_not_finite(frames[stopped[0]], writes)
             raise raised(part, frames[stopped[0] - 1].tolist())
-        new = slice(int(begin > 0), count + 1)  # the first instant of a piece is the last of the one before
+        # the first instant of a piece is the last of the one before
+        new = slice(int(begin > 0), count + 1)
         again[:, begin + new.start : end + 1] = frames[new].T
     return again
 

@@ -52,8 +52,8 @@ def arrival_place(signal: type) -> tuple[int, int, int]:
 def upstream_signals(role: str) -> frozenset[type]:
     """The signals of the roles before this one within a step.
 
-    A repeated one of these asks for a repeated answer. To repeat one for a role behind would be worse than useless: two
-    nodes that read each other would repeat their answers for ever.
+    A repeated one of these asks for a repeated answer. To repeat one for a role behind would be
+    worse than useless: two nodes that read each other would repeat their answers for ever.
     """
     return frozenset(signal for signal, writer in WRITERS.items() if _ORDER[writer] < _ORDER[role])
 
@@ -61,28 +61,39 @@ def upstream_signals(role: str) -> frozenset[type]:
 class Stepper:
     """Steps the part of a method exactly once per stamp, as soon as all its inputs for that stamp are there.
 
-    `make` gives a new part, at rest; `period` is the step in nanoseconds. A part that answers at once answers with the
-    stamp of its inputs. One that integrates answers with the stamp of the next step, and with its initial state for as
-    long as it has not stepped. With a `key` all inputs and outputs are added up, unless steps `may_skip`.
+    `make` gives a new part, at rest; `period` is the step in nanoseconds. A part that answers at
+    once answers with the stamp of its inputs. One that integrates answers with the stamp of the
+    next step, and with its initial state for as long as it has not stepped. With a `key` all inputs
+    and outputs are added up, unless steps `may_skip`.
     """
 
     def __init__(
-        self, method: Method, make: Callable[[], Part], period: int, may_skip: bool = False, key: bytes = b""
+        self,
+        method: Method,
+        make: Callable[[], Part],
+        period: int,
+        may_skip: bool = False,
+        key: bytes = b"",
     ) -> None:
         self.reads = tuple(sorted(method.inputs, key=arrival_place))
         self.integrates = ROLES[method.role].kind is RoleKind.INTEGRATES
         self.upstream = upstream_signals(method.role)
         of_master = frozenset(ROLES[MASTER].writes)
-        # An integrating writer repeats its last two answers, so its stamp zero may be a late repetition.
+        # An integrating writer repeats its last two answers, so its stamp zero may be a late
+        # repetition.
         heralds = of_master | {s for s in self.upstream if s not in INTEGRATED}
-        # The master repeats no other state than the present one, so it must not leave a node behind: it goes on when
-        # the others that integrate have done so too. They have all answers, and these needed the master's state.
+        # The master repeats no other state than the present one, so it must not leave a node
+        # behind: it goes on when the others that integrate have done so too. They have all answers,
+        # and these needed the master's state.
         followed: frozenset[type] = frozenset()
         if method.role == MASTER and not may_skip:
             followed = frozenset(s for s in self.reads if s in INTEGRATED)
-        # The others that integrate publish the next instant, from which nothing follows for the inputs of this one.
+        # The others that integrate publish the next instant, from which nothing follows for the
+        # inputs of this one.
         self._pacing = frozenset(s for s in self.reads if s in of_master or s not in INTEGRATED)
-        inputs = Inputs(self.reads, period, heralds, followed, lead=period if self.integrates else 0)
+        inputs = Inputs(
+            self.reads, period, heralds, followed, lead=period if self.integrates else 0
+        )
         if may_skip:
             self.inbox: Inbox = HoldingInbox(inputs, self._pacing, neutral=self.integrates)
         else:
@@ -90,7 +101,9 @@ class Stepper:
         self._steps = self.inbox.steps
         self._done, self._frames = self._steps.done, self.inbox.frames
         self.period = period
-        self.tally = Tally(key, self.reads, method.writes, self.integrates) if key and not may_skip else None
+        self.tally = (
+            Tally(key, self.reads, method.writes, self.integrates) if key and not may_skip else None
+        )
         self._add_up = self.tally.adder(self.inbox) if self.tally is not None else None
         self._make = make
         self._at_rest = True
@@ -145,7 +158,11 @@ class Stepper:
 
         An integrating object is one answer ahead, so the others may still wait for the one before.
         """
-        recent = (self._answer(BEFORE), self._answer(ANSWER)) if self.integrates else (self._answer(ANSWER),)
+        recent = (
+            (self._answer(BEFORE), self._answer(ANSWER))
+            if self.integrates
+            else (self._answer(ANSWER),)
+        )
         return tuple(answer for answer in recent if answer is not None)
 
     def _start(self, stamp: int) -> Answer:
@@ -180,7 +197,8 @@ class Stepper:
         if self.integrates and (last := self.inbox.last) is not None:
             skipped = (stamp - last) // self.period - 1
         inputs = self.inbox.take(stamp)
-        for _ in range(skipped):  # where steps may be skipped the inputs are held, so that time does not slip
+        # where steps may be skipped the inputs are held, so that time does not slip
+        for _ in range(skipped):
             self.step_with(stamp, inputs)
         return self.step_with(stamp, inputs)
 

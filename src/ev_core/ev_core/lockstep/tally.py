@@ -1,8 +1,9 @@
 """Inputs and outputs of a node, added up step by step, so that both ends of a topic can be compared after a run.
 
-How it works: the sum of a topic goes over the numbers of all steps, as words of 32 bits, each times a secret odd number
-of its place and one of its step, modulo 2^64 (multilinear hashing: Carter & Wegman 1979, Lemire & Kaser 2014). A sender
-in the name of another node that does not know the key cannot choose other numbers that leave the sum unchanged.
+How it works: the sum of a topic goes over the numbers of all steps, as words of 32 bits, each times
+a secret odd number of its place and one of its step, modulo 2^64 (multilinear hashing: Carter &
+Wegman 1979, Lemire & Kaser 2014). A sender in the name of another node that does not know the key
+cannot choose other numbers that leave the sum unchanged.
 """
 
 from __future__ import annotations
@@ -25,8 +26,9 @@ READ, WRITTEN = "read", "written"  # of a node, in its report
 KEPT = 4  # sums of the newest steps: the two ends of a topic do not stop at the same one
 _MOST = 64  # topics of a node
 _KEYS = 2 + 2 * SIZE
-# Where in the block of a node begin, behind the keys: the first and last place of each topic in the frame, its sums.
-_TAKEN, _COUNT, _AHEAD = range(_KEYS, _KEYS + 3)  # topics that are taken, all topics, steps from an input to its output
+# Where in the block of a node begin, behind the keys: the first and last place of each topic in the
+# frame, its sums. topics that are taken, all topics, steps from an input to its output
+_TAKEN, _COUNT, _AHEAD = range(_KEYS, _KEYS + 3)
 _PERIOD, _LEAD = _KEYS + 3, _KEYS + 4  # of the inbox whose steps are added
 _TOPICS = _KEYS + 5
 _SUMS = _TOPICS + 2 * _MOST
@@ -62,7 +64,12 @@ def add_up_step(block: Any, step: int, taken: Any, output: Any) -> None:
 def add_up_newest(block: Any, steps: Any, frames: Any) -> None:
     """Add the inputs and outputs of the newest step of an inbox in its `frames`."""
     here, there = steps.done[LAST], steps.done[ANSWER]
-    add_up_step(block, here // steps.period, frames[row_of(steps, here)], frames[row_of_answer(steps, there)])
+    add_up_step(
+        block,
+        here // steps.period,
+        frames[row_of(steps, here)],
+        frames[row_of_answer(steps, there)],
+    )
 
 
 _TEXT = f'''"""Inputs and outputs of nodes, added up: generated, do not edit."""
@@ -109,17 +116,27 @@ class Tally:
     An output is `ahead` of its inputs by 0 steps or, of a node that integrates, by 1.
     """
 
-    def __init__(self, key: bytes, reads: Sequence[type], writes: Sequence[type] = (), ahead: int = 0) -> None:
+    def __init__(
+        self, key: bytes, reads: Sequence[type], writes: Sequence[type] = (), ahead: int = 0
+    ) -> None:
         taken = [signal for signal in reads if signal in PLACES]
         output = [signal for signal in writes if signal in PLACES]
         self._signals, self._taken = (*taken, *output), len(taken)
         self.block = np.zeros(BLOCK, np.int64)
         self.block[:_KEYS] = np.frombuffer(hashlib.shake_256(key).digest(8 * _KEYS), np.int64) | 1
-        self.block[_TAKEN], self.block[_COUNT], self.block[_AHEAD] = self._taken, len(self._signals), ahead
+        self.block[_TAKEN], self.block[_COUNT], self.block[_AHEAD] = (
+            self._taken,
+            len(self._signals),
+            ahead,
+        )
         for i, signal in enumerate(self._signals):
-            self.block[_TOPICS + 2 * i : _TOPICS + 2 * i + 2] = PLACES[signal].start, PLACES[signal].stop
+            self.block[_TOPICS + 2 * i : _TOPICS + 2 * i + 2] = (
+                PLACES[signal].start,
+                PLACES[signal].stop,
+            )
         self._sums = self.block[_SUMS:].reshape(_MOST, KEPT)
-        # add(step, taken, output): the inputs of a step and the outputs that follow, in the frames at two addresses.
+        # add(step, taken, output): the inputs of a step and the outputs that follow, in the frames
+        # at two addresses.
         self.add = partial(_FUNCTION(ANY_STEP.address()), self.block.ctypes.data)
 
     def adder(self, inbox: Inbox) -> Callable[[], int]:
@@ -128,7 +145,9 @@ class Tally:
         It is not wrapped and takes no arguments from Python: both would take as long as the sums.
         """
         self.block[_PERIOD], self.block[_LEAD] = inbox.steps.period, inbox.steps.lead
-        return partial(_NEWEST_FUNCTION(NEWEST_STEP.address()), self.block.ctypes.data, *inbox.addresses)
+        return partial(
+            _NEWEST_FUNCTION(NEWEST_STEP.address()), self.block.ctypes.data, *inbox.addresses
+        )
 
     def begin(self, step: int, output: int) -> None:
         """Add the outputs of a step before which there was no input, in the frame at an address."""
@@ -144,5 +163,7 @@ class Tally:
         for i, signal in enumerate(self._signals):
             kind, last = (READ, last_taken) if i < self._taken else (WRITTEN, last_output)
             steps = range(max(last - KEPT + 1, 0), last + 1)
-            found[kind][TOPICS[signal].name] = {str(step): int(self._sums[i, step % KEPT]) for step in steps}
+            found[kind][TOPICS[signal].name] = {
+                str(step): int(self._sums[i, step % KEPT]) for step in steps
+            }
         return found

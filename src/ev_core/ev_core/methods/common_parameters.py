@@ -12,7 +12,8 @@ from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.refusal import ParameterError
 
 SENSORS = "sensors"  # the group of a node's sensors
-OF_ROS = ("use_sim_time", "start_type_description_service", "qos_overrides")  # parameters and groups of ROS itself
+# parameters and groups of ROS itself
+OF_ROS = ("use_sim_time", "start_type_description_service", "qos_overrides")
 (FAULTS,) = entries(FaultParameters)
 
 
@@ -21,7 +22,12 @@ class CommonParameters:
     """Parameters that every node of the graph has."""
 
     control_period: float = setting(
-        0.01, unit="s", low=1e-4, high=1.0, about="step of the graph, the same for all nodes", read_only=True
+        0.01,
+        unit="s",
+        low=1e-4,
+        high=1.0,
+        about="step of the graph, the same for all nodes",
+        read_only=True,
     )
     mode: str = setting(
         "lockstep",
@@ -29,11 +35,19 @@ class CommonParameters:
         about="lockstep: a step when all inputs are there; realtime: a step when the wall clock says so",
         read_only=True,
     )
-    seed: int = setting(0, low=0, high=2**31 - 1, about="seed of everything random in the node", read_only=True)
-    scheduling_priority: int = setting(
-        0, low=0, high=99, about="SCHED_FIFO for all threads of the process; 0: not asked for", read_only=True
+    seed: int = setting(
+        0, low=0, high=2**31 - 1, about="seed of everything random in the node", read_only=True
     )
-    lock_memory: bool = setting(False, about="keep the memory of the node's process from being paged", read_only=True)
+    scheduling_priority: int = setting(
+        0,
+        low=0,
+        high=99,
+        about="SCHED_FIFO for all threads of the process; 0: not asked for",
+        read_only=True,
+    )
+    lock_memory: bool = setting(
+        False, about="keep the memory of the node's process from being paged", read_only=True
+    )
     vehicle: Vehicle = group(Vehicle)
 
 
@@ -48,4 +62,6 @@ def refuse_taken(label: str, parameters: type, taken: Iterable[str] = ()) -> Non
     for name, entry in own.items():
         is_fault = name == FAULTS.name and entry != FAULTS
         if name.partition(".")[0] in groups or name in taken or is_fault:
-            raise ParameterError(f"{label}: parameter {name} is refused: every node has one of this name, take another")
+            raise ParameterError(
+                f"{label}: parameter {name} is refused: every node has one of this name, take another"
+            )

@@ -11,16 +11,17 @@ import numpy as np
 from ev_core.methods.offered import offered, offered_module
 from ev_msgs_py.refusal import ParameterError
 
-GROUP = "ev_stack.estimators"  # of entry points: the name of a package, and its module with `ESTIMATORS`
+# of entry points: the name of a package, and its module with `ESTIMATORS`
+GROUP = "ev_stack.estimators"
 
 
 class Estimator(NamedTuple):
     """An estimator over a record: `over(p, car, period, given)` is what it makes of signals by channel.
 
-    `p` are numbers of `parameters` and `car` those of the vehicle, as laws have them, the period is in seconds, signals
-    are (n,), without a gap, in SI and REP-103. `given` has the channels of `reads`, and of `may_read` those that were
-    measured. The answer, (n,), is what it makes of the channel `estimates` at each instant, from a start at which it
-    knows nothing.
+    `p` are numbers of `parameters` and `car` those of the vehicle, as laws have them, the period is
+    in seconds, signals are (n,), without a gap, in SI and REP-103. `given` has the channels of
+    `reads`, and of `may_read` those that were measured. The answer, (n,), is what it makes of the
+    channel `estimates` at each instant, from a start at which it knows nothing.
     """
 
     parameters: type[Any]
@@ -37,6 +38,8 @@ def estimators() -> dict[str, Estimator]:
     for package in offered(GROUP):
         for name, each in offered_module(GROUP, "estimators", package).ESTIMATORS.items():
             if name in found:
-                raise ParameterError(f"the estimator {name} of {package} is there already, expected another name")
+                raise ParameterError(
+                    f"the estimator {name} of {package} is there already, expected another name"
+                )
             found[name] = each
     return found

@@ -1,10 +1,12 @@
 """Protocols of a class that is a method: one per kind of role, and optional ones.
 
-A class satisfies them by having what they name; it need not inherit from anything. `check.method.check_method` holds it
-against the docstrings. Its objects are made by `factory(parameters, vehicle, period)`, and are at rest then:
-`parameters` are an instance of its parameter dataclass, `vehicle` is the `Vehicle` and `period` the control period [s].
-An object knows nothing else: no clock, no random numbers but seeded ones with their generator in the state, no other
-object. Its `state` is all that lasts between steps: None, or a row of numbers, which can be set to that of another one.
+A class satisfies them by having what they name; it need not inherit from anything.
+`check.method.check_method` holds it against the docstrings. Its objects are made by
+`factory(parameters, vehicle, period)`, and are at rest then: `parameters` are an instance of its
+parameter dataclass, `vehicle` is the `Vehicle` and `period` the control period [s]. An object knows
+nothing else: no clock, no random numbers but seeded ones with their generator in the state, no
+other object. Its `state` is all that lasts between steps: None, or a row of numbers, which can be
+set to that of another one.
 
 The class itself has `parameters`, the parameter dataclass, and may have
 
@@ -29,8 +31,9 @@ class Answering(Protocol):
     def step(self, *signals: Any, **_by_name: Any) -> Any:
         """The signal that the role writes, from the signals of the same instant; a tuple of several, as in `writes`.
 
-        The annotations of the arguments name the signals that are read. They are finite. The answer is finite as well,
-        or the step is refused: by SignalError if a number is not, or by a ValueError of the law.
+        The annotations of the arguments name the signals that are read. They are finite. The answer
+        is finite as well, or the step is refused: by SignalError if a number is not, or by a
+        ValueError of the law.
         """
 
 
@@ -69,7 +72,9 @@ def refuse_lacking(role: str, name: str, defined: type) -> None:
     """TypeError, in one line, if a class lacks what a method of this role has."""
     protocol = _HOOKS[ROLES[role].kind]
     lacking = [
-        hook for hook in vars(protocol) if not hook.startswith("_") and not callable(getattr(defined, hook, None))
+        hook
+        for hook in vars(protocol)
+        if not hook.startswith("_") and not callable(getattr(defined, hook, None))
     ]
     if not isinstance(getattr(defined, "parameters", None), type):
         lacking.insert(0, "parameters")
@@ -82,17 +87,28 @@ def refuse_lacking(role: str, name: str, defined: type) -> None:
 
 def refuse_wrong_declaration(label: str, role: Role, factory: Any) -> None:
     """TypeError, in one line that begins with `label`, for a wrong declaration beside the functions."""
-    writes, may_write = getattr(factory, "writes", None), ", ".join(each.__name__ for each in role.may_write)
+    writes, may_write = (
+        getattr(factory, "writes", None),
+        ", ".join(each.__name__ for each in role.may_write),
+    )
     if writes is not None and (not isinstance(writes, tuple) or not writes):
-        raise TypeError(f"{label}: writes={shown(writes)} is refused, expected a tuple of {may_write}: writes=(A,)")
+        raise TypeError(
+            f"{label}: writes={shown(writes)} is refused, expected a tuple of {may_write}: writes=(A,)"
+        )
     for signal in writes or ():
         if signal not in role.may_write:
             asked = getattr(signal, "__name__", shown(signal))
-            raise TypeError(f"{label}: a {role.name} does not write {asked}, expected {may_write} (see roles.py)")
+            raise TypeError(
+                f"{label}: a {role.name} does not write {asked}, expected {may_write} (see roles.py)"
+            )
     for name in ("requires", "in_real_time"):
         if not isinstance(given := getattr(factory, name, {}), Mapping):
-            raise TypeError(f"{label}: {name}={shown(given)} is refused, expected a mapping by role")
+            raise TypeError(
+                f"{label}: {name}={shown(given)} is refused, expected a mapping by role"
+            )
     for entry in entries(factory.parameters):
         group, _, last = entry.name.rpartition(".")
         if group and last == "seed" and (entry.type is not int or entry.is_array):
-            raise TypeError(f"{label}: {entry.name} is no whole number, expected int: --seed makes another one of it")
+            raise TypeError(
+                f"{label}: {entry.name} is no whole number, expected int: --seed makes another one of it"
+            )

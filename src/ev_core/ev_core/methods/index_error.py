@@ -1,8 +1,8 @@
 """The index that was out of range in an error of a law, and the length of its row.
 
-How it works: Python's error names neither. But the traceback knows the columns of the line that raised it, so that its
-syntax tree shows the subscript, and the frame its names. The parts of the subscript are evaluated again in that frame,
-unless this could change a value.
+How it works: Python's error names neither. But the traceback knows the columns of the line that
+raised it, so that its syntax tree shows the subscript, and the frame its names. The parts of the
+subscript are evaluated again in that frame, unless this could change a value.
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ from typing import Any
 
 from ev_msgs_py.refusal import shown
 
-_PURE = ("int", "float", "round", "abs", "min", "max", "len")  # may be called once more, for they change nothing
+# may be called once more, for they change nothing
+_PURE = ("int", "float", "round", "abs", "min", "max", "len")
 
 
 def parsed(text: str) -> ast.AST:
@@ -53,6 +54,8 @@ def _value(node: ast.expr, frame: FrameType) -> Any:
     for each in ast.walk(node):
         if isinstance(each, ast.NamedExpr | ast.Await | ast.Yield | ast.YieldFrom):
             raise ValueError
-        if isinstance(each, ast.Call) and not (isinstance(each.func, ast.Name) and each.func.id in _PURE):
+        if isinstance(each, ast.Call) and not (
+            isinstance(each.func, ast.Name) and each.func.id in _PURE
+        ):
             raise ValueError
     return eval(compile(ast.Expression(node), "<law>", "eval"), frame.f_globals, frame.f_locals)

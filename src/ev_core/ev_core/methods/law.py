@@ -1,8 +1,9 @@
 """A law as functions: its declaration, the values that its functions get, and the object that steps them in Python.
 
-How it works: the first arguments of a law's function name what it needs (`GIVEN`), the others are signals by their
-annotations. A `Law` holds the function and what belongs to it. For each object `Given` makes the values of these names
-once, so that a step only adds the signals. Compiled code is made of the same functions (`compiled.part_source`).
+How it works: the first arguments of a law's function name what it needs (`GIVEN`), the others are
+signals by their annotations. A `Law` holds the function and what belongs to it. For each object
+`Given` makes the values of these names once, so that a step only adds the signals. Compiled code is
+made of the same functions (`compiled.part_source`).
 """
 
 from __future__ import annotations
@@ -26,8 +27,8 @@ from ev_msgs_py.refusal import shown, unknown_name
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-# What the functions of a law may ask for by the names of their first arguments; the signals follow, each as an argument
-# or several as one NamedTuple.
+# What the functions of a law may ask for by the names of their first arguments; the signals follow,
+# each as an argument or several as one NamedTuple.
 GIVEN = ("p", "car", "c", "s", "period")
 
 
@@ -52,10 +53,11 @@ class Law:
     - `s`: the state, a declared record, to be changed in place; its annotation is the record,
     - `period`: the control period [s].
 
-    `function` gives the answer of a role that answers. For a role that integrates it advances the state, and `outputs`
-    then give what the role writes: one signal, or a tuple of them in the order of `writes`. `start` makes the initial
-    state where it is not that of the declaration. `in_real_time` has defaults of others there, by ROLE.PARAMETER.
-    `notes` gives texts about the run so far. `mirrored` claims that left and right are alike to it (`check.mirror`).
+    `function` gives the answer of a role that answers. For a role that integrates it advances the
+    state, and `outputs` then give what the role writes: one signal, or a tuple of them in the order
+    of `writes`. `start` makes the initial state where it is not that of the declaration.
+    `in_real_time` has defaults of others there, by ROLE.PARAMETER. `notes` gives texts about the
+    run so far. `mirrored` claims that left and right are alike to it (`check.mirror`).
     """
 
     function: Callable[..., Any]
@@ -102,9 +104,13 @@ def given_names(function: Callable[..., Any]) -> tuple[str, ...]:
     count = sum(name in GIVEN for name in asked)
     for name in asked[:count]:
         if name not in GIVEN and arguments[name].annotation is inspect.Parameter.empty:
-            raise TypeError(f"{function.__name__}: {name} is not known, expected {', '.join(GIVEN)} and signals")
+            raise TypeError(
+                f"{function.__name__}: {name} is not known, expected {', '.join(GIVEN)} and signals"
+            )
         if name not in GIVEN:
-            raise TypeError(f"{function.__name__}: {name} stands too early, {', '.join(GIVEN)} come before the signals")
+            raise TypeError(
+                f"{function.__name__}: {name} stands too early, {', '.join(GIVEN)} come before the signals"
+            )
     return asked[:count]
 
 
@@ -112,7 +118,9 @@ def given_names(function: Callable[..., Any]) -> tuple[str, ...]:
 def asked_for(function: Callable[..., Any]) -> tuple[type, ...]:
     """The types of the arguments that a function of a law has besides `GIVEN`: signals, and NamedTuples of signals."""
     hints, given = get_type_hints(function), given_names(function)
-    return tuple(hints.get(name, Any) for name in inspect.signature(function).parameters if name not in given)
+    return tuple(
+        hints.get(name, Any) for name in inspect.signature(function).parameters if name not in given
+    )
 
 
 def signals_in(asked: type) -> tuple[type, ...]:
@@ -146,8 +154,8 @@ def with_single_signals(function: Callable[..., Any]) -> Callable[..., Any]:
 def declared_law(label: str, function: Callable[..., Any], how: Mapping[str, Any]) -> Law:
     """The law of a declaration; TypeError, in one line that begins with `label`, where it cannot be made.
 
-    Parameters and state are what the annotations of `p` and `s` name, unless `how` has them, as for a function that
-    another function makes.
+    Parameters and state are what the annotations of `p` and `s` name, unless `how` has them, as for
+    a function that another function makes.
     """
     known = tuple(each.name for each in fields(Law))[1:]
     for name in how:
@@ -156,17 +164,27 @@ def declared_law(label: str, function: Callable[..., Any], how: Mapping[str, Any
     hints = get_type_hints(function)
     for name, part, made in (("p", "parameters", "parameter(...)"), ("s", "state", "entry(...)")):
         if name in given_names(function) and name not in hints and part not in how:
-            raise TypeError(f"{label}: {name} has no annotation, expected the dataclass of its {part}, made of {made}")
+            raise TypeError(
+                f"{label}: {name} has no annotation, expected the dataclass of its {part}, made of {made}"
+            )
     annotated = {"parameters": hints.get("p", NoParameters), "state": hints.get("s", NoState)}
     law = Law(function, **{**annotated, **how})
     state = law.state
     if not isinstance(state, type) or not is_dataclass(state):
-        raise TypeError(f"{label}: state={shown(state)} is refused, expected a class marked @dataclass(slots=True)")
-    if bare := [each.name for each in fields(state) if each.default is each.default_factory is MISSING]:
-        raise TypeError(f"{label}: {state.__name__}.{bare[0]} has no start value, declare it by entry(0.0, unit=...)")
+        raise TypeError(
+            f"{label}: state={shown(state)} is refused, expected a class marked @dataclass(slots=True)"
+        )
+    if bare := [
+        each.name for each in fields(state) if each.default is each.default_factory is MISSING
+    ]:
+        raise TypeError(
+            f"{label}: {state.__name__}.{bare[0]} has no start value, declare it by entry(0.0, unit=...)"
+        )
     for name, value in entries_without_number(state()):
         kind = type(value).__name__
-        raise TypeError(f"{label}: {state.__name__}.{name} begins as {kind}, expected a number: entry(0.0, unit=...)")
+        raise TypeError(
+            f"{label}: {state.__name__}.{name} begins as {kind}, expected a number: entry(0.0, unit=...)"
+        )
     if not isinstance(law.needs, tuple | list):
         raise TypeError(f"{label}: needs= is no tuple, write needs=(...,)")
     asked = inspect.signature(function).parameters
@@ -176,10 +194,14 @@ def declared_law(label: str, function: Callable[..., Any], how: Mapping[str, Any
         given = [name for name in GIVEN if name != "s" or hook is not law.start]
         for each in inspect.signature(hook).parameters.values():
             if each.name not in given and each.default is each.empty:
-                raise TypeError(f"{label}: {named(hook)} asks for {each.name}, expected are only {', '.join(given)}")
+                raise TypeError(
+                    f"{label}: {named(hook)} asks for {each.name}, expected are only {', '.join(given)}"
+                )
     for each in asked.values():
         if each.kind in (each.VAR_POSITIONAL, each.VAR_KEYWORD):
-            raise TypeError(f"{label}: {each.name} stands for any number of arguments, name each signal")
+            raise TypeError(
+                f"{label}: {each.name} stands for any number of arguments, name each signal"
+            )
     return law
 
 
@@ -189,7 +211,11 @@ class Given:
     def __init__(self, law: Law, parameters: Any, vehicle: Vehicle, period: float) -> None:
         car_tree, car = _car(vehicle)
         self.trees = {"p": number_tree(parameters), "car": car_tree}
-        self.values: dict[str, Any] = {"p": namespace(self.trees["p"]), "car": car, "period": period}
+        self.values: dict[str, Any] = {
+            "p": namespace(self.trees["p"]),
+            "car": car,
+            "period": period,
+        }
         self.values["c"] = law.prepare(parameters, vehicle, period) if law.prepare else None
         self.values["s"] = self.bound(law.start)() if law.start else law.state()
         if law.start and not isinstance(self.values["s"], law.state):
@@ -210,7 +236,10 @@ def _car(vehicle: Vehicle) -> tuple[dict[str, Any], SimpleNamespace]:
 def namespace(tree: Mapping[str, Any]) -> SimpleNamespace:
     """A tree of numbers with branches as attributes."""
     return SimpleNamespace(
-        **{name: namespace(value) if isinstance(value, Mapping) else value for name, value in tree.items()}
+        **{
+            name: namespace(value) if isinstance(value, Mapping) else value
+            for name, value in tree.items()
+        }
     )
 
 

@@ -1,8 +1,9 @@
 """A mistake of a law's author in one line: file, line, law, what is wrong, what to write instead.
 
 How it works: every call of an author's function is made in a block `in_law`, or passes its error to
-`raise_in_one_line`: preparing, starting, stepping, state, notes, needs, files. So the line is the same offline, over
-DDS and in the checks. The place is the last line of the traceback that is the author's own.
+`raise_in_one_line`: preparing, starting, stepping, state, notes, needs, files. So the line is the
+same offline, over DDS and in the checks. The place is the last line of the traceback that is the
+author's own.
 """
 
 from __future__ import annotations
@@ -23,7 +24,8 @@ from ev_core.methods.index_error import index_in_words
 from ev_msgs_py.contract.fields import SignalError
 from ev_msgs_py.refusal import ParameterError, shown
 
-# Files of libraries, or of code that calls the author's functions: they are no place of his mistake.
+# Files of libraries, or of code that calls the author's functions: they are no place of his
+# mistake.
 _OURS = (str(Path(__file__).parents[1]), str(Path(inspect.getfile(ParameterError)).parent))
 _OF_OTHERS = (*_OURS, sysconfig.get_path("stdlib"), "<", "numba/")
 _PACKAGES = "site-packages"
@@ -55,11 +57,16 @@ def in_law(method: Any, function: Any = None) -> Iterator[None]:
         raise_in_one_line(method, error, function=function)
 
 
-def raise_in_one_line(method: Any, error: BaseException, time: float | None = None, function: Any = None) -> NoReturn:
+def raise_in_one_line(
+    method: Any, error: BaseException, time: float | None = None, function: Any = None
+) -> NoReturn:
     """Raise a refusal as it is, anything else as LawError, with the time of the step [s] if it was one."""
     if isinstance(error, _REFUSALS):
         raise error
-    at, step = _place(error, function or method.documented), "" if time is None else f"at {time:g} s: "
+    at, step = (
+        _place(error, function or method.documented),
+        "" if time is None else f"at {time:g} s: ",
+    )
     law = f"{method.role} law {getattr(method.documented, '__name__', method.name)}"
     raise LawError(f"{step}{at}{law}: {_in_words(error, time is not None)}") from error
 
@@ -68,7 +75,11 @@ def in_words(error: BaseException) -> str:
     """The text of an error; of an attribute that is not known with the nearest known ones."""
     if not isinstance(error, AttributeError) or error.obj is None:
         return " ".join(str(error).split())
-    known = vars(error.obj) if isinstance(error.obj, SimpleNamespace) else getattr(error.obj, "_fields", ())
+    known = (
+        vars(error.obj)
+        if isinstance(error.obj, SimpleNamespace)
+        else getattr(error.obj, "_fields", ())
+    )
     if is_dataclass(error.obj):
         known = [each.name for each in fields(error.obj)]
     nearest = " or ".join(get_close_matches(error.name or "", known))

@@ -32,9 +32,10 @@ class Method:
     def inputs(self) -> tuple[type, ...]:
         """The signals that a step waits for: those it reads, and others that the node has to receive.
 
-        The master reads every other role that integrates, so that it leaves none behind; an optional role only where
-        the method reads it, for it may not be played. The others read the master or, if they answer at once, a role
-        that answers before them: from these they learn of a new run.
+        The master reads every other role that integrates, so that it leaves none behind; an
+        optional role only where the method reads it, for it may not be played. The others read the
+        master or, if they answer at once, a role that answers before them: from these they learn of
+        a new run.
         """
         topics = tuple(signal for signal in self.reads if signal is not Instant)
         role, masters = ROLES[self.role], ROLES[MASTER].writes
@@ -42,7 +43,11 @@ class Method:
             others = (s for s in role.reads if s in INTEGRATED and s not in EXTRA)
             return (*topics, *(signal for signal in others if signal not in topics))
         answers = role.kind is RoleKind.ANSWERS
-        heralds = [signal for signal in role.reads if signal in masters or (answers and signal not in INTEGRATED)]
+        heralds = [
+            signal
+            for signal in role.reads
+            if signal in masters or (answers and signal not in INTEGRATED)
+        ]
         return topics if any(signal in heralds for signal in topics) else (*topics, heralds[0])
 
     @property
@@ -111,6 +116,8 @@ def create(method: Method, parameters: Any, vehicle: Any, period: float) -> Any:
 def refuse_layout(method: Method, parameters: Any, vehicle: Any) -> None:
     """ParameterError if the vehicle lacks what a method with these parameters needs."""
     with in_law(method):
-        text = refusal(method.role, method.name, getattr(method.factory, "needs", ()), parameters, vehicle)
+        text = refusal(
+            method.role, method.name, getattr(method.factory, "needs", ()), parameters, vehicle
+        )
     if text:
         raise ParameterError(text)

@@ -1,6 +1,7 @@
 """The object that plays a role: it reads signals in one frame and writes its own into the same or the next one.
 
-There is one kind of step for all ways of running: offline, in one process, as processes, in lockstep, in real time.
+There is one kind of step for all ways of running: offline, in one process, as processes, in
+lockstep, in real time.
 """
 
 import ctypes
@@ -14,7 +15,13 @@ import numpy as np
 
 from ev_core.compiling.machine_code import FUNCTION
 from ev_core.methods.hooks import Reporting
-from ev_core.methods.law_error import BY_AUTHORS, WrongResultError, in_law, notes_of, raise_in_one_line
+from ev_core.methods.law_error import (
+    BY_AUTHORS,
+    WrongResultError,
+    in_law,
+    notes_of,
+    raise_in_one_line,
+)
 from ev_core.methods.method_record import Method
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract import frame
@@ -68,7 +75,9 @@ class CalledBack:
     def _function(self) -> Any:
         return FUNCTION(self._called_back)
 
-    def _called_back(self: Any, here: int | None, there: int, _state: int | None, _constants: int | None) -> int:
+    def _called_back(
+        self: Any, here: int | None, there: int, _state: int | None, _constants: int | None
+    ) -> int:
         try:
             if here is None:
                 self.start(Frame.at(there))

@@ -29,7 +29,8 @@ class NoParameters:
 class Playback(Method):
     """A method with recorded outputs.
 
-    It waits for the inputs of its role that were recorded too, so that no node of the graph is left behind.
+    It waits for the inputs of its role that were recorded too, so that no node of the graph is left
+    behind.
     """
 
     @property
@@ -48,7 +49,9 @@ def playback_method(role: str, name: str) -> Method:
         raise ParameterError(f"{role} method {name}: {error.strerror}", "method") from None
     except RecordingError as error:
         raise ParameterError(f"{role} method: {error}", "method") from None
-    return Playback(role, name, recorded, tuple(s for s in ROLES[role].reads if recorded.has(s)), NoParameters)
+    return Playback(
+        role, name, recorded, tuple(s for s in ROLES[role].reads if recorded.has(s)), NoParameters
+    )
 
 
 @lru_cache(maxsize=8)  # the roles of one recording
@@ -72,7 +75,10 @@ class RecordedRole:
         self.writes = tuple(signal for signal in ROLES[role].writes if self.has(signal))
         if TIME not in arrays or not self.writes:
             topics = ", ".join(TOPICS[signal].name for signal in ROLES[role].writes)
-            raise ParameterError(f"{role} method {name}: a {role} writes {topics}, none of it is in the file", "method")
+            raise ParameterError(
+                f"{role} method {name}: a {role} writes {topics}, none of it is in the file",
+                "method",
+            )
         self.stamps = self._stamps(arrays[TIME])
         self.last, self.instants = int(self.stamps[-1]), len(self.stamps)
         self.rows = [(PLACES[signal], self._rows(arrays, signal)) for signal in self.writes]
@@ -80,7 +86,9 @@ class RecordedRole:
     def _stamps(self, times: np.ndarray) -> np.ndarray:
         """The recorded instants [ns]; ParameterError if there are none, or if one is no number."""
         if not len(times):
-            raise ParameterError(f"{self.role} method {self.name}: the file has no instants, expected one or more")
+            raise ParameterError(
+                f"{self.role} method {self.name}: the file has no instants, expected one or more"
+            )
         self._refuse_not_finite(TIME, times)
         found: np.ndarray = np.rint(times.astype(float) * stamps.NANOSECONDS).astype(np.int64)
         return found
@@ -149,7 +157,9 @@ class PlaybackPart(CalledBack):
 
     def __init__(self, recorded: RecordedRole) -> None:
         self._recorded = recorded
-        self._rows = [(place, rows.shape[1], rows.reshape(-1).data) for place, rows in recorded.rows]
+        self._rows = [
+            (place, rows.shape[1], rows.reshape(-1).data) for place, rows in recorded.rows
+        ]
         self._period = max(recorded.last // max(recorded.instants - 1, 1), 1)
         self._ahead = int(ROLES[recorded.role].kind is RoleKind.INTEGRATES)
 
@@ -178,7 +188,10 @@ class PlaybackPart(CalledBack):
         if step > last:
             if step > last + self._ahead:
                 end = stamps.to_seconds(self._recorded.last)
-                raise SignalError(f"{self._recorded.name} ends at {end:g} s: it has no numbers of a later time")
-            step = last  # a role that integrates has an output behind the end, to which no step leads
+                raise SignalError(
+                    f"{self._recorded.name} ends at {end:g} s: it has no numbers of a later time"
+                )
+            # a role that integrates has an output behind the end, to which no step leads
+            step = last
         for place, width, rows in self._rows:
             there.numbers[place] = rows[step * width : (step + 1) * width]

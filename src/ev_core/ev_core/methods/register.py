@@ -1,9 +1,10 @@
 """The register of methods: every law, plant, column and driver, by role and name, also of installed packages.
 
-How it works: a module registers its methods when it is imported, by the decorator `method`. Packages offer modules by
-entry points of the name of a role, and these are imported when the methods of the role are asked for: only these,
-because a plant takes longer to import than a node to start. A law file of the user's registers in the same way, but
-into a register that only the caller of `registered_by` sees.
+How it works: a module registers its methods when it is imported, by the decorator `method`.
+Packages offer modules by entry points of the name of a role, and these are imported when the
+methods of the role are asked for: only these, because a plant takes longer to import than a node to
+start. A law file of the user's registers in the same way, but into a register that only the caller
+of `registered_by` sees.
 """
 
 from __future__ import annotations
@@ -39,7 +40,9 @@ def load_installed_methods(role: str) -> tuple[str, ...]:
         try:
             entry_point.load()
         except Exception as error:  # a user's module may raise any error
-            failed.append(f"{entry_point.value}: {type(error).__name__}: {' '.join(str(error).split())}")
+            failed.append(
+                f"{entry_point.value}: {type(error).__name__}: {' '.join(str(error).split())}"
+            )
     return tuple(failed)
 
 
@@ -48,7 +51,9 @@ def not_loaded() -> tuple[str, ...]:
     lines: list[str] = []
     for point in entry_points(group=_GROUP):
         if point.name not in ROLES:
-            lines.append(f"{point.value}: offered for {quoted(point.name)}, which is no role: {', '.join(ROLES)}")
+            lines.append(
+                f"{point.value}: offered for {quoted(point.name)}, which is no role: {', '.join(ROLES)}"
+            )
     for role in ROLES:
         lines += load_installed_methods(role)
     return tuple(lines)
@@ -57,16 +62,19 @@ def not_loaded() -> tuple[str, ...]:
 def method(role: str, name: str, **how: Any) -> Callable[[T], T]:
     """Register a class or a function as a method of a role.
 
-    A class has the hooks of `methods.hooks`: by the kind of its role those of `Answering` or `Integrating`, and what it
-    declares and offers besides. A function is the law itself; the annotations of `p` and `s` name its parameter
-    dataclass and its state, and `how` has what else belongs to a `methods.law.Law`.
+    A class has the hooks of `methods.hooks`: by the kind of its role those of `Answering` or
+    `Integrating`, and what it declares and offers besides. A function is the law itself; the
+    annotations of `p` and `s` name its parameter dataclass and its state, and `how` has what else
+    belongs to a `methods.law.Law`.
 
-    The annotations of `step`, `advance` or the function name the signals that are read; TypeError if there is no such
-    role, if it may not read one of them, if a hook is missing, if another method has its name, or if a parameter has
-    the name of one of every node.
+    The annotations of `step`, `advance` or the function name the signals that are read; TypeError
+    if there is no such role, if it may not read one of them, if a hook is missing, if another
+    method has its name, or if a parameter has the name of one of every node.
     """
     if role not in ROLES:
-        raise TypeError(f"method {name}: {quoted(role)} is no role, expected one of {', '.join(ROLES)}")
+        raise TypeError(
+            f"method {name}: {quoted(role)} is no role, expected one of {', '.join(ROLES)}"
+        )
 
     def register(defined: T) -> T:
         factory: Any = defined
@@ -109,7 +117,9 @@ def method(role: str, name: str, **how: Any) -> Callable[[T], T]:
 @cache
 def _packages(role: str) -> frozenset[str]:
     """Those that offer methods of a role."""
-    return frozenset(point.value.partition(".")[0] for point in entry_points(group=_GROUP, name=role))
+    return frozenset(
+        point.value.partition(".")[0] for point in entry_points(group=_GROUP, name=role)
+    )
 
 
 def _put(method: Method) -> None:

@@ -13,7 +13,9 @@ from ev_msgs_py.contract.fields import NEGLIGIBLE, shape_of
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.signals import Instant
 
-STATUS = 1  # place of what the last step returned; before it stands the address of the function, behind it the inputs
+# place of what the last step returned; before it stands the address of the function, behind it the
+# inputs
+STATUS = 1
 INPUTS = 2
 
 _TEXT = '''"""{role} in a library: generated, do not edit."""
@@ -37,13 +39,21 @@ def step(now, next, state, constants):
 
 
 @cache
-def adapter(role: str, reads: tuple[type, ...], places: tuple[tuple[type, int], ...], outputs: int, given: int) -> int:
+def adapter(
+    role: str,
+    reads: tuple[type, ...],
+    places: tuple[tuple[type, int], ...],
+    outputs: int,
+    given: int,
+) -> int:
     """Address of the compiled step between frame and library, the same for all laws of a role that read the same."""
     row = dict(places)
     (written,) = ROLES[role].writes
     copying = [f"row[{row[Instant]}] = here[{frame.TIME}]"]
     for signal in reads:
-        copying += [f"row[{row[signal] + i}] = here[{at}]" for i, at in enumerate(frame.places(signal))]
+        copying += [
+            f"row[{row[signal] + i}] = here[{at}]" for i, at in enumerate(frame.places(signal))
+        ]
     writing = [f"there[{at}] = row[{outputs + i}]" for i, at in enumerate(frame.places(written))]
     unsigned = shape_of(written).never_negative
     for i in unsigned:

@@ -17,14 +17,19 @@ from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 
-VERSION = 2  # of what the functions are given and what is declared beside them; the signals are in `layout`
+# of what the functions are given and what is declared beside them; the signals are in `layout`
+VERSION = 2
 
 # What laws in C may play: the roles that answer, without those of the test bench.
 LAW_ROLES = tuple(
-    role.name for role in ROLES.values() if role.kind is RoleKind.ANSWERS and not EXTRA.intersection(role.writes)
+    role.name
+    for role in ROLES.values()
+    if role.kind is RoleKind.ANSWERS and not EXTRA.intersection(role.writes)
 )
 
-CAR = (  # names of numbers of the vehicle (`vehicle.car.car_numbers`); those of `BY_WHEEL` have one for each wheel
+# names of numbers of the vehicle (`vehicle.car.car_numbers`); those of `BY_WHEEL` have one for each
+# wheel
+CAR = (
     "mass",
     "yaw_inertia",
     "wheelbase",
@@ -165,7 +170,9 @@ def _parts() -> Iterator[str]:
     yield _car()
     yield _PARAMETERS
     for role in LAW_ROLES:
-        yield _struct(f"ev_{role}_inputs", ["    double time; /* s */", *map(_member, reads_of(role))])
+        yield _struct(
+            f"ev_{role}_inputs", ["    double time; /* s */", *map(_member, reads_of(role))]
+        )
         yield _struct(f"ev_{role}_outputs", map(_member, ROLES[role].writes))
         yield _LAW.format(role=role, upper=role.upper())
 
@@ -181,7 +188,10 @@ def _member(signal: type) -> str:
 def _signal(signal: type) -> str:
     shape = TOPICS[signal].shape
     kind = "ev_wheels" if shape.per_wheel else "double"
-    lines = [f"    {kind} {name}; /* {field.unit}, {field.about} */" for name, field in shape.fields.items()]
+    lines = [
+        f"    {kind} {name}; /* {field.unit}, {field.about} */"
+        for name, field in shape.fields.items()
+    ]
     return _struct(f"ev_{member(signal)}", lines).lstrip("\n")
 
 
@@ -192,5 +202,8 @@ def _car() -> str:
         "number_driven": "wheels with a motor",
         "driven": "1 for a wheel with a motor, else 0",
     }
-    lines = [f"    {'ev_wheels' if name in BY_WHEEL else 'double'} {name}; /* {about[name]} */" for name in CAR]
+    lines = [
+        f"    {'ev_wheels' if name in BY_WHEEL else 'double'} {name}; /* {about[name]} */"
+        for name in CAR
+    ]
     return _struct("ev_car", lines)

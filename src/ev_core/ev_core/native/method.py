@@ -1,6 +1,7 @@
 """A law of a shared library as a method, `asr=build/liblimit.so`, in plain Python and in the compiled loop.
 
-The library is opened and held against the interface, and what it declares becomes parameters of the method.
+The library is opened and held against the interface, and what it declares becomes parameters of the
+method.
 """
 
 from __future__ import annotations
@@ -23,7 +24,17 @@ from ev_core.methods.common_parameters import refuse_taken
 from ev_core.methods.method_record import Method
 from ev_core.methods.part import PythonPart
 from ev_core.native.adapter import INPUTS, STATUS, adapter
-from ev_core.native.interface import BY_WHEEL, CAR, LAW_ROLES, VERSION, bit, car_row, layout, reads_of, size_of
+from ev_core.native.interface import (
+    BY_WHEEL,
+    CAR,
+    LAW_ROLES,
+    VERSION,
+    bit,
+    car_row,
+    layout,
+    reads_of,
+    size_of,
+)
 from ev_core.parameters.data_file import find_file
 from ev_core.parameters.declaration import number_tree, setting
 from ev_core.vehicle.car import car_numbers
@@ -33,23 +44,31 @@ from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.refusal import ParameterError, quoted
 
 _WORD = 8  # bytes of a number, and of a pointer
-GIVEN = 2 + len(CAR) + 3 * len(BY_WHEEL)  # words of ev_given: period, parameters, car with its wheels
+# words of ev_given: period, parameters, car with its wheels
+GIVEN = 2 + len(CAR) + 3 * len(BY_WHEEL)
 _MOST = 10_000  # parameters or numbers of a state; more is a mistake
 
 
-_files: dict[Path, list[os.stat_result]] = {}  # those that were opened at a path in this process, one after the other
+# those that were opened at a path in this process, one after the other
+_files: dict[Path, list[os.stat_result]] = {}
 
 
 def _opened(path: Path) -> ctypes.CDLL:
     """The file that is there now: the loader gives the one that was there before for the same text of a path.
 
-    OSError if it cannot be loaded, or was written over in place, so that the law that came out of it is damaged.
+    OSError if it cannot be loaded, or was written over in place, so that the law that came out of
+    it is damaged.
     """
     before, found = _files.setdefault(path, []), path.stat()
     known = [os.path.samestat(each, found) for each in before]
     place = known.index(True) if True in known else len(before)
-    if any(known) and (before[place].st_mtime_ns, before[place].st_size) != (found.st_mtime_ns, found.st_size):
-        raise OSError("it was written over while it was in use, expected a new file in its place, or a new process")
+    if any(known) and (before[place].st_mtime_ns, before[place].st_size) != (
+        found.st_mtime_ns,
+        found.st_size,
+    ):
+        raise OSError(
+            "it was written over while it was in use, expected a new file in its place, or a new process"
+        )
     opened = ctypes.CDLL(f"{path.parent}{'/.' * place}/{path.name}")
     if not any(known):
         before.append(found)
@@ -67,7 +86,10 @@ class _Declared(Structure):
     """ev_asr_law and its like."""
 
     _fields_ = (
-        *((name, c_uint32) for name in ("version", "layout", "inputs_size", "outputs_size", "given_size")),
+        *(
+            (name, c_uint32)
+            for name in ("version", "layout", "inputs_size", "outputs_size", "given_size")
+        ),
         ("about", c_char_p),
         ("reads", c_uint32),
         ("number_of_parameters", c_uint32),
@@ -81,9 +103,9 @@ class _Declared(Structure):
 class Library:
     """Declaration of a library for a role, which makes objects of its law.
 
-    `start` and `step` are addresses, `state_size` is in numbers, `parameters` is a dataclass of what it declares.
-    ParameterError, in one line that names the file, if it cannot be loaded, has no law for the role, or was made with
-    another ev_laws.h.
+    `start` and `step` are addresses, `state_size` is in numbers, `parameters` is a dataclass of
+    what it declares. ParameterError, in one line that names the file, if it cannot be loaded, has
+    no law for the role, or was made with another ev_laws.h.
     """
 
     def __init__(self, role: str, name: str, path: Path) -> None:
@@ -95,17 +117,27 @@ class Library:
         try:
             declared = _Declared.in_dll(self._opened, f"ev_{role}")
         except ValueError:
-            raise self.refused(f"it has no ev_{role}, which a law for this role is declared by (ev_laws.h)") from None
+            raise self.refused(
+                f"it has no ev_{role}, which a law for this role is declared by (ev_laws.h)"
+            ) from None
         self._refuse_other_header(declared)
         self.reads = tuple(signal for signal in reads_of(role) if declared.reads & bit(signal))
         self.state_size = declared.state_size
         self.start, self.step = declared.start or 0, declared.step or 0
-        if not self.step or not self.reads or max(self.state_size, declared.number_of_parameters) > _MOST:
-            raise self.refused("it lacks a step function, reads nothing of its role, or declares absurdly much")
+        if (
+            not self.step
+            or not self.reads
+            or max(self.state_size, declared.number_of_parameters) > _MOST
+        ):
+            raise self.refused(
+                "it lacks a step function, reads nothing of its role, or declares absurdly much"
+            )
         if declared.number_of_parameters and not declared.parameters:
             raise self.refused("it lacks the table of parameters that it declares")
         self.__doc__ = _text(declared.about) or "A law in C."
-        self.parameters = make_dataclass("LibraryParameters", self._fields(declared), frozen=True, slots=True)
+        self.parameters = make_dataclass(
+            "LibraryParameters", self._fields(declared), frozen=True, slots=True
+        )
         refuse_taken(f"{role} method {name}", self.parameters)
 
     def __call__(self, parameters: Any, vehicle: Any, period: float) -> NativeLaw:
@@ -122,23 +154,45 @@ class Library:
 
     def _refuse_other_header(self, declared: _Declared) -> None:
         numbers = 1 + size_of(reads_of(self.role)), size_of(ROLES[self.role].writes), GIVEN
-        sizes = dict(zip(("inputs_size", "outputs_size", "given_size"), (_WORD * n for n in numbers), strict=True))
+        sizes = dict(
+            zip(
+                ("inputs_size", "outputs_size", "given_size"),
+                (_WORD * n for n in numbers),
+                strict=True,
+            )
+        )
         for name, other in {"version": VERSION, "layout": layout(), **sizes}.items():
             if (one := getattr(declared, name)) != other:
-                shown = f"{one:#010x}, here it is {other:#010x}" if name == "layout" else f"{one}, here it is {other}"
+                shown = (
+                    f"{one:#010x}, here it is {other:#010x}"
+                    if name == "layout"
+                    else f"{one}, here it is {other}"
+                )
                 what = f"{name.removesuffix('_size')} {shown}"
-                raise self.refused(f"compiled with another ev_laws.h: {what}; compile it again with that of here")
+                raise self.refused(
+                    f"compiled with another ev_laws.h: {what}; compile it again with that of here"
+                )
 
     def _fields(self, declared: _Declared) -> Iterator[tuple[str, type, Any]]:
         seen: set[str] = set()
         for each in declared.parameters[: declared.number_of_parameters]:
             name, low, high = _text(each.name), each.low, each.high
             if name in seen or iskeyword(name) or name.startswith("_"):
-                allowed = "expected once" if name in seen else "expected a name of Python's without _ before it"
+                allowed = (
+                    "expected once"
+                    if name in seen
+                    else "expected a name of Python's without _ before it"
+                )
                 raise self.refused(f"parameter {quoted(name)} is refused, {allowed}")
             seen.add(name)
-            if not name.isidentifier() or not low <= each.value <= high or not math.isfinite(each.value):
-                raise self.refused(f"parameter {quoted(name)} needs a name and a finite value between its bounds")
+            if (
+                not name.isidentifier()
+                or not low <= each.value <= high
+                or not math.isfinite(each.value)
+            ):
+                raise self.refused(
+                    f"parameter {quoted(name)} needs a name and a finite value between its bounds"
+                )
             declared_as = setting(
                 each.value,
                 about=_text(each.about),
@@ -156,7 +210,9 @@ def _text(raw: bytes | None) -> str:
 def library_method(role: str, name: str) -> Method:
     """The method of a role that a library brings; ParameterError, in one line, if it cannot."""
     if role not in LAW_ROLES:
-        raise ParameterError(f"{role} method {name}: a library plays one of {', '.join(LAW_ROLES)}", "method")
+        raise ParameterError(
+            f"{role} method {name}: a library plays one of {', '.join(LAW_ROLES)}", "method"
+        )
     path = find_file(name).absolute()
     try:
         found = path.stat()
@@ -175,7 +231,9 @@ def _made(role: str, name: str, path: Path, _file: tuple[int, ...]) -> Method:
 class NativeLaw:
     """One object of a law: its state, and in one row what the functions are given, as ev_laws.h has it."""
 
-    def __init__(self, library: Library, parameters: Any, car: Sequence[float], period: float) -> None:
+    def __init__(
+        self, library: Library, parameters: Any, car: Sequence[float], period: float
+    ) -> None:
         role = library.role
         self.library = library
         self.places: dict[type, int] = {Instant: INPUTS}
@@ -218,7 +276,9 @@ class NativeLaw:
         """Error of a function that has not returned 0, or of its answer."""
         if not self.row[STATUS]:  # a number is negative that must not be
             shape = shape_of(self._written)
-            return shape.negative(self.row[self.outputs : self.given].tolist(), shape.never_negative)
+            return shape.negative(
+                self.row[self.outputs : self.given].tolist(), shape.never_negative
+            )
         return SignalError(f"{self.library.name}: step returned {self.row[STATUS]:g}, expected 0")
 
     @property

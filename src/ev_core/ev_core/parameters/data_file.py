@@ -40,13 +40,15 @@ def entry_points(**wanted: str) -> Iterable[metadata.EntryPoint]:
 def config_folders() -> tuple[Path, ...]:
     """The folders that EV_STACK_CONFIG names, separated as in PATH, and behind them those of installed packages.
 
-    What stands in several of them is taken from the first. FileNotFoundError, with a message for the user, if one that
-    is named is not there.
+    What stands in several of them is taken from the first. FileNotFoundError, with a message for
+    the user, if one that is named is not there.
     """
     named = [Path(text) for text in os.environ.get(VARIABLE, "").split(os.pathsep) if text]
     for folder in named:
         if not folder.is_dir():
-            raise FileNotFoundError(f"the config folder {folder}, named by {VARIABLE}, is not there")
+            raise FileNotFoundError(
+                f"the config folder {folder}, named by {VARIABLE}, is not there"
+            )
     return (*named, *_installed())
 
 
@@ -75,9 +77,16 @@ def files_in_config(kind: str) -> Mapping[str, Path]:
 
 
 MEGABYTE = 2**20
-TEXT, TABLE, SIGNALS = 4 * MEGABYTE, 64 * MEGABYTE, 4096 * MEGABYTE  # the largest size of a file, by its kind
-_listening: ContextVar[tuple[dict[str, str], ...]] = ContextVar("listening", default=())  # those of `files_read`
-_KINDS = ((stat.S_ISDIR, "a folder"), (stat.S_ISFIFO, "a pipe"), (stat.S_ISSOCK, "a socket"), (stat.S_ISREG, ""))
+# the largest size of a file, by its kind
+TEXT, TABLE, SIGNALS = 4 * MEGABYTE, 64 * MEGABYTE, 4096 * MEGABYTE
+# those of `files_read`
+_listening: ContextVar[tuple[dict[str, str], ...]] = ContextVar("listening", default=())
+_KINDS = (
+    (stat.S_ISDIR, "a folder"),
+    (stat.S_ISFIFO, "a pipe"),
+    (stat.S_ISSOCK, "a socket"),
+    (stat.S_ISREG, ""),
+)
 
 
 class TextOfFile(str):
@@ -133,7 +142,8 @@ def _tell(path: Path | str, file: BufferedReader) -> None:
 def open_data(path: Path | str, most: int, is_input: bool = True) -> IO[bytes]:
     """Open a regular file of at most so many bytes; OSError, with the expected kind in its strerror, for another one.
 
-    `files_read` leaves it out unless it `is_input`: a file of a cache would be made again without it.
+    `files_read` leaves it out unless it `is_input`: a file of a cache would be made again without
+    it.
     """
     if "\0" in os.fspath(path):
         raise OSError(errno.EINVAL, "it has a null byte, expected the path of a file", str(path))
@@ -161,7 +171,9 @@ def read_data(path: Path | str, most: int, is_input: bool = True) -> bytes:
     with open_data(path, most, is_input) as file:
         content = file.read(most + 1)
     if len(content) > most:
-        allowed = f"it has more than it says, expected a regular file of at most {most // MEGABYTE} MB"
+        allowed = (
+            f"it has more than it says, expected a regular file of at most {most // MEGABYTE} MB"
+        )
         raise OSError(errno.EFBIG, allowed, str(path))
     return content
 
@@ -172,8 +184,9 @@ T = TypeVar("T")
 def find_file(name: str) -> Path:
     """The file that a parameter names: a relative name counts from the config folders, else from the working directory.
 
-    FileNotFoundError if the name is relative and a config folder that is named is not there; ParameterError if another
-    file has named it and it leads further than that file may (`data_file`).
+    FileNotFoundError if the name is relative and a config folder that is named is not there;
+    ParameterError if another file has named it and it leads further than that file may
+    (`data_file`).
     """
     path = Path(name)
     path = path if path.is_absolute() else find_in_config(name) or path
@@ -190,11 +203,11 @@ def read_csv(
 ) -> T:
     """Call `make` with some columns of the CSV file `name`, each a tuple of numbers in SI units.
 
-    `columns`: for each column the names that it may have, with the factor from its unit to SI. The file has a header,
-    with or without # before it; further columns, empty lines and other lines that begin with # are passed over, and
-    columns that are `unread` only if they are zero. Raises ParameterError, in one line that
-    names `parameter` and file, if the file cannot be read, lacks a column or has it twice, or holds something else than
-    finite numbers, and if `make` raises one.
+    `columns`: for each column the names that it may have, with the factor from its unit to SI. The
+    file has a header, with or without # before it; further columns, empty lines and other lines
+    that begin with # are passed over, and columns that are `unread` only if they are zero. Raises
+    ParameterError, in one line that names `parameter` and file, if the file cannot be read, lacks a
+    column or has it twice, or holds something else than finite numbers, and if `make` raises one.
     """
     path: Path | str = name
     try:
@@ -217,7 +230,8 @@ class RecordingError(ValueError):
 def read_arrays(path: Path | str) -> dict[str, np.ndarray]:
     """The arrays of signals.npz by name; FileNotFoundError, or RecordingError if they are damaged or too large.
 
-    Nothing is allocated by the sizes in the file before these agree: a few bytes can claim any size.
+    Nothing is allocated by the sizes in the file before these agree: a few bytes can claim any
+    size.
     """
     try:
         with open_data(path, SIGNALS) as file, zipfile.ZipFile(file) as archive:
@@ -229,8 +243,11 @@ def read_arrays(path: Path | str) -> dict[str, np.ndarray]:
         raise
     except OSError as error:
         raise RecordingError(f"{path} holds no signals: {error.strerror or error}") from None
-    except Exception as error:  # whatever numpy, zip and zlib raise for bytes that are none of theirs
-        raise RecordingError(f"{path} holds no signals: {' '.join(str(error).split())[:200]}") from None
+    # whatever numpy, zip and zlib raise for bytes that are none of theirs
+    except Exception as error:
+        raise RecordingError(
+            f"{path} holds no signals: {' '.join(str(error).split())[:200]}"
+        ) from None
 
 
 def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> np.ndarray:
@@ -238,6 +255,10 @@ def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> np.ndarray:
     with archive.open(member) as file:
         format.read_magic(file)
         shape, _, kind = format.read_array_header_1_0(file)
-        if kind.kind not in "fiu" or len(shape) != 1 or shape[0] * kind.itemsize != member.file_size - file.tell():
+        if (
+            kind.kind not in "fiu"
+            or len(shape) != 1
+            or shape[0] * kind.itemsize != member.file_size - file.tell()
+        ):
             raise ValueError(f"{quoted(member.filename)} is no series of numbers")
         return np.frombuffer(bytearray(file.read()), kind)

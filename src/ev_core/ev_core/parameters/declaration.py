@@ -1,7 +1,7 @@
 """Parameters as data: one frozen dataclass field carries default, unit, range, description and source.
 
-Everything that needs to know a parameter (ROS declaration, validation, YAML check, reference page) is
-derived from the field, so a parameter is written down exactly once.
+Everything that needs to know a parameter (ROS declaration, validation, YAML check, reference page)
+is derived from the field, so a parameter is written down exactly once.
 """
 
 import types
@@ -20,8 +20,8 @@ _ASSUMED = "assumption"  # the source that is reproduced gives no value
 class Choice(IntEnum):
     """Choices of a parameter: one of the members, numbered from zero in their order.
 
-    Files, commands and ROS give a member by its name in small letters. A law compares with the member,
-    `p.keep == Keep.SUM`, in Python and compiled alike.
+    Files, commands and ROS give a member by its name in small letters. A law compares with the
+    member, `p.keep == Keep.SUM`, in Python and compiled alike.
     """
 
     @staticmethod
@@ -67,7 +67,9 @@ class Spec:
         unit = f" {self.unit}" if self.unit and self.unit != "1" else ""
         if self.low is None and self.high is None:
             return "any value of its type"
-        low, high = (f"{end:g}" if isinstance(end, float) else str(end) for end in (self.low, self.high))
+        low, high = (
+            f"{end:g}" if isinstance(end, float) else str(end) for end in (self.low, self.high)
+        )
         if self.high is None:
             return f"at least {low}{unit}"
         if self.low is None:
@@ -78,10 +80,11 @@ class Spec:
 def parameter(default: Any, *, about: str, source: str = _ASSUMED, **more: Any) -> Any:
     """Declare one field of a parameter dataclass; `more` are further fields of `Spec` by name.
 
-    `low` and `high` are inclusive and in `unit` (SI, "1" for a pure number, empty for text and switches); for an array
-    they hold for each element. `source` is where the default comes from. `read_only` parameters are fixed when a node
-    starts. When left and right are exchanged, `lateral` parameters change their sign, and arrays `per_wheel` their
-    order. Parameters `own` are declared by `own`. A default that is a `Choice` declares what else may be chosen.
+    `low` and `high` are inclusive and in `unit` (SI, "1" for a pure number, empty for text and
+    switches); for an array they hold for each element. `source` is where the default comes from.
+    `read_only` parameters are fixed when a node starts. When left and right are exchanged,
+    `lateral` parameters change their sign, and arrays `per_wheel` their order. Parameters `own` are
+    declared by `own`. A default that is a `Choice` declares what else may be chosen.
     """
     if isinstance(default, Choice):
         more["choices"] = type(default).texts()
@@ -157,7 +160,9 @@ def _element_type(hint: Any) -> tuple[type, bool]:
     if typing.get_origin(hint) is tuple:
         return typing.get_args(hint)[0], True
     if isinstance(hint, types.GenericAlias):
-        raise TypeError(f"a parameter is a number, a switch, a text or a tuple of one of them, not {hint}")
+        raise TypeError(
+            f"a parameter is a number, a switch, a text or a tuple of one of them, not {hint}"
+        )
     return hint, False
 
 
@@ -179,7 +184,8 @@ def flatten(instance: Any, prefix: str = "") -> dict[str, Any]:
 def number_tree(instance: Any) -> dict[str, Any]:
     """The numbers of a parameter dataclass as a tree: floats by name, groups as trees.
 
-    A choice is its place among the choices, a switch 0 or 1. Free text and arrays, which are no numbers, are left out.
+    A choice is its place among the choices, a switch 0 or 1. Free text and arrays, which are no
+    numbers, are left out.
     """
     tree: dict[str, Any] = {}
     kind: type = type(instance)
@@ -210,4 +216,6 @@ def _default(of: type, name: str) -> Any:
 @cache
 def _names_and_choices(of: type) -> tuple[tuple[str, tuple[str, ...]], ...]:
     """Names of the parameters of a dataclass, and what those that are texts may be."""
-    return tuple((f.name, f.metadata[_SPEC].choices if _SPEC in f.metadata else ()) for f in fields(of))
+    return tuple(
+        (f.name, f.metadata[_SPEC].choices if _SPEC in f.metadata else ()) for f in fields(of)
+    )

@@ -1,9 +1,10 @@
 """Declared records: every number that an object keeps has a name, a unit and a start value, once.
 
-How it works: a record is a dataclass with slots; its fields are made by `entry`, `per_wheel`, `series`, `row`, `part`
-and `each_wheel`. Python works on its instances; compiled code on the same numbers in one row of float64, by the same
-names. `places` walks the numbers of a record in the order of this row, for all that goes number by number. Only the
-layout and `numbers`, which each new object of a law needs, walk by themselves, for speed.
+How it works: a record is a dataclass with slots; its fields are made by `entry`, `per_wheel`,
+`series`, `row`, `part` and `each_wheel`. Python works on its instances; compiled code on the same
+numbers in one row of float64, by the same names. `places` walks the numbers of a record in the
+order of this row, for all that goes number by number. Only the layout and `numbers`, which each new
+object of a law needs, walk by themselves, for speed.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -97,7 +98,8 @@ def _shape(value: Any) -> Any:
 def memory_type(of: type) -> np.dtype:
     """The layout of a declared record for functions that make one as working memory.
 
-    `working_memory(layout)[0].name` means the same in Python and compiled; TypeError for a name that would not.
+    `working_memory(layout)[0].name` means the same in Python and compiled; TypeError for a name
+    that would not.
     """
     layout = record_type(of())
     _refuse_attributes(of.__name__, layout)
@@ -109,7 +111,9 @@ def _refuse_attributes(name: str, layout: np.dtype) -> None:
     kind = layout.base
     for each in kind.names or ():
         if hasattr(np.record, each):
-            raise TypeError(f"{name}.{each}: the name is one of numpy's own, expected another one: {each}_")
+            raise TypeError(
+                f"{name}.{each}: the name is one of numpy's own, expected another one: {each}_"
+            )
         _refuse_attributes(f"{name}.{each}", kind[each])
 
 
@@ -155,7 +159,11 @@ class Held(NamedTuple):
     @property
     def value(self) -> Any:
         """The number as it is held now."""
-        return self.holder[self.key] if isinstance(self.holder, list) else getattr(self.holder, self.key)
+        return (
+            self.holder[self.key]
+            if isinstance(self.holder, list)
+            else getattr(self.holder, self.key)
+        )
 
     def set(self, number: float) -> None:
         """Put a number into its place."""

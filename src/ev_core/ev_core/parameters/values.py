@@ -1,7 +1,8 @@
 """Values for declared parameters, also with a unit ("80 km/h"), checked and refused in one clear line.
 
-Numbers with a unit as people write them, "80 km/h", made into the unit in which a parameter is declared.
-A list and no algebra of units: the accepted units can be read here, and a refusal lists them.
+Numbers with a unit as people write them, "80 km/h", made into the unit in which a parameter is
+declared. A list and no algebra of units: the accepted units can be read here, and a refusal lists
+them.
 """
 
 import dataclasses
@@ -17,7 +18,8 @@ import numpy as np
 from ev_core.parameters.declaration import Choice, Entry, entries, is_declared
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 
-# By declared unit, what may be written instead: a number is multiplied by the first and divided by the second.
+# By declared unit, what may be written instead: a number is multiplied by the first and divided by
+# the second.
 _TURN, _KILO = 2.0 * math.pi, (1e3, 1.0)
 ACCEPTED: dict[str, dict[str, tuple[float, float]]] = {
     "1": {"%": (1.0, 100.0)},
@@ -76,15 +78,29 @@ def check(entry: Entry, value: Any) -> Any:
 def refuse_undeclared(label: str, parameters: Any) -> None:
     """TypeError, in one line that begins with `label`, unless a class has declared parameters with allowed defaults."""
     if not isinstance(parameters, type) or not is_dataclass(parameters):
-        given = f"class {parameters.__name__}" if isinstance(parameters, type) else type(parameters).__name__
-        raise TypeError(f"{label}: parameters are {given}, expected a class marked @dataclass(frozen=True, slots=True)")
+        given = (
+            f"class {parameters.__name__}"
+            if isinstance(parameters, type)
+            else type(parameters).__name__
+        )
+        raise TypeError(
+            f"{label}: parameters are {given}, expected a class marked @dataclass(frozen=True, slots=True)"
+        )
     for f in fields(parameters):
-        is_group = f.default_factory is not dataclasses.MISSING and is_dataclass(f.default_factory())
+        is_group = f.default_factory is not dataclasses.MISSING and is_dataclass(
+            f.default_factory()
+        )
         if not is_group and not is_declared(f):
-            raise TypeError(f"{label}: {f.name} is no declared parameter, write {f.name}: ... = parameter(...)")
+            raise TypeError(
+                f"{label}: {f.name} is no declared parameter, write {f.name}: ... = parameter(...)"
+            )
     for entry in entries(parameters):
         if entry.type not in _ELEMENTS:
-            kind = getattr(entry.type, "__name__", entry.type) if isinstance(entry.type, type) else entry.type
+            kind = (
+                getattr(entry.type, "__name__", entry.type)
+                if isinstance(entry.type, type)
+                else entry.type
+            )
             raise TypeError(
                 f"{label}: {entry.name} is declared as {kind}, expected float, int, bool, str or tuple[one, ...]"
             )
@@ -142,7 +158,9 @@ def _with_unit(entry: Entry, text: str) -> float:
 
 
 def _refused(entry: Entry, value: Any, allowed: str) -> ParameterError:
-    return ParameterError(f"parameter {entry.name}: {quoted(value)} is refused, expected {allowed}", entry.name)
+    return ParameterError(
+        f"parameter {entry.name}: {quoted(value)} is refused, expected {allowed}", entry.name
+    )
 
 
 def build(of: type[P], values: Mapping[str, Any], prefix: str = "") -> P:

@@ -1,6 +1,7 @@
 """Sensors in the frame: their output takes the place of the true numbers, once per control period.
 
-A row of numbers has the settings of the sensors behind one object, another one what lasts between periods:
+A row of numbers has the settings of the sensors behind one object, another one what lasts between
+periods:
 
     constants  total  size of the state  sensors  then for each sensor the numbers from KIND to FIRST
     state      period                             then for each sensor whether it has begun, its output, what is on
@@ -33,19 +34,37 @@ def sensor_parameters(unit: str, largest: float) -> type:
     class SensorParameters:
         """Errors of one sensor, in the order in which they come about."""
 
-        gain: float = setting(1.0, unit="1", low=0.5, high=2.0, about="what is shown over what is true")
+        gain: float = setting(
+            1.0, unit="1", low=0.5, high=2.0, about="what is shown over what is true"
+        )
         bias: float = setting(0.0, unit=unit, low=-largest, high=largest, about="constant error")
         noise: float = setting(
-            0.0, unit=unit, low=0.0, high=largest, about="size of the random error, new in every period: `distribution`"
+            0.0,
+            unit=unit,
+            low=0.0,
+            high=largest,
+            about="size of the random error, new in every period: `distribution`",
         )
         bias_of_range: float = setting(
-            0.0, unit="1", low=-1.0, high=1.0, about="constant error over the range from lowest to highest, on top"
+            0.0,
+            unit="1",
+            low=-1.0,
+            high=1.0,
+            about="constant error over the range from lowest to highest, on top",
         )
         noise_of_reading: float = setting(
-            0.0, unit="1", low=0.0, high=1.0, about="random error over the true value, on top of `noise`"
+            0.0,
+            unit="1",
+            low=0.0,
+            high=1.0,
+            about="random error over the true value, on top of `noise`",
         )
         noise_of_range: float = setting(
-            0.0, unit="1", low=0.0, high=1.0, about="random error over lowest to highest, on top of `noise`"
+            0.0,
+            unit="1",
+            low=0.0,
+            high=1.0,
+            about="random error over lowest to highest, on top of `noise`",
         )
         distribution: str = setting(
             "gaussian",
@@ -53,22 +72,42 @@ def sensor_parameters(unit: str, largest: float) -> type:
             about="of the random error; gaussian: its standard deviation is `noise`; uniform: `noise` is its bound",
         )
         lowest: float = setting(
-            -_NO_RANGE, unit=unit, low=-_NO_RANGE, high=_NO_RANGE, about="smallest value that it can show"
+            -_NO_RANGE,
+            unit=unit,
+            low=-_NO_RANGE,
+            high=_NO_RANGE,
+            about="smallest value that it can show",
         )
         highest: float = setting(
-            _NO_RANGE, unit=unit, low=-_NO_RANGE, high=_NO_RANGE, about="largest value that it can show"
+            _NO_RANGE,
+            unit=unit,
+            low=-_NO_RANGE,
+            high=_NO_RANGE,
+            about="largest value that it can show",
         )
         quantisation: float = setting(
-            0.0, unit=unit, low=0.0, high=largest, about="distance between the values that it can show; 0: shows all"
+            0.0,
+            unit=unit,
+            low=0.0,
+            high=largest,
+            about="distance between the values that it can show; 0: shows all",
         )
-        delay: int = setting(0, unit="1", low=0, high=1000, about="age of the value, in whole control periods")
+        delay: int = setting(
+            0, unit="1", low=0, high=1000, about="age of the value, in whole control periods"
+        )
         dropout: float = setting(
-            0.0, unit="1", low=0.0, high=1.0, about="probability that a period brings no value and the last one stays"
+            0.0,
+            unit="1",
+            low=0.0,
+            high=1.0,
+            about="probability that a period brings no value and the last one stays",
         )
 
         def __post_init__(self) -> None:
             if self.lowest > self.highest:
-                raise ParameterError(f"lowest is {self.lowest:g}, expected at most highest, {self.highest:g}")
+                raise ParameterError(
+                    f"lowest is {self.lowest:g}, expected at most highest, {self.highest:g}"
+                )
             for name in ("bias_of_range", "noise_of_range"):
                 if getattr(self, name) != 0.0 and max(-self.lowest, self.highest) >= _NO_RANGE:
                     raise ParameterError(f"{name} needs a range: lowest and highest")
@@ -76,26 +115,44 @@ def sensor_parameters(unit: str, largest: float) -> type:
         @property
         def offset(self) -> float:
             """Constant error in all."""
-            return self.bias + (self.bias_of_range * (self.highest - self.lowest) if self.bias_of_range else 0.0)
+            return self.bias + (
+                self.bias_of_range * (self.highest - self.lowest) if self.bias_of_range else 0.0
+            )
 
         @property
         def least_noise(self) -> float:
             """Size of the random error of a true value of 0."""
-            return self.noise + (self.noise_of_range * (self.highest - self.lowest) if self.noise_of_range else 0.0)
+            return self.noise + (
+                self.noise_of_range * (self.highest - self.lowest) if self.noise_of_range else 0.0
+            )
 
     return SensorParameters
 
 
-# How the frame carries what is measured: as numbers one after the other; as z and w of a quaternion about the vertical
-# axis; as a share and the amount that it is of the whole.
+# How the frame carries what is measured: as numbers one after the other; as z and w of a quaternion
+# about the vertical axis; as a share and the amount that it is of the whole.
 NUMBERS, HEADING, SHARE = range(3)
 
-# The settings of a sensor. Three places: of the first number, or of z and w, or of share, amount and whole; MEMORY is
-# that of its own numbers in the state, FIRST how many pairs of its numbers are measured in front of these.
+# The settings of a sensor. Three places: of the first number, or of z and w, or of share, amount
+# and whole; MEMORY is that of its own numbers in the state, FIRST how many pairs of its numbers are
+# measured in front of these.
 SENSOR_WIDTH = 20
-KIND, PLACE, SECOND, THIRD, COUNT, ROUNDS, MEMORY, BIAS, NOISE, QUANTISATION, DELAY, DROPOUT, SEED, SENSOR_NAME = range(
-    14
-)
+(
+    KIND,
+    PLACE,
+    SECOND,
+    THIRD,
+    COUNT,
+    ROUNDS,
+    MEMORY,
+    BIAS,
+    NOISE,
+    QUANTISATION,
+    DELAY,
+    DROPOUT,
+    SEED,
+    SENSOR_NAME,
+) = range(14)
 GAIN, LOWEST, HIGHEST, DISTRIBUTION, NOISE_OF_READING, FIRST = range(14, SENSOR_WIDTH)
 SENSORS_HEAD = 3
 

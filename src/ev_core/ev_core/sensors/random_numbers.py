@@ -1,8 +1,9 @@
 """Random numbers that need no memory, each a function of a key and a counter; and one seed for everything random.
 
-Philox4x32-10 of J. K. Salmon, M. A. Moraes, R. O. Dror and D. E. Shaw, "Parallel random numbers: as easy as 1, 2, 3",
-SC '11 (2011), doi 10.1145/2063384.2063405. Words are of 32 bits. A product of two of them may wrap around in compiled
-code, where an integer has 64 bits and a sign, but both its words come out right.
+Philox4x32-10 of J. K. Salmon, M. A. Moraes, R. O. Dror and D. E. Shaw, "Parallel random numbers: as
+easy as 1, 2, 3", SC '11 (2011), doi 10.1145/2063384.2063405. Words are of 32 bits. A product of two
+of them may wrap around in compiled code, where an integer has 64 bits and a sign, but both its
+words come out right.
 """
 
 import dataclasses
@@ -18,7 +19,8 @@ from ev_msgs_py.compilable import compilable
 WORD = 0xFFFFFFFF
 ROUNDS = 10
 M0, M1 = 0xD2511F53, 0xCD9E8D57  # multipliers of a round
-W0, W1 = 0x9E3779B9, 0xBB67AE85  # what a round adds to the key: golden ratio and sqrt(3) - 1 in 32 bits
+# what a round adds to the key: golden ratio and sqrt(3) - 1 in 32 bits
+W0, W1 = 0x9E3779B9, 0xBB67AE85
 TAU = 6.283185307179586
 LAST_BIT = 2.0**-53
 
@@ -28,7 +30,12 @@ def philox(c0: int, c1: int, c2: int, c3: int, k0: int, k1: int) -> tuple[int, i
     """Four random words of a counter of four words and a key of two."""
     for _ in range(ROUNDS):
         one, other = M0 * c0, M1 * c2
-        c0, c1, c2, c3 = ((other >> 32) & WORD) ^ c1 ^ k0, other & WORD, ((one >> 32) & WORD) ^ c3 ^ k1, one & WORD
+        c0, c1, c2, c3 = (
+            ((other >> 32) & WORD) ^ c1 ^ k0,
+            other & WORD,
+            ((one >> 32) & WORD) ^ c3 ^ k1,
+            one & WORD,
+        )
         k0, k1 = (k0 + W0) & WORD, (k1 + W1) & WORD
     return c0, c1, c2, c3
 
@@ -59,8 +66,9 @@ _OWN = "seed"
 def seeded(parameters: P, seed: int, prefix: str = "") -> P:
     """Parameters as their method is given them: with the node's seed 0 as they are, else with other own seeds.
 
-    An own seed is a parameter `seed` of a group, such as `road.seed`; its name, its value and the node's seed make the
-    new one, within its declared range. A group with a false `is_random` keeps it, and so remains what it is.
+    An own seed is a parameter `seed` of a group, such as `road.seed`; its name, its value and the
+    node's seed make the new one, within its declared range. A group with a false `is_random` keeps
+    it, and so remains what it is.
     """
     changed: dict[str, Any] = {}
     of: Any = parameters

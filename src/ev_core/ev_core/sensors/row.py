@@ -16,8 +16,14 @@ from ev_msgs_py.contract import optional_signals as optional
 from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 
-# In the order of the parameter reference, without signals that no sensor measures (commands, the recorder).
-_OF_CIRCUITS = (optional.BenchShafts, optional.BenchElectrical, optional.BenchTemperatures, optional.BenchCoolant)
+# In the order of the parameter reference, without signals that no sensor measures (commands, the
+# recorder).
+_OF_CIRCUITS = (
+    optional.BenchShafts,
+    optional.BenchElectrical,
+    optional.BenchTemperatures,
+    optional.BenchCoolant,
+)
 
 _MEASURED = (
     signals.WheelStates,
@@ -35,7 +41,8 @@ _MEASURED = (
     *_OF_CIRCUITS,
 )
 
-# A heading is carried by two numbers of a quaternion, a charge is a share of the capacity: how, and in which order.
+# A heading is carried by two numbers of a quaternion, a charge is a share of the capacity: how, and
+# in which order.
 _SPECIAL = {
     "body_heading": (measuring.HEADING, ("orientation_z", "orientation_w"), ""),
     "battery_state_of_charge": (measuring.SHARE, ("state_of_charge", "charge"), "capacity"),
@@ -46,8 +53,8 @@ _SPECIAL = {
 class Quantity:
     """Fields of a signal that one sensor measures; its parameters accept errors up to `largest`, in `unit`.
 
-    `kind` is the form of what is measured in the fields: its numbers; z and w of a quaternion; or a share and the
-    amount that this is of a further field, `whole`.
+    `kind` is the form of what is measured in the fields: its numbers; z and w of a quaternion; or a
+    share and the amount that this is of a further field, `whole`.
     """
 
     name: str
@@ -59,7 +66,11 @@ class Quantity:
     @property
     def unit(self) -> str:
         """Unit of the numbers and of the sensor's errors."""
-        return "rad" if self.kind == measuring.HEADING else shape_of(self.signal).fields[self.fields[0]].unit
+        return (
+            "rad"
+            if self.kind == measuring.HEADING
+            else shape_of(self.signal).fields[self.fields[0]].unit
+        )
 
     @property
     def largest(self) -> float:
@@ -101,8 +112,14 @@ def _quantities(signal: type) -> list[Quantity]:
     for name, field in shape_of(signal).fields.items():
         if field.sensor:
             fields[field.sensor] = (*fields.get(field.sensor, ()), name)
-    kinds = {sensor: _SPECIAL.get(sensor, (measuring.NUMBERS, names, "")) for sensor, names in fields.items()}
-    return [Quantity(sensor, signal, names, kind, whole) for sensor, (kind, names, whole) in kinds.items()]
+    kinds = {
+        sensor: _SPECIAL.get(sensor, (measuring.NUMBERS, names, ""))
+        for sensor, names in fields.items()
+    }
+    return [
+        Quantity(sensor, signal, names, kind, whole)
+        for sensor, (kind, names, whole) in kinds.items()
+    ]
 
 
 QUANTITIES = tuple(quantity for signal in _MEASURED for quantity in _quantities(signal))
@@ -111,14 +128,17 @@ QUANTITIES = tuple(quantity for signal in _MEASURED for quantity in _quantities(
 @cache
 def sensors_for(signals: tuple[type, ...]) -> type:
     """The parameter dataclass with one group for each quantity of these signals, by its name."""
-    groups = [(q.name, q.parameters, group(q.parameters)) for q in QUANTITIES if q.signal in signals]
+    groups = [
+        (q.name, q.parameters, group(q.parameters)) for q in QUANTITIES if q.signal in signals
+    ]
     return make_dataclass("Sensors", groups, frozen=True, slots=True)
 
 
 class Row:
     """Sensors or faults behind one object: rows of their settings, `width` behind a `head`, and of their state.
 
-    Those with the same settings at `key` remember the same numbers; their place in the state is the one at `memory`.
+    Those with the same settings at `key` remember the same numbers; their place in the state is the
+    one at `memory`.
     """
 
     constants: list[float]
@@ -150,8 +170,8 @@ class Row:
 class SensorRow(Row):
     """Those of some sensors that are not ideal; `parameters` are as `sensors_for` declares them.
 
-    With fewer wheels `driven` a test bench has fewer channels. `constants` and `state` are rows of numbers as
-    `measuring` has them, the state all that lasts.
+    With fewer wheels `driven` a test bench has fewer channels. `constants` and `state` are rows of
+    numbers as `measuring` has them, the state all that lasts.
     """
 
     head, width, memory = measuring.SENSORS_HEAD, measuring.SENSOR_WIDTH, measuring.MEMORY
@@ -172,12 +192,39 @@ class SensorRow(Row):
         self.start()
 
     def _numbers_of(self, quantity: Quantity, errors: Any, seed: int, part: range) -> list[float]:
-        places = quantity.places[part.start : part.start + 1] if quantity.kind == measuring.NUMBERS else quantity.places
+        places = (
+            quantity.places[part.start : part.start + 1]
+            if quantity.kind == measuring.NUMBERS
+            else quantity.places
+        )
         memory, self._size = self._size, self._size + 1 + len(part) * (1 + errors.delay)
-        numbers = [quantity.kind, *places, *[0] * (3 - len(places)), len(part), shape_of(quantity.signal).has_single]
-        numbers += [memory, errors.offset, errors.least_noise, errors.quantisation, errors.delay, errors.dropout]
-        numbers += [seed, zlib.crc32(quantity.name.encode()), errors.gain, errors.lowest, errors.highest]
-        numbers += [measuring.DISTRIBUTIONS.index(errors.distribution), errors.noise_of_reading, part.start // 2]
+        numbers = [
+            quantity.kind,
+            *places,
+            *[0] * (3 - len(places)),
+            len(part),
+            shape_of(quantity.signal).has_single,
+        ]
+        numbers += [
+            memory,
+            errors.offset,
+            errors.least_noise,
+            errors.quantisation,
+            errors.delay,
+            errors.dropout,
+        ]
+        numbers += [
+            seed,
+            zlib.crc32(quantity.name.encode()),
+            errors.gain,
+            errors.lowest,
+            errors.highest,
+        ]
+        numbers += [
+            measuring.DISTRIBUTIONS.index(errors.distribution),
+            errors.noise_of_reading,
+            part.start // 2,
+        ]
         return [float(value) for value in numbers]
 
     def go_on_from(self, other: Any) -> None:

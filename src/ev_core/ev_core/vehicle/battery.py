@@ -31,20 +31,30 @@ class Cells:
         about="of a cell, at equally spaced states of charge from empty to full",
         source="assumption: shape of LiFePO4, mean 3.2 V",
     )
-    resistance: float = _of_cell(1e-3, unit="ohm", low=1e-7, high=1.0, about="in series with a cell, at once")
+    resistance: float = _of_cell(
+        1e-3, unit="ohm", low=1e-7, high=1.0, about="in series with a cell, at once"
+    )
     relaxation_resistance: float = _of_cell(
         5e-4, unit="ohm", low=0.0, high=1.0, about="of a cell, added in the course of time"
     )
-    relaxation_time: float = _of_cell(30.0, unit="s", low=0.1, high=1e5, about="time constant of that")
-    discharge_current: float = _of_cell(490.0, unit="A", low=0.0, high=1e5, about="largest, at a good temperature")
-    charge_current: float = _of_cell(180.0, unit="A", low=0.0, high=1e5, about="largest, at a good temperature")
+    relaxation_time: float = _of_cell(
+        30.0, unit="s", low=0.1, high=1e5, about="time constant of that"
+    )
+    discharge_current: float = _of_cell(
+        490.0, unit="A", low=0.0, high=1e5, about="largest, at a good temperature"
+    )
+    charge_current: float = _of_cell(
+        180.0, unit="A", low=0.0, high=1e5, about="largest, at a good temperature"
+    )
     ambient: float = parameter(
         25.0, unit="degC", low=-40.0, high=60.0, about="of the cells at the start, and around them"
     )
     heat_capacity: float = parameter(
         2500.0, unit="J/K", low=1.0, high=1e6, about="of a cell", source="assumption for 2.5 kg"
     )
-    thermal_resistance: float = parameter(2.0, unit="K/W", low=1e-3, high=1e3, about="from a cell to what is around it")
+    thermal_resistance: float = parameter(
+        2.0, unit="K/W", low=1e-3, high=1e3, about="from a cell to what is around it"
+    )
     discharge_temperature: tuple[float, ...] = parameter(
         (-30.0, 0.0, 45.0, 60.0),
         unit="degC",
@@ -83,11 +93,17 @@ class Battery:
         about="at equally spaced states of charge from empty to full",
     )
     resistance: float = own(0.1, unit="ohm", low=1e-6, high=10.0, about="internal resistance")
-    capacity: float = own(50.0, unit="A h", low=0.1, high=1e4, about="charge between empty and full")
+    capacity: float = own(
+        50.0, unit="A h", low=0.1, high=1e4, about="charge between empty and full"
+    )
     state_of_charge: float = setting(0.8, unit="1", low=0.0, high=1.0, about="at the start")
-    discharge_power: float = setting(120e3, unit="W", low=0.0, high=1e7, about="largest power given")
+    discharge_power: float = setting(
+        120e3, unit="W", low=0.0, high=1e7, about="largest power given"
+    )
     charge_power: float = setting(60e3, unit="W", low=0.0, high=1e7, about="largest power taken")
-    auxiliary_power: float = setting(0.0, unit="W", low=0.0, high=1e5, about="steady consumption besides the drives")
+    auxiliary_power: float = setting(
+        0.0, unit="W", low=0.0, high=1e5, about="steady consumption besides the drives"
+    )
     cells: Cells = group(Cells)
 
     def __post_init__(self) -> None:

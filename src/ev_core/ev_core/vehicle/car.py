@@ -9,7 +9,13 @@ from typing import Any
 from ev_core.elementary import copysign, hypot
 from ev_core.parameters.declaration import number_tree
 from ev_core.vehicle.description import Vehicle
-from ev_core.vehicle.driveline import couplings, drive_train_numbers, has_equal_motors, single_wheels, wheel_inertias
+from ev_core.vehicle.driveline import (
+    couplings,
+    drive_train_numbers,
+    has_equal_motors,
+    single_wheels,
+    wheel_inertias,
+)
 from ev_msgs_py.compilable import compilable, inlined
 from ev_msgs_py.contract.signals import BodyVelocity
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
@@ -76,25 +82,29 @@ def speed_along_path(body: BodyVelocity) -> float:
 def turning_length(wheelbase: float, understeer: float, speed: float) -> float:
     """L + K u |u| [m] of the steady linear car r = u delta/(L + K u |u|), at a speed u, negative in reverse [m/s].
 
-    K is the understeer gradient [rad s^2/m] of the tyres: they push against their way aside wherever they roll, so that
-    in reverse the car turns more than a neutral one. At least L/10: beyond its critical speed it has no steady turn.
+    K is the understeer gradient [rad s^2/m] of the tyres: they push against their way aside
+    wherever they roll, so that in reverse the car turns more than a neutral one. At least L/10:
+    beyond its critical speed it has no steady turn.
     """
     return max(wheelbase + understeer * speed * abs(speed), 0.1 * wheelbase)
 
 
 @inlined
-def front_wheel_tangents(mean: float, wheelbase: float, front_track: float, parallel: float) -> tuple[float, float]:
+def front_wheel_tangents(
+    mean: float, wheelbase: float, front_track: float, parallel: float
+) -> tuple[float, float]:
     """Tangents of the left and the right front wheel's angle from that of the mean one; a number or an array (n,).
 
-    Ackermann geometry, or with `parallel` 1 both alike, by `steering_geometry` of the vehicle; left positive,
-    lengths in m. With the mean tangent in the numerator straight ahead needs no case of its own. Source: Shchur 2019,
-    eq 8.
+    Ackermann geometry, or with `parallel` 1 both alike, by `steering_geometry` of the vehicle; left
+    positive, lengths in m. With the mean tangent in the numerator straight ahead needs no case of
+    its own. Source: Shchur 2019, eq 8.
     """
     outward = mean * (0.5 * front_track) * (1.0 - parallel)
     return wheelbase * mean / (wheelbase - outward), wheelbase * mean / (wheelbase + outward)
 
 
-# Says what a method with these parameters needs and this vehicle lacks; an empty text if there is nothing.
+# Says what a method with these parameters needs and this vehicle lacks; an empty text if there is
+# nothing.
 Need = Callable[[Any, Vehicle], str]
 
 
@@ -104,7 +114,11 @@ def driven(*needed: str) -> Need:
     def lacks(_parameters: Any, vehicle: Vehicle) -> str:
         if not set(needed) <= set(vehicle.driven_wheels):
             return f"{listed(needed)} among the driven wheels"
-        return "" if set(needed) <= set(single_wheels(vehicle)) else f"a motor or a clutch for each of {listed(needed)}"
+        return (
+            ""
+            if set(needed) <= set(single_wheels(vehicle))
+            else f"a motor or a clutch for each of {listed(needed)}"
+        )
 
     return lacks
 
@@ -113,7 +127,11 @@ def only_driven(*needed: str) -> Need:
     """These wheels must be the driven ones."""
 
     def lacks(_parameters: Any, vehicle: Vehicle) -> str:
-        return "" if set(needed) == set(vehicle.driven_wheels) else f"{listed(needed)} as the only driven wheels"
+        return (
+            ""
+            if set(needed) == set(vehicle.driven_wheels)
+            else f"{listed(needed)} as the only driven wheels"
+        )
 
     return lacks
 
@@ -132,7 +150,11 @@ def each_driven(_parameters: Any, vehicle: Vehicle) -> str:
 
 def equal_motors(_parameters: Any, vehicle: Vehicle) -> str:
     """Need the same motor and gear at all driven wheels."""
-    return "" if has_equal_motors(vehicle) else "equal motors and gears at all driven wheels, and no engine"
+    return (
+        ""
+        if has_equal_motors(vehicle)
+        else "equal motors and gears at all driven wheels, and no engine"
+    )
 
 
 FRONT_WHEELS_DRIVEN = driven("front_left", "front_right")
@@ -145,7 +167,9 @@ def listed(names: tuple[str, ...]) -> str:
     return f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]
 
 
-def refusal(role: str, method: str, needs: tuple[Need, ...], parameters: Any, vehicle: Vehicle) -> str:
+def refusal(
+    role: str, method: str, needs: tuple[Need, ...], parameters: Any, vehicle: Vehicle
+) -> str:
     """The line that refuses a layout, empty if it suits."""
     for need in needs:
         lacking = need(parameters, vehicle)
@@ -155,6 +179,10 @@ def refusal(role: str, method: str, needs: tuple[Need, ...], parameters: Any, ve
             )
         if lacking:
             drives = ", ".join(vehicle.driven_wheels) or "none"
-            how = f" with {' and '.join(couplings(vehicle))}" if single_wheels(vehicle) != vehicle.driven_wheels else ""
+            how = (
+                f" with {' and '.join(couplings(vehicle))}"
+                if single_wheels(vehicle) != vehicle.driven_wheels
+                else ""
+            )
             return f"{role} method {method} needs {lacking}, vehicle {vehicle.name} drives {drives}{how}"
     return ""

@@ -17,10 +17,18 @@ class Suspension:
     """Roll stiffness, roll centres and compliance steer; the defaults are an axle without any of them."""
 
     front_roll_stiffness: float = setting(
-        0.0, unit="N m/rad", low=0.0, high=1e7, about="of springs and stabiliser in front; 0 for `front_roll_share`"
+        0.0,
+        unit="N m/rad",
+        low=0.0,
+        high=1e7,
+        about="of springs and stabiliser in front; 0 for `front_roll_share`",
     )
     rear_roll_stiffness: float = setting(
-        0.0, unit="N m/rad", low=0.0, high=1e7, about="of springs and stabiliser behind; 0 for `front_roll_share`"
+        0.0,
+        unit="N m/rad",
+        low=0.0,
+        high=1e7,
+        about="of springs and stabiliser behind; 0 for `front_roll_share`",
     )
     front_roll_centre_height: float = setting(
         0.0, unit="m", low=-1.0, high=3.0, about="of the front axle, above the road"
@@ -52,7 +60,9 @@ class Suspension:
 
     def __post_init__(self) -> None:
         if (self.front_roll_stiffness > 0.0) != (self.rear_roll_stiffness > 0.0):
-            raise ParameterError("front_roll_stiffness and rear_roll_stiffness are given both or neither")
+            raise ParameterError(
+                "front_roll_stiffness and rear_roll_stiffness are given both or neither"
+            )
         if 0.0 < self.roll_lag < 0.002:
             raise ParameterError(f"roll_lag is {self.roll_lag:g} s, expected 0 or 0.002 to 1 s")
 
@@ -64,16 +74,20 @@ class Suspension:
     def front_roll_share(self, height: float, front_load_share: float) -> float:
         """Share of the front axle in the lateral load transfer [1], of a body that rolls about its roll axis.
 
-        A side force acts in the roll centres without rolling the body, the rest of its moment by the arm of the centre
-        of mass (`height` [m], share of the front axle in the weight [1]) over the roll axis is shared by stiffness.
-        Source: Milliken & Milliken, Race Car Vehicle Dynamics, 1995, chapter 18; the moment of the weight that moves
-        out with the roll angle is left out.
+        A side force acts in the roll centres without rolling the body, the rest of its moment by
+        the arm of the centre of mass (`height` [m], share of the front axle in the weight [1]) over
+        the roll axis is shared by stiffness. Source: Milliken & Milliken, Race Car Vehicle
+        Dynamics, 1995, chapter 18; the moment of the weight that moves out with the roll angle is
+        left out.
         """
         axis = (
-            front_load_share * self.front_roll_centre_height + (1.0 - front_load_share) * self.rear_roll_centre_height
+            front_load_share * self.front_roll_centre_height
+            + (1.0 - front_load_share) * self.rear_roll_centre_height
         )
         elastic = self.front_roll_stiffness / (self.front_roll_stiffness + self.rear_roll_stiffness)
-        return (front_load_share * self.front_roll_centre_height + (height - axis) * elastic) / height
+        return (
+            front_load_share * self.front_roll_centre_height + (height - axis) * elastic
+        ) / height
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,10 +95,18 @@ class RoadLoad:
     """Resistance of a car on a level road, A + B V + C V^2, as a coast-down or a dynamometer gives it."""
 
     constant: float = setting(
-        0.0, unit="N", low=0.0, high=1e5, about="constant part, A, of which each wheel takes the share of its load"
+        0.0,
+        unit="N",
+        low=0.0,
+        high=1e5,
+        about="constant part, A, of which each wheel takes the share of its load",
     )
-    linear: float = setting(0.0, unit="N s/m", low=-100.0, high=1e4, about="part that grows with the speed, B")
-    quadratic: float = setting(0.0, unit="N s^2/m^2", low=0.0, high=100.0, about="part that grows with its square, C")
+    linear: float = setting(
+        0.0, unit="N s/m", low=-100.0, high=1e4, about="part that grows with the speed, B"
+    )
+    quadratic: float = setting(
+        0.0, unit="N s^2/m^2", low=0.0, high=100.0, about="part that grows with its square, C"
+    )
 
 
 LOAD_TRANSFERS = ("both", "lateral", "none")
@@ -100,12 +122,20 @@ class Vehicle:
     name: str = own("audi_a2", about="name of the vehicle file")
     mass: float = own(1400.0, unit="kg", low=50.0, high=60000.0, about="mass with load, m")
     wheelbase: float = own(2.405, unit="m", low=0.3, high=12.0, about="distance of the axles, L")
-    front_track: float = own(1.462, unit="m", low=0.2, high=4.0, about="distance of the front wheels, d")
+    front_track: float = own(
+        1.462, unit="m", low=0.2, high=4.0, about="distance of the front wheels, d"
+    )
     rear_track: float = own(1.462, unit="m", low=0.2, high=4.0, about="distance of the rear wheels")
     centre_of_mass_to_rear_axle: float = own(
-        1.08225, unit="m", low=0.0, high=12.0, about="centre of mass in front of the rear axle, l_cm L"
+        1.08225,
+        unit="m",
+        low=0.0,
+        high=12.0,
+        about="centre of mass in front of the rear axle, l_cm L",
     )
-    wheel_radius: float = own(0.294, unit="m", low=0.05, high=1.5, about="rolling radius of the wheels, r_k")
+    wheel_radius: float = own(
+        0.294, unit="m", low=0.05, high=1.5, about="rolling radius of the wheels, r_k"
+    )
     wheel_radius_ratio: tuple[float, ...] = parameter(
         (1.0, 1.0, 1.0, 1.0),
         unit="1",
@@ -118,14 +148,18 @@ class Vehicle:
     steering_ratio: float = own(
         16.0, unit="1", low=1.0, high=40.0, about="steering-wheel angle over road-wheel angle, i"
     )
-    gear_ratio: float = own(2.65, unit="1", low=0.1, high=50.0, about="motor speed over wheel speed")
+    gear_ratio: float = own(
+        2.65, unit="1", low=0.1, high=50.0, about="motor speed over wheel speed"
+    )
     driven_wheels: tuple[str, ...] = own(
         ("front_left", "front_right"), choices=WHEEL_NAMES, about="wheels with a motor"
     )
     rolling_resistance: float = own(
         0.015, unit="1", low=0.0, high=0.5, about="rolling resistance coefficient, k_r or f_0"
     )
-    drag_coefficient: float = own(0.3, unit="1", low=0.0, high=3.0, about="aerodynamic drag coefficient, c_d")
+    drag_coefficient: float = own(
+        0.3, unit="1", low=0.0, high=3.0, about="aerodynamic drag coefficient, c_d"
+    )
     frontal_area: float = own(2.1, unit="m^2", low=0.0, high=20.0, about="frontal area, A")
     side_drag_coefficient: float = parameter(
         0.0,
@@ -135,8 +169,12 @@ class Vehicle:
         about="drag across the car, of the planar plant, C_wy",
         source="dissertation, eq 2.22, without a value",
     )
-    side_area: float = setting(0.0, unit="m^2", low=0.0, high=100.0, about="area seen from the side, F_side")
-    air_density: float = setting(1.24, unit="kg/m^3", low=0.0, high=2.0, about="density of the air, rho")
+    side_area: float = setting(
+        0.0, unit="m^2", low=0.0, high=100.0, about="area seen from the side, F_side"
+    )
+    air_density: float = setting(
+        1.24, unit="kg/m^3", low=0.0, high=2.0, about="density of the air, rho"
+    )
     rolling_resistance_speed: float = setting(
         0.0,
         unit="s^2/m^2 or h^2/km^2",
@@ -150,10 +188,17 @@ class Vehicle:
         about="added: f = f_0 + k_f V^2 with V in m/s; relative: f = f_0 (1 + k_f V^2) with V in km/h",
         source="dissertation, eq 2.8, which leaves the unit of V open: added is its literal form",
     )
-    yaw_inertia: float = own(1900.0, unit="kg m^2", low=5.0, high=1e6, about="about the vertical axis, J_z")
+    yaw_inertia: float = own(
+        1900.0, unit="kg m^2", low=5.0, high=1e6, about="about the vertical axis, J_z"
+    )
     centre_of_mass_height: float = own(0.55, unit="m", low=0.0, high=4.0, about="above the road, h")
     centre_of_mass_offset: float = setting(
-        0.0, unit="m", low=-2.0, high=2.0, about="centre of mass left of the car's middle", lateral=True
+        0.0,
+        unit="m",
+        low=-2.0,
+        high=2.0,
+        about="centre of mass left of the car's middle",
+        lateral=True,
     )
     front_roll_share: float = setting(
         0.5,
@@ -183,7 +228,9 @@ class Vehicle:
         source="Tatar & Chudzik, eq 1 as printed",
     )
     steering_geometry: str = setting(
-        "ackermann", choices=("ackermann", "parallel"), about="road-wheel angles of the two front wheels"
+        "ackermann",
+        choices=("ackermann", "parallel"),
+        about="road-wheel angles of the two front wheels",
     )
     rear_steering_ratio: float = parameter(
         0.0,
@@ -200,10 +247,15 @@ class Vehicle:
         4000.0, unit="N m", low=0.0, high=1e6, about="of the friction brake of each wheel"
     )
     blend_brakes: bool = setting(
-        False, about="serve brake torques by the motors first, as far as their generator limits reach"
+        False,
+        about="serve brake torques by the motors first, as far as their generator limits reach",
     )
     blend_fade_speed: float = setting(
-        10.0, unit="rad/s", low=0.1, high=1e3, about="wheel speed below which motors hand braking back to the brakes"
+        10.0,
+        unit="rad/s",
+        low=0.1,
+        high=1e3,
+        about="wheel speed below which motors hand braking back to the brakes",
     )
     road_load: RoadLoad = group(RoadLoad)
     suspension: Suspension = group(Suspension)
@@ -219,22 +271,33 @@ class Vehicle:
         if abs(self.centre_of_mass_offset) >= min(self.front_track, self.rear_track) / 2:
             raise ParameterError("centre_of_mass_offset lies outside the wheels")
         if len(set(self.driven_wheels)) != len(self.driven_wheels):
-            raise ParameterError(f"driven_wheels names a wheel twice: {', '.join(self.driven_wheels)}")
+            raise ParameterError(
+                f"driven_wheels names a wheel twice: {', '.join(self.driven_wheels)}"
+            )
         if len(self.wheel_radius_ratio) != 4:
             raise ParameterError("wheel_radius_ratio needs four elements, one for each wheel")
-        largest, across = self.maximum_road_wheel_angle, math.atan2(2.0 * self.wheelbase, self.front_track)
+        largest, across = (
+            self.maximum_road_wheel_angle,
+            math.atan2(2.0 * self.wheelbase, self.front_track),
+        )
         if self.steering_geometry == "ackermann" and largest >= across:
             raise ParameterError(
                 f"maximum_road_wheel_angle: {largest:g} is refused, expected below {across:.4g}, where by "
                 "steering_geometry ackermann the inner front wheel stands across the car"
             )
-        given = [name for name in ("rolling_resistance", "drag_coefficient") if getattr(self, name) > 0.0]
+        given = [
+            name for name in ("rolling_resistance", "drag_coefficient") if getattr(self, name) > 0.0
+        ]
         if given and self.road_load != RoadLoad():
-            raise ParameterError(f"road_load stands in the place of {' and '.join(given)}, expected 0 for both")
+            raise ParameterError(
+                f"road_load stands in the place of {' and '.join(given)}, expected 0 for both"
+            )
         refuse_drive_train(self)
         if self.suspension.has_roll_stiffness:
             if self.centre_of_mass_height <= 0.0:
-                raise ParameterError("suspension.front_roll_stiffness needs centre_of_mass_height above 0")
+                raise ParameterError(
+                    "suspension.front_roll_stiffness needs centre_of_mass_height above 0"
+                )
             if not 0.0 <= self.front_share_of_roll <= 1.0:
                 raise ParameterError(
                     f"suspension gives the front axle {self.front_share_of_roll:.3g} of the lateral load transfer, "
@@ -259,4 +322,8 @@ class Vehicle:
     @property
     def carried_inertia(self) -> float:
         """Inertia that eq 1 of Tatar & Chudzik adds to each wheel as printed [kg m^2]."""
-        return self.mass / 4.0 * self.wheel_radius * self.wheel_radius if self.printed_wheel_inertia else 0.0
+        return (
+            self.mass / 4.0 * self.wheel_radius * self.wheel_radius
+            if self.printed_wheel_inertia
+            else 0.0
+        )

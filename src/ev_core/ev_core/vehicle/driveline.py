@@ -1,6 +1,7 @@
 """The driveline of a vehicle: gears, differentials and clutches between its motors or its engine and the wheels.
 
-Behind the declaration stands what follows from motors, driveline and engine together, wheel by wheel.
+Behind the declaration stands what follows from motors, driveline and engine together, wheel by
+wheel.
 """
 
 from __future__ import annotations
@@ -17,7 +18,8 @@ AXLES = ("front", "rear")
 TORSENS = ("torsen_1", "torsen_2", "torsen_3")
 _SURVEY = "dissertation, section 1.2"
 
-# Lock coefficient K = M_slow/M_fast (eq 1.1) of what locks by its torque alone, smallest and largest, by its place.
+# Lock coefficient K = M_slow/M_fast (eq 1.1) of what locks by its torque alone, smallest and
+# largest, by its place.
 LOCK_COEFFICIENTS = {
     ("torsen_1", "rear"): (2.5, 5.0),
     ("torsen_1", "centre"): (2.5, 3.5),
@@ -42,13 +44,19 @@ def _coefficient(place: str) -> Any:
 
 def _axle(place: str) -> Any:
     return setting(
-        "same", choices=("same", *COUPLINGS[:3], *TORSENS), about=f"`coupling` of the {place} axle, if it has its own"
+        "same",
+        choices=("same", *COUPLINGS[:3], *TORSENS),
+        about=f"`coupling` of the {place} axle, if it has its own",
     )
 
 
 def _gear(place: str) -> Any:
     return setting(
-        1.0, unit="1", low=0.01, high=100.0, about=f"gear ratio of the {place} axle over the vehicle's `gear_ratio`"
+        1.0,
+        unit="1",
+        low=0.01,
+        high=100.0,
+        about=f"gear ratio of the {place} axle over the vehicle's `gear_ratio`",
     )
 
 
@@ -76,24 +84,44 @@ class Driveline:
     front: str = _axle("front")
     rear: str = _axle("rear")
     centre: str = setting(
-        "open", choices=("open", "limited_slip", *TORSENS, "dccd"), about="the centre differential, if there is one"
+        "open",
+        choices=("open", "limited_slip", *TORSENS, "dccd"),
+        about="the centre differential, if there is one",
     )
     front_share: float = setting(
-        0.5, unit="1", low=0.01, high=0.99, about="of the torque of an open centre differential that goes to the front"
+        0.5,
+        unit="1",
+        low=0.01,
+        high=0.99,
+        about="of the torque of an open centre differential that goes to the front",
     )
     front_lock: float = _coefficient("front")
     rear_lock: float = _coefficient("rear")
     centre_lock: float = _coefficient("centre")
     preload: float = setting(
-        50.0, unit="N m", low=0.0, high=1e4, about="locking torque of a limited-slip differential at no drive torque"
+        50.0,
+        unit="N m",
+        low=0.0,
+        high=1e4,
+        about="locking torque of a limited-slip differential at no drive torque",
     )
     locking_ratio: float = setting(
-        0.3, unit="1", low=0.0, high=1.0, about="locking torque over drive torque of a limited-slip differential"
+        0.3,
+        unit="1",
+        low=0.0,
+        high=1.0,
+        about="locking torque over drive torque of a limited-slip differential",
     )
     locking_speed: float = setting(
-        1.0, unit="rad/s", low=0.1, high=100.0, about="speed difference at which 76 % of the locking torque acts"
+        1.0,
+        unit="rad/s",
+        low=0.1,
+        high=100.0,
+        about="speed difference at which 76 % of the locking torque acts",
     )
-    clutch_lag: float = setting(0.1, unit="s", low=1e-3, high=10.0, about="time constant of the torque shares")
+    clutch_lag: float = setting(
+        0.1, unit="s", low=1e-3, high=10.0, about="time constant of the torque shares"
+    )
     front_gear: float = _gear("front")
     rear_gear: float = _gear("rear")
     front_size: float = _size("front")
@@ -105,17 +133,29 @@ class Driveline:
             made = LOCK_COEFFICIENTS.get((device, place))
             if device in TORSENS and made is None:
                 places = [where for what, where in LOCK_COEFFICIENTS if what == device]
-                raise ParameterError(f"{place}: {device} is refused, it is made as {' and '.join(places)} differential")
+                raise ParameterError(
+                    f"{place}: {device} is refused, it is made as {' and '.join(places)} differential"
+                )
             if lock and not (made and made[0] <= lock <= made[1]):
-                allowed = f"{made[0]:g} to {made[1]:g}" if made else f"0: K is that of a Torsen or DCCD, not {device}"
+                allowed = (
+                    f"{made[0]:g} to {made[1]:g}"
+                    if made
+                    else f"0: K is that of a Torsen or DCCD, not {device}"
+                )
                 raise ParameterError(f"{place}_lock: {lock:g} is refused, expected {allowed}")
         if self.has_one_input:
             if self.coupling == "clutch" and (self.front, self.rear) != ("same", "same"):
-                raise ParameterError("front and rear are refused with coupling clutch, whose clutches are the axles'")
+                raise ParameterError(
+                    "front and rear are refused with coupling clutch, whose clutches are the axles'"
+                )
             if "individual" in (self.front, self.rear):
-                raise ParameterError("front and rear: individual is refused with coupling centre, that has one motor")
+                raise ParameterError(
+                    "front and rear: individual is refused with coupling centre, that has one motor"
+                )
             if {self.front_gear, self.rear_gear, self.front_size, self.rear_size} != {1.0}:
-                raise ParameterError(f"gear and size of an axle: expected 1 with coupling {self.coupling}, one motor")
+                raise ParameterError(
+                    f"gear and size of an axle: expected 1 with coupling {self.coupling}, one motor"
+                )
 
     @property
     def has_one_input(self) -> bool:
@@ -163,9 +203,13 @@ def refuse_drive_train(vehicle: Vehicle) -> None:
             "differential"
         )
     if (driveline.front_size, driveline.rear_size) != (1.0, 1.0):
-        raise ParameterError("driveline.front_size and rear_size are those of motors, and refused with an engine")
+        raise ParameterError(
+            "driveline.front_size and rear_size are those of motors, and refused with an engine"
+        )
     if vehicle.blend_brakes:
-        raise ParameterError("blend_brakes is refused with an engine, which cannot brake as motors do")
+        raise ParameterError(
+            "blend_brakes is refused with an engine, which cannot brake as motors do"
+        )
 
 
 def drive_train_numbers(vehicle: Vehicle) -> dict[str, Any]:
@@ -177,11 +221,19 @@ def drive_train_numbers(vehicle: Vehicle) -> dict[str, Any]:
     - `one_input`: 1 if one motor drives all wheels, and `engine_driven`: 1 if an engine stands in the place of motors.
     """
     driveline, locking = vehicle.driveline, [vehicle.driveline.locking(axle) for axle in AXLES]
-    front, rear = driveline.front_gear * vehicle.gear_ratio, driveline.rear_gear * vehicle.gear_ratio
+    front, rear = (
+        driveline.front_gear * vehicle.gear_ratio,
+        driveline.rear_gear * vehicle.gear_ratio,
+    )
     centre_preload, centre_locking = driveline.locking("centre")
     return {
         "gear": [front, front, rear, rear],
-        "motors": [driveline.front_size, driveline.front_size, driveline.rear_size, driveline.rear_size],
+        "motors": [
+            driveline.front_size,
+            driveline.front_size,
+            driveline.rear_size,
+            driveline.rear_size,
+        ],
         "differential": [float(_coupled(vehicle, axle)) for axle in AXLES],
         "axle_preload": [preload for preload, _ in locking],
         "axle_locking": [share for _, share in locking],
@@ -204,19 +256,29 @@ def single_wheels(vehicle: Vehicle) -> tuple[str, ...]:
 
 def has_own_motors(vehicle: Vehicle) -> bool:
     """Return whether each driven wheel has a motor, and nothing between that and the wheel."""
-    return vehicle.driveline.coupling != "clutch" and single_wheels(vehicle) == vehicle.driven_wheels
+    return (
+        vehicle.driveline.coupling != "clutch" and single_wheels(vehicle) == vehicle.driven_wheels
+    )
 
 
 def couplings(vehicle: Vehicle) -> tuple[str, ...]:
     """Couplings of wheels that have no torque of their own, in words."""
     centre = ("a centre differential",) if vehicle.driveline.coupling == "centre" else ()
-    return (*centre, *(f"a differential in the {axle} axle" for axle in AXLES if _coupled(vehicle, axle)))
+    return (
+        *centre,
+        *(f"a differential in the {axle} axle" for axle in AXLES if _coupled(vehicle, axle)),
+    )
 
 
 def has_equal_motors(vehicle: Vehicle) -> bool:
     """Return whether the drives of all wheels are the vehicle's `motor` behind its `gear_ratio`."""
     of = vehicle.driveline
-    return vehicle.engine.peak_power == 0.0 and {of.front_gear, of.rear_gear, of.front_size, of.rear_size} == {1.0}
+    return vehicle.engine.peak_power == 0.0 and {
+        of.front_gear,
+        of.rear_gear,
+        of.front_size,
+        of.rear_size,
+    } == {1.0}
 
 
 def wheel_inertias(vehicle: Vehicle) -> list[float]:

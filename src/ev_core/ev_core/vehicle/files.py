@@ -15,16 +15,21 @@ from ev_core.vehicle.motor import Motor
 from ev_core.vehicle.tyre import MF_NAMES, OPTIONAL
 from ev_msgs_py.refusal import ParameterError, quoted
 
-_COLUMNS = ({"speed_radps": 1.0, "speed_rpm": math.pi / 30}, {"torque_nm": 1.0}, {"efficiency": 1.0})
+_COLUMNS = (
+    {"speed_radps": 1.0, "speed_rpm": math.pi / 30},
+    {"torque_nm": 1.0},
+    {"efficiency": 1.0},
+)
 
 
 def with_map_from_file(vehicle: Vehicle) -> Vehicle:
     """The same vehicle with the efficiency map of its motor from `map_file` in place of the file's name.
 
-    A vehicle without a file comes back as it is. The file is a CSV with a header; the columns torque_nm, efficiency and
-    one of speed_radps and speed_rpm are read, one row for each pair of a shaft speed and a torque, in any order. Raises
-    ParameterError, in one line that names the file, if it cannot be read (`read_csv`), holds values out of range, or
-    pairs are missing or there twice.
+    A vehicle without a file comes back as it is. The file is a CSV with a header; the columns
+    torque_nm, efficiency and one of speed_radps and speed_rpm are read, one row for each pair of a
+    shaft speed and a torque, in any order. Raises ParameterError, in one line that names the file,
+    if it cannot be read (`read_csv`), holds values out of range, or pairs are missing or there
+    twice.
     """
     motor = vehicle.motor
 
@@ -33,7 +38,9 @@ def with_map_from_file(vehicle: Vehicle) -> Vehicle:
 
     if not motor.map_file:
         return vehicle
-    return dataclasses.replace(vehicle, motor=read_csv("vehicle.motor.map_file", motor.map_file, _COLUMNS, mapped))
+    return dataclasses.replace(
+        vehicle, motor=read_csv("vehicle.motor.map_file", motor.map_file, _COLUMNS, mapped)
+    )
 
 
 def _grid(
@@ -61,12 +68,25 @@ _FORMATS = {"PAC2002": False, "MF_05": False}
 
 # The scale factors that multiply a coefficient.
 _SCALED = {
-    **{"LFZO": "fnomin", "LCX": "pcx1", "LMUX": "pdx1 pdx2", "LEX": "pex1 pex2 pex3", "LKX": "pkx1 pkx2"},
-    **{"LCY": "pcy1", "LMUY": "pdy1 pdy2", "LEY": "pey1 pey2", "LKY": "pky1", "LXAL": "rbx1", "LYKA": "rby1"},
+    **{
+        "LFZO": "fnomin",
+        "LCX": "pcx1",
+        "LMUX": "pdx1 pdx2",
+        "LEX": "pex1 pex2 pex3",
+        "LKX": "pkx1 pkx2",
+    },
+    **{
+        "LCY": "pcy1",
+        "LMUY": "pdy1 pdy2",
+        "LEY": "pey1 pey2",
+        "LKY": "pky1",
+        "LXAL": "rbx1",
+        "LYKA": "rby1",
+    },
 }
 _SCALES = {name: scale for scale, names in _SCALED.items() for name in names.split()}
-# By coefficient, what multiplies it at another pressure than the nominal one: 1 + these times the relative change and
-# its square. They are those of an upright tyre.
+# By coefficient, what multiplies it at another pressure than the nominal one: 1 + these times the
+# relative change and its square. They are those of an upright tyre.
 _BY_PRESSURE = {
     **dict.fromkeys(("pkx1", "pkx2"), ("PPX1", "PPX2")),
     **dict.fromkeys(("pdx1", "pdx2"), ("PPX3", "PPX4")),
@@ -79,13 +99,17 @@ _UNITS = {"LENGTH": "meter", "FORCE": "newton", "ANGLE": "radians"}
 def with_tyres_from_files(vehicle: Vehicle) -> Vehicle:
     """The same vehicle with the coefficients of its tyres from the files that `tyre` names in place of their names.
 
-    A vehicle without a file comes back as it is. Raises ParameterError, in one line that names the file, if it cannot
-    be read, is meant for another formula or in other units, lacks a coefficient or holds no number.
+    A vehicle without a file comes back as it is. Raises ParameterError, in one line that names the
+    file, if it cannot be read, is meant for another formula or in other units, lacks a coefficient
+    or holds no number.
     """
     tyre = vehicle.tyre
     for axle in AXLES:
         if file := getattr(tyre, f"{axle}_file"):
-            read: dict[str, Any] = {f"{axle}_mf": read_tyre(f"vehicle.tyre.{axle}_file", file), f"{axle}_file": ""}
+            read: dict[str, Any] = {
+                f"{axle}_mf": read_tyre(f"vehicle.tyre.{axle}_file", file),
+                f"{axle}_file": "",
+            }
             tyre = dataclasses.replace(tyre, **read)
     return dataclasses.replace(vehicle, tyre=tyre)
 
@@ -108,7 +132,9 @@ def mf_numbers(entries: Mapping[str, str]) -> tuple[float, ...]:
             raise ParameterError(f"{unit} is {quoted(given)}, expected {quoted(wanted)}")
     takes_tangent = _takes_tangent(entries)
     needed = [name for name in MF_NAMES if name != "takes_tangent"]
-    lacking = [name.upper() for name in needed if name.upper() not in entries and name not in OPTIONAL]
+    lacking = [
+        name.upper() for name in needed if name.upper() not in entries and name not in OPTIONAL
+    ]
     if lacking:
         raise ParameterError(f"lacks {', '.join(lacking)}")
     change = _pressure_change(entries)
@@ -130,7 +156,9 @@ def _takes_tangent(entries: Mapping[str, str]) -> bool:
     if "FITTYP" in entries:
         kind = _number(entries, "FITTYP", 0.0)
         if kind not in _FIT_TYPES:
-            raise ParameterError(f"FITTYP is {kind:g}, expected one of {', '.join(f'{k:g}' for k in _FIT_TYPES)}")
+            raise ParameterError(
+                f"FITTYP is {kind:g}, expected one of {', '.join(f'{k:g}' for k in _FIT_TYPES)}"
+            )
         return _FIT_TYPES[kind]
     written = entries.get("PROPERTY_FILE_FORMAT", "")
     if written not in _FORMATS:
@@ -147,7 +175,8 @@ def _coefficient(entries: Mapping[str, str], name: str, pressure_change: float) 
     if name in _BY_PRESSURE:
         linear, squared = (_number(entries, key, 0.0) for key in _BY_PRESSURE[name])
         value *= 1.0 + linear * pressure_change + squared * pressure_change**2
-    # Slip angle and side force have one sign or the other by the axes of the file; the tyre opposes its slip in all.
+    # Slip angle and side force have one sign or the other by the axes of the file; the tyre opposes
+    # its slip in all.
     if name.startswith("pdy") and _number(entries, "PDY1", 1.0) < 0.0:
         return -value
     return abs(value) if name == "pky1" else value
@@ -169,8 +198,8 @@ def _number(entries: Mapping[str, str], key: str, default: float) -> float:
 def _entries(text: str) -> dict[str, str]:
     """KEY = value of all sections; $ begins a comment, a line of ! is one.
 
-    Of a key with different values both stand in its text, which is no number where one is read: MASS is a unit in one
-    section and a mass in another, and nothing here reads it.
+    Of a key with different values both stand in its text, which is no number where one is read:
+    MASS is a unit in one section and a mass in another, and nothing here reads it.
     """
     found: dict[str, str] = {}
     for line in text.splitlines():

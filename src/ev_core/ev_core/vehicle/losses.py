@@ -24,7 +24,9 @@ NO_MAP = EfficiencyMap((), (), ())
 def efficiency_map(motor: Motor) -> EfficiencyMap:
     """The map of a motor; ParameterError if it is still in a file."""
     if motor.map_file:
-        raise ParameterError(f"vehicle.motor.map_file: {motor.map_file} has not been read into the map")
+        raise ParameterError(
+            f"vehicle.motor.map_file: {motor.map_file} has not been read into the map"
+        )
     return EfficiencyMap(motor.map_speed, motor.map_torque, motor.map_efficiency)
 
 
@@ -33,24 +35,31 @@ def loss_power(motor: Motor, torque: float, speed: float) -> float:
     """Loss [W] at a shaft torque [N m] and speed [rad/s]: copper, iron and inverter losses.
 
     P = k_c T^2 + k_i |w| + k_e w^2 + P_0 + k_t |T|. The usual separation of losses, as in
-    Larminie & Lowry, Electric Vehicle Technology Explained, 2nd ed. 2012, chapter on electric machines; the eddy and
-    inverter terms are added here.
+    Larminie & Lowry, Electric Vehicle Technology Explained, 2nd ed. 2012, chapter on electric
+    machines; the eddy and inverter terms are added here.
     """
     turns = abs(speed)
     of_torque, of_speed = motor.copper_loss * torque * torque, motor.iron_loss * turns
     of_inverter = motor.inverter_torque_loss * abs(torque)
-    return of_torque + of_speed + motor.eddy_loss * turns * turns + motor.inverter_loss + of_inverter
+    return (
+        of_torque + of_speed + motor.eddy_loss * turns * turns + motor.inverter_loss + of_inverter
+    )
 
 
 @inlined
 def map_loss_power(
-    torque: float, speed: float, speeds: Sequence[float], torques: Sequence[float], efficiency: Sequence[float]
+    torque: float,
+    speed: float,
+    speeds: Sequence[float],
+    torques: Sequence[float],
+    efficiency: Sequence[float],
 ) -> float:
     """Loss [W] from an efficiency map, for each speed a row over the torques, bilinear, its edge kept outside.
 
     Driving P_loss = |P| (1/eta - 1), generating P_loss = |P| (1 - eta), with P the mechanical power. Towards standstill
-    P vanishes but the copper loss does not: below the lowest speed of the map above zero the driving loss stays what it
-    is there, and the generating loss goes over into it linearly, so that both are one at rest.
+    P vanishes but the copper loss does not: below the lowest speed of the map above zero the
+    driving loss stays what it is there, and the generating loss goes over into it linearly, so that
+    both are one at rest.
     """
     lowest = speeds[0] if speeds[0] > 0.0 else speeds[1]
     turns, magnitude = max(abs(speed), lowest), abs(torque)

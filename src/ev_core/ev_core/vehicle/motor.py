@@ -12,7 +12,8 @@ from ev_msgs_py.compilable import inlined
 from ev_msgs_py.refusal import ParameterError
 
 _of_winding = partial(
-    parameter, source="assumption for a YASA-400, whose curves (figure 1.22 of the dissertation) are lost"
+    parameter,
+    source="assumption for a YASA-400, whose curves (figure 1.22 of the dissertation) are lost",
 )
 
 
@@ -20,7 +21,8 @@ _of_winding = partial(
 class Winding:
     """A synchronous machine with magnets on the surface of its rotor: one inductance in both axes.
 
-    Its resistance is not declared twice: the motor's `copper_loss` and the torque constant 3/2 p psi give it.
+    Its resistance is not declared twice: the motor's `copper_loss` and the torque constant 3/2 p
+    psi give it.
     """
 
     pole_pairs: int = _of_winding(10, unit="1", low=1, high=100, about="pole pairs, p")
@@ -31,8 +33,12 @@ class Winding:
         high=10.0,
         about="peak flux linkage of the magnets with a phase, psi: 0.8 N m for each rms ampere",
     )
-    inductance: float = _of_winding(1e-4, unit="H", low=1e-6, high=1.0, about="of a phase, alike in both axes, L")
-    largest_current: float = _of_winding(453.0, unit="A", low=1.0, high=1e4, about="largest rms phase current")
+    inductance: float = _of_winding(
+        1e-4, unit="H", low=1e-6, high=1.0, about="of a phase, alike in both axes, L"
+    )
+    largest_current: float = _of_winding(
+        453.0, unit="A", low=1.0, high=1e4, about="largest rms phase current"
+    )
     voltage_share: float = parameter(
         0.95,
         unit="1",
@@ -49,20 +55,30 @@ class ThermalParameters:
 
     coolant: float = parameter(40.0, unit="degC", low=-40.0, high=120.0, about="coolant inlet")
     coolant_flow: float = parameter(8.0, unit="l/min", low=0.1, high=31.0, about="of the coolant")
-    winding_capacity: float = parameter(4000.0, unit="J/K", low=1.0, high=1e6, about="heat capacity of the winding")
-    winding_resistance: float = parameter(0.015, unit="K/W", low=1e-4, high=10.0, about="from winding to coolant")
+    winding_capacity: float = parameter(
+        4000.0, unit="J/K", low=1.0, high=1e6, about="heat capacity of the winding"
+    )
+    winding_resistance: float = parameter(
+        0.015, unit="K/W", low=1e-4, high=10.0, about="from winding to coolant"
+    )
     inverter_capacity: float = parameter(
         1500.0, unit="J/K", low=1.0, high=1e6, about="heat capacity of the power stage"
     )
-    inverter_resistance: float = parameter(0.02, unit="K/W", low=1e-4, high=10.0, about="from power stage to coolant")
+    inverter_resistance: float = parameter(
+        0.02, unit="K/W", low=1e-4, high=10.0, about="from power stage to coolant"
+    )
     winding_warm: float = parameter(
         120.0, unit="degC", low=-40.0, high=215.0, about="from here on the torque is derated"
     )
-    winding_limit: float = parameter(140.0, unit="degC", low=-40.0, high=215.0, about="fault; no torque is left here")
+    winding_limit: float = parameter(
+        140.0, unit="degC", low=-40.0, high=215.0, about="fault; no torque is left here"
+    )
     inverter_warm: float = parameter(
         75.0, unit="degC", low=-40.0, high=215.0, about="from here on the torque is derated"
     )
-    inverter_limit: float = parameter(90.0, unit="degC", low=-40.0, high=215.0, about="fault; no torque is left here")
+    inverter_limit: float = parameter(
+        90.0, unit="degC", low=-40.0, high=215.0, about="fault; no torque is left here"
+    )
 
     def __post_init__(self) -> None:
         if self.winding_warm >= self.winding_limit or self.inverter_warm >= self.inverter_limit:
@@ -76,41 +92,83 @@ class Motor:
     The defaults are assumptions for a small city car's front drive with two motors.
     """
 
-    peak_torque: float = own(250.0, unit="N m", low=0.0, high=1e5, about="at the shaft, for a short time")
-    nominal_torque: float = own(150.0, unit="N m", low=1e-3, high=1e5, about="at the shaft, for ever")
-    peak_power: float = own(40e3, unit="W", low=1.0, high=1e7, about="mechanical power for a short time")
+    peak_torque: float = own(
+        250.0, unit="N m", low=0.0, high=1e5, about="at the shaft, for a short time"
+    )
+    nominal_torque: float = own(
+        150.0, unit="N m", low=1e-3, high=1e5, about="at the shaft, for ever"
+    )
+    peak_power: float = own(
+        40e3, unit="W", low=1.0, high=1e7, about="mechanical power for a short time"
+    )
     overload_time: float = setting(
         60.0, unit="s", low=0.1, high=1e5, about="thermal time constant that ends the short time"
     )
-    maximum_speed: float = own(1000.0, unit="rad/s", low=1.0, high=1e5, about="of the shaft; no drive torque beyond")
+    maximum_speed: float = own(
+        1000.0, unit="rad/s", low=1.0, high=1e5, about="of the shaft; no drive torque beyond"
+    )
     generator_torque: float = own(
-        150.0, unit="N m", low=0.0, high=1e5, about="largest torque when the motor feeds the battery"
+        150.0,
+        unit="N m",
+        low=0.0,
+        high=1e5,
+        about="largest torque when the motor feeds the battery",
     )
     generator_power: float = own(
         25e3, unit="W", low=0.0, high=1e7, about="largest mechanical power that the motor takes"
     )
-    torque_lag: float = setting(0.005, unit="s", low=1e-4, high=10.0, about="time constant of the torque control")
-    rotor_inertia: float = setting(0.0, unit="kg m^2", low=0.0, high=100.0, about="of one rotor, at the shaft")
-    gear_efficiency: float = setting(1.0, unit="1", low=0.5, high=1.0, about="of the gear, either way")
+    torque_lag: float = setting(
+        0.005, unit="s", low=1e-4, high=10.0, about="time constant of the torque control"
+    )
+    rotor_inertia: float = setting(
+        0.0, unit="kg m^2", low=0.0, high=100.0, about="of one rotor, at the shaft"
+    )
+    gear_efficiency: float = setting(
+        1.0, unit="1", low=0.5, high=1.0, about="of the gear, either way"
+    )
     copper_loss: float = setting(
-        0.05, unit="W/(N m)^2", low=0.0, high=1e3, about="loss per squared torque: winding resistance"
+        0.05,
+        unit="W/(N m)^2",
+        low=0.0,
+        high=1e3,
+        about="loss per squared torque: winding resistance",
     )
-    iron_loss: float = setting(0.5, unit="W s/rad", low=0.0, high=1e3, about="loss per speed: hysteresis and bearings")
+    iron_loss: float = setting(
+        0.5, unit="W s/rad", low=0.0, high=1e3, about="loss per speed: hysteresis and bearings"
+    )
     eddy_loss: float = setting(
-        5e-4, unit="W s^2/rad^2", low=0.0, high=10.0, about="loss per squared speed: eddy currents and windage"
+        5e-4,
+        unit="W s^2/rad^2",
+        low=0.0,
+        high=10.0,
+        about="loss per squared speed: eddy currents and windage",
     )
-    inverter_loss: float = setting(20.0, unit="W", low=0.0, high=1e4, about="inverter's loss without torque")
+    inverter_loss: float = setting(
+        20.0, unit="W", low=0.0, high=1e4, about="inverter's loss without torque"
+    )
     inverter_torque_loss: float = setting(
-        1.0, unit="W/(N m)", low=0.0, high=100.0, about="inverter's loss per torque: switching and conduction"
+        1.0,
+        unit="W/(N m)",
+        low=0.0,
+        high=100.0,
+        about="inverter's loss per torque: switching and conduction",
     )
     map_speed: tuple[float, ...] = setting(
-        (), unit="rad/s", low=0.0, high=1e5, about="shaft speeds of an efficiency map; empty for the loss model"
+        (),
+        unit="rad/s",
+        low=0.0,
+        high=1e5,
+        about="shaft speeds of an efficiency map; empty for the loss model",
     )
     map_torque: tuple[float, ...] = setting(
         (), unit="N m", low=0.0, high=1e5, about="shaft torques of the efficiency map"
     )
     map_efficiency: tuple[float, ...] = setting(
-        (), unit="1", low=0.01, high=1.0, about="efficiency of motor and inverter, speed by speed (row by row)"
+        (),
+        unit="1",
+        low=0.01,
+        high=1.0,
+        about="efficiency of motor and inverter, speed by speed (row by row)",
     )
     map_file: str = setting(
         "",
@@ -122,14 +180,17 @@ class Motor:
 
     def __post_init__(self) -> None:
         if len(self.map_efficiency) != len(self.map_speed) * len(self.map_torque):
-            raise ParameterError("map_efficiency needs one element for each pair of map_speed and map_torque")
+            raise ParameterError(
+                "map_efficiency needs one element for each pair of map_speed and map_torque"
+            )
         for name in ("map_speed", "map_torque"):
             axis = getattr(self, name)
             if len(axis) == 1 or any(b <= a for a, b in pairwise(axis)):
                 raise ParameterError(f"{name} needs at least two elements and must rise")
 
 
-SPEED_FADE = 0.02  # share of the maximum speed over which the drive torque fades; it softens a corner
+# share of the maximum speed over which the drive torque fades; it softens a corner
+SPEED_FADE = 0.02
 LEAST_SPEED = 1e-9  # [rad/s], of a power divided by it
 
 
@@ -142,13 +203,17 @@ def speed_fade(maximum: float, turns: float) -> float:
 @inlined
 def driving_torque(motor: Motor, most: float, share: float, turns: float) -> float:
     """Largest torque [N m] at a speed of this magnitude [rad/s], of `most` [N m] and a share of the peak power [1]."""
-    return min(most, share * motor.peak_power / max(turns, LEAST_SPEED)) * speed_fade(motor.maximum_speed, turns)
+    return min(most, share * motor.peak_power / max(turns, LEAST_SPEED)) * speed_fade(
+        motor.maximum_speed, turns
+    )
 
 
 @inlined
 def generating_torque(motor: Motor, most: float, share: float, turns: float) -> float:
     """The same of a motor that is driven, with its generator's torque and power; no speed is too much for it."""
-    return min(most, motor.generator_torque, share * motor.generator_power / max(turns, LEAST_SPEED))
+    return min(
+        most, motor.generator_torque, share * motor.generator_power / max(turns, LEAST_SPEED)
+    )
 
 
 _of_engine = partial(parameter, source="assumption for a medium car")
@@ -159,15 +224,27 @@ class Gearbox:
     """An automatic gearbox that shifts by the speed of its input; the final drive is the vehicle's `gear_ratio`."""
 
     ratios: tuple[float, ...] = _of_engine(
-        (3.6, 2.2, 1.45, 1.0, 0.8), unit="1", low=0.1, high=20.0, about="of the forward gears, falling"
+        (3.6, 2.2, 1.45, 1.0, 0.8),
+        unit="1",
+        low=0.1,
+        high=20.0,
+        about="of the forward gears, falling",
     )
-    reverse: float = _of_engine(3.2, unit="1", low=0.1, high=20.0, about="ratio of the reverse gear")
-    efficiency: float = _of_engine(0.95, unit="1", low=0.5, high=1.0, about="in every gear, either way")
+    reverse: float = _of_engine(
+        3.2, unit="1", low=0.1, high=20.0, about="ratio of the reverse gear"
+    )
+    efficiency: float = _of_engine(
+        0.95, unit="1", low=0.5, high=1.0, about="in every gear, either way"
+    )
     upshift_speed: float = _of_engine(
         350.0, unit="rad/s", low=1.0, high=5000.0, about="of the turbine, above which it shifts up"
     )
     downshift_speed: float = _of_engine(
-        150.0, unit="rad/s", low=0.0, high=5000.0, about="of the turbine, below which it shifts down"
+        150.0,
+        unit="rad/s",
+        low=0.0,
+        high=5000.0,
+        about="of the turbine, below which it shifts down",
     )
     dwell: float = _of_engine(0.5, unit="s", low=0.0, high=100.0, about="that a gear stays in")
     selector_speed: float = parameter(
@@ -194,15 +271,33 @@ class Gearbox:
 class Engine:
     """Spark ignition engine, torque converter and gearbox; without peak power there are motors instead."""
 
-    peak_power: float = setting(0.0, unit="W", low=0.0, high=1e7, about="at full load; 0 for no engine")
-    peak_power_speed: float = _of_engine(580.0, unit="rad/s", low=1.0, high=5000.0, about="at which")
-    maximum_speed: float = _of_engine(650.0, unit="rad/s", low=1.0, high=5000.0, about="beyond which fuel is cut off")
-    idle_speed: float = _of_engine(85.0, unit="rad/s", low=1.0, high=1000.0, about="that the engine keeps")
-    idle_gain: float = _of_engine(3.0, unit="N m s/rad", low=0.0, high=1e3, about="torque of the idle control below it")
-    drag_torque: float = _of_engine(12.0, unit="N m", low=0.0, high=1e4, about="without fuel, at rest")
-    drag_growth: float = _of_engine(0.03, unit="N m s/rad", low=0.0, high=100.0, about="of that over the speed")
-    torque_lag: float = _of_engine(0.1, unit="s", low=1e-3, high=10.0, about="time constant of intake and combustion")
-    inertia: float = _of_engine(0.18, unit="kg m^2", low=1e-3, high=100.0, about="of crankshaft, flywheel and pump")
+    peak_power: float = setting(
+        0.0, unit="W", low=0.0, high=1e7, about="at full load; 0 for no engine"
+    )
+    peak_power_speed: float = _of_engine(
+        580.0, unit="rad/s", low=1.0, high=5000.0, about="at which"
+    )
+    maximum_speed: float = _of_engine(
+        650.0, unit="rad/s", low=1.0, high=5000.0, about="beyond which fuel is cut off"
+    )
+    idle_speed: float = _of_engine(
+        85.0, unit="rad/s", low=1.0, high=1000.0, about="that the engine keeps"
+    )
+    idle_gain: float = _of_engine(
+        3.0, unit="N m s/rad", low=0.0, high=1e3, about="torque of the idle control below it"
+    )
+    drag_torque: float = _of_engine(
+        12.0, unit="N m", low=0.0, high=1e4, about="without fuel, at rest"
+    )
+    drag_growth: float = _of_engine(
+        0.03, unit="N m s/rad", low=0.0, high=100.0, about="of that over the speed"
+    )
+    torque_lag: float = _of_engine(
+        0.1, unit="s", low=1e-3, high=10.0, about="time constant of intake and combustion"
+    )
+    inertia: float = _of_engine(
+        0.18, unit="kg m^2", low=1e-3, high=100.0, about="of crankshaft, flywheel and pump"
+    )
     converter_size: float = parameter(
         1.0,
         unit="1",

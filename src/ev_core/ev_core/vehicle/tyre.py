@@ -16,10 +16,11 @@ OPTIONAL = {**dict.fromkeys(_ZERO.split(), 0.0), "pky4": 2.0}
 class MfTyres:
     """Tyres of MF-Tyre 5.2 or 6.x that stand upright at their nominal pressure, alike to both sides, by wheel.
 
-    Coefficients of terms with camber, pressure or turn slip are left out, and so are those that make a force without
-    slip or one that differs from left to right (conicity, ply steer: P_H, P_V, P_Ey3, R_Bx alpha shifts, R_V): two
-    tyres of an axle are mounted as mirror images of each other. Names and equations: Pacejka, Tire and Vehicle
-    Dynamics, 3rd ed. 2012, section 4.3.2, eqs 4.E9 to 4.E65.
+    Coefficients of terms with camber, pressure or turn slip are left out, and so are those that
+    make a force without slip or one that differs from left to right (conicity, ply steer: P_H, P_V,
+    P_Ey3, R_Bx alpha shifts, R_V): two tyres of an axle are mounted as mirror images of each other.
+    Names and equations: Pacejka, Tire and Vehicle Dynamics, 3rd ed. 2012, section 4.3.2, eqs 4.E9
+    to 4.E65.
     """
 
     fnomin: list[float] = per_wheel(4000.0, unit="N", about="nominal load, scaled by LFZO")
@@ -30,7 +31,9 @@ class MfTyres:
     pex2: list[float] = per_wheel(unit="1", about="its change with load")
     pex3: list[float] = per_wheel(unit="1", about="its change with squared load")
     pex4: list[float] = per_wheel(unit="1", about="its share that changes from driving to braking")
-    pkx1: list[float] = per_wheel(20.0, unit="1", about="longitudinal slip stiffness over load at nominal load")
+    pkx1: list[float] = per_wheel(
+        20.0, unit="1", about="longitudinal slip stiffness over load at nominal load"
+    )
     pkx2: list[float] = per_wheel(unit="1", about="its change with load")
     pkx3: list[float] = per_wheel(unit="1", about="exponent of its change with load")
     pcy1: list[float] = per_wheel(1.3, unit="1", about="shape factor of the side force")
@@ -38,15 +41,25 @@ class MfTyres:
     pdy2: list[float] = per_wheel(unit="1", about="its change with load")
     pey1: list[float] = per_wheel(unit="1", about="lateral curvature at nominal load")
     pey2: list[float] = per_wheel(unit="1", about="its change with load")
-    pky1: list[float] = per_wheel(15.0, unit="1", about="largest cornering stiffness over nominal load")
-    pky2: list[float] = per_wheel(2.0, unit="1", about="load of the largest cornering stiffness over nominal load")
-    pky4: list[float] = per_wheel(2.0, unit="1", about="curvature of the cornering stiffness over load")
-    rbx1: list[float] = per_wheel(unit="1", about="slope of the weight of side slip on the longitudinal force")
+    pky1: list[float] = per_wheel(
+        15.0, unit="1", about="largest cornering stiffness over nominal load"
+    )
+    pky2: list[float] = per_wheel(
+        2.0, unit="1", about="load of the largest cornering stiffness over nominal load"
+    )
+    pky4: list[float] = per_wheel(
+        2.0, unit="1", about="curvature of the cornering stiffness over load"
+    )
+    rbx1: list[float] = per_wheel(
+        unit="1", about="slope of the weight of side slip on the longitudinal force"
+    )
     rbx2: list[float] = per_wheel(unit="1", about="its change with slip ratio")
     rcx1: list[float] = per_wheel(unit="1", about="shape factor of that weight")
     rex1: list[float] = per_wheel(unit="1", about="curvature of that weight at nominal load")
     rex2: list[float] = per_wheel(unit="1", about="its change with load")
-    rby1: list[float] = per_wheel(unit="1", about="slope of the weight of the slip ratio on the side force")
+    rby1: list[float] = per_wheel(
+        unit="1", about="slope of the weight of the slip ratio on the side force"
+    )
     rby2: list[float] = per_wheel(unit="1", about="its change with slip angle")
     rcy1: list[float] = per_wheel(unit="1", about="shape factor of that weight")
     rey1: list[float] = per_wheel(unit="1", about="curvature of that weight at nominal load")
@@ -61,7 +74,8 @@ class MfTyres:
 
 
 MF_NAMES = tuple(f.name for f in fields(MfTyres))
-# The polynomials of the plant are good for so much (`elementary.unbranched`), which is beyond what tyres have.
+# The polynomials of the plant are good for so much (`elementary.unbranched`), which is beyond what
+# tyres have.
 _LIMITS = {
     **dict.fromkeys(("pcx1", "pcy1", "pky4", "rcx1", "rcy1"), (0.0, 3.0)),
     "pkx3": (-2.0, 2.0),
@@ -84,11 +98,15 @@ def refuse_mf_tyre(axle: str, numbers: Sequence[float]) -> None:
     for name in ("fnomin", "pcx1", "pdx1", "pkx1", "pcy1", "pdy1", "pky1", "pky2"):
         value = numbers[MF_NAMES.index(name)]
         if value <= 0.0:
-            raise ParameterError(f"{name.upper()} of the {axle} tyres is {value:g}, expected above 0")
+            raise ParameterError(
+                f"{name.upper()} of the {axle} tyres is {value:g}, expected above 0"
+            )
     for name, (low, high) in _LIMITS.items():
         value = numbers[MF_NAMES.index(name)]
         if not low <= value <= high:
-            raise ParameterError(f"{name.upper()} of the {axle} tyres is {value:g}, expected {low:g} to {high:g}")
+            raise ParameterError(
+                f"{name.upper()} of the {axle} tyres is {value:g}, expected {low:g} to {high:g}"
+            )
 
 
 # How many of the coefficients of a curve give no friction unless they are positive.
@@ -107,8 +125,8 @@ POSITIVE_COEFFICIENTS = {
 class Tyre:
     """Friction curve, combined slip and carcass of the tyres; all four are alike, but for `mf_tyre`, axle by axle.
 
-    The carcass values are assumptions: no source gives them, and a passenger-car tyre has about these (relaxation
-    lengths of 0.2 to 0.4 m). Steady driving does not depend on them.
+    The carcass values are assumptions: no source gives them, and a passenger-car tyre has about
+    these (relaxation lengths of 0.2 to 0.4 m). Steady driving does not depend on them.
     """
 
     curve: str = own(
@@ -140,13 +158,25 @@ class Tyre:
         source="constant_stiffness: Ge & Ni 2005",
     )
     lateral_ratio: float = setting(
-        1.0, unit="1", low=0.1, high=10.0, about="lateral over longitudinal slip stiffness of the curve"
+        1.0,
+        unit="1",
+        low=0.1,
+        high=10.0,
+        about="lateral over longitudinal slip stiffness of the curve",
     )
     front_cornering_stiffness: float = setting(
-        60000.0, unit="N/rad", low=0.0, high=1e6, about="of each front tyre at its static load, of a lateral line"
+        60000.0,
+        unit="N/rad",
+        low=0.0,
+        high=1e6,
+        about="of each front tyre at its static load, of a lateral line",
     )
     rear_cornering_stiffness: float = setting(
-        60000.0, unit="N/rad", low=0.0, high=1e6, about="of each rear tyre at its static load, of a lateral line"
+        60000.0,
+        unit="N/rad",
+        low=0.0,
+        high=1e6,
+        about="of each rear tyre at its static load, of a lateral line",
     )
     load_sensitivity: float = setting(
         0.0,
@@ -157,21 +187,45 @@ class Tyre:
         "mf_tyre has its own",
     )
     nominal_load: float = setting(
-        4000.0, unit="N", low=100.0, high=1e5, about="load of a tyre at which `load_sensitivity` changes nothing"
+        4000.0,
+        unit="N",
+        low=100.0,
+        high=1e5,
+        about="load of a tyre at which `load_sensitivity` changes nothing",
     )
-    front_file: str = setting("", about="tyre property file (.tir) of the front tyres; empty for none")
-    rear_file: str = setting("", about="tyre property file (.tir) of the rear tyres; empty for none")
+    front_file: str = setting(
+        "", about="tyre property file (.tir) of the front tyres; empty for none"
+    )
+    rear_file: str = setting(
+        "", about="tyre property file (.tir) of the rear tyres; empty for none"
+    )
     front_mf: tuple[float, ...] = setting(
-        (), unit="1", low=-1e6, high=1e6, about="coefficients of the front tyres of mf_tyre, in the order of `MfTyres`"
+        (),
+        unit="1",
+        low=-1e6,
+        high=1e6,
+        about="coefficients of the front tyres of mf_tyre, in the order of `MfTyres`",
     )
     rear_mf: tuple[float, ...] = setting(
-        (), unit="1", low=-1e6, high=1e6, about="coefficients of the rear tyres of mf_tyre, in the order of `MfTyres`"
+        (),
+        unit="1",
+        low=-1e6,
+        high=1e6,
+        about="coefficients of the rear tyres of mf_tyre, in the order of `MfTyres`",
     )
     longitudinal_stiffness: float = setting(
-        350e3, unit="N/m", low=1e4, high=1e7, about="carcass stiffness between rim and contact patch, along the wheel"
+        350e3,
+        unit="N/m",
+        low=1e4,
+        high=1e7,
+        about="carcass stiffness between rim and contact patch, along the wheel",
     )
     lateral_stiffness: float = setting(
-        200e3, unit="N/m", low=1e4, high=1e7, about="carcass stiffness between rim and contact patch, across the wheel"
+        200e3,
+        unit="N/m",
+        low=1e4,
+        high=1e7,
+        about="carcass stiffness between rim and contact patch, across the wheel",
     )
     longitudinal_damping_time: float = setting(
         0.01, unit="s", low=1e-3, high=0.1, about="carcass damping over stiffness, along the wheel"
@@ -189,7 +243,9 @@ class Tyre:
 
     def __post_init__(self) -> None:
         if len(self.coefficients) != 4:
-            raise ParameterError("coefficients needs four elements (those that the curve does not have are zero)")
+            raise ParameterError(
+                "coefficients needs four elements (those that the curve does not have are zero)"
+            )
         needed = POSITIVE_COEFFICIENTS[self.curve]
         if min(self.coefficients[:needed], default=1.0) <= 0.0:
             raise ParameterError(
@@ -207,7 +263,9 @@ class Tyre:
         if self.curve == "mf_tyre":
             for given, allowed in ((self.lateral_ratio, 1.0), (self.load_sensitivity, 0.0)):
                 if given != allowed:
-                    raise ParameterError("curve mf_tyre needs lateral_ratio 1 and load_sensitivity 0: it has its own")
+                    raise ParameterError(
+                        "curve mf_tyre needs lateral_ratio 1 and load_sensitivity 0: it has its own"
+                    )
             for axle in ("front", "rear"):
                 if not getattr(self, f"{axle}_file"):
                     refuse_mf_tyre(axle, getattr(self, f"{axle}_mf"))

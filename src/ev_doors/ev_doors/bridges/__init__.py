@@ -8,4 +8,6 @@ def needed(kind: str) -> type:
     try:
         return message_class(kind)
     except ImportError:
-        raise ImportError(f"{kind} is needed, and the package {kind.partition('/')[0]} is not sourced here") from None
+        raise ImportError(
+            f"{kind} is needed, and the package {kind.partition('/')[0]} is not sourced here"
+        ) from None

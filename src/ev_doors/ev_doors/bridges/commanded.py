@@ -21,7 +21,11 @@ class CommandedParameters:
         0.5, unit="s", low=0.01, high=10.0, about="a command holds for this simulated time"
     )
     stopping_deceleration: float = parameter(
-        3.0, unit="m/s^2", low=0.1, high=10.0, about="by which the car is brought to rest without a command"
+        3.0,
+        unit="m/s^2",
+        low=0.1,
+        high=10.0,
+        about="by which the car is brought to rest without a command",
     )
 
 
@@ -37,7 +41,9 @@ class CommandedState:
     wanted_angle: float = entry(unit="rad", about="road-wheel angle of the command")
     angle_rate: float = entry(unit="rad/s", about="largest rate that the command allows")
     left: float = entry(unit="s", about="for which the command still holds")
-    held: float = entry(-1.0, unit="", about="1: a command holds; 0: none; -1: before the first step")
+    held: float = entry(
+        -1.0, unit="", about="1: a command holds; 0: none; -1: before the first step"
+    )
     speed: float = entry(unit="m/s", about="that the feet follow now")
     angle: float = entry(unit="rad", about="road-wheel angle that the hands follow now")
     longitudinal: float = entry(unit="m/s", about="velocity of the centre of mass, forwards")
@@ -84,5 +90,7 @@ def commanded(
     s.longitudinal, s.lateral, s.yaw_rate = body.longitudinal, body.lateral, body.yaw_rate
     s.road_wheel_angle = column.road_wheel_angle
     return DriverCommand(
-        drive, brake, turn_to_angle(p.angle_control, s.hands, period, car.steering_ratio * s.angle, column)
+        drive,
+        brake,
+        turn_to_angle(p.angle_control, s.hands, period, car.steering_ratio * s.angle, column),
     )

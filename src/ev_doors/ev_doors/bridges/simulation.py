@@ -31,20 +31,25 @@ _FEATURES = (
     "STEP_SIMULATION_MULTIPLE",
     "STEP_SIMULATION_ACTION",
 )
-_RESTS = 0.5  # s of wall time without /clock after which a graph of which nothing is known counts as paused
+# s of wall time without /clock after which a graph of which nothing is known counts as paused
+_RESTS = 0.5
 _PATIENCE = 5.0  # s for an answer of the master, and for a step
 _LOOK = 0.05  # s
-_AT_ONCE = 8  # steps that are asked for together: the master looks for calls 20 times a second, and keeps 10
+# steps that are asked for together: the master looks for calls 20 times a second, and keeps 10
+_AT_ONCE = 8
 
 
 class SimulationInterfaces:
     """Serves the interfaces by a node, for the graph of a namespace; ImportError if the package is not sourced.
 
-    The state of the graph is what its master reports, whoever has stopped it; before the first report the clock tells.
+    The state of the graph is what its master reports, whoever has stopped it; before the first
+    report the clock tells.
     """
 
     def __init__(self, node: Node, namespace: str) -> None:
-        kinds: dict[str, Any] = {name: needed(f"{_PACKAGE}/msg/{name}") for name in ("Result", "SimulationState")}
+        kinds: dict[str, Any] = {
+            name: needed(f"{_PACKAGE}/msg/{name}") for name in ("Result", "SimulationState")
+        }
         self._result, self._states = kinds["Result"], kinds["SimulationState"]
         self._features: Any = needed(f"{_PACKAGE}/msg/SimulatorFeatures")
         self._reset_kind: Any = needed(f"{_PACKAGE}/srv/ResetSimulation")
@@ -52,15 +57,19 @@ class SimulationInterfaces:
         self._action: Any = needed(f"{_PACKAGE}/action/SimulateSteps")
         self._node, self._is_stopped = node, False
         self._paused: bool | None = None
-        self._asked_at = 0  # ns of the time of day: what was reported before that is older than what was answered
+        # ns of the time of day: what was reported before that is older than what was answered
+        self._asked_at = 0
         self._ticks, self._ticked = 0, -float("inf")
         self._stamp = (-1, 0)
         self._waiting: list[tuple[float, Future, float]] = []
         self._master = f"{namespace.rstrip('/')}/{MASTER}"
-        self._callers = {name: node.create_client(Trigger, f"{self._master}/{name}") for name in TIME_SERVICES}
+        self._callers = {
+            name: node.create_client(Trigger, f"{self._master}/{name}") for name in TIME_SERVICES
+        }
         node.create_subscription(Clock, "/clock", self._tick, 256)
         node.create_subscription(DiagnosticArray, "/diagnostics", self._note, 64)
-        group = ReentrantCallbackGroup()  # an answer waits for others: the node has to hear them meanwhile
+        # an answer waits for others: the node has to hear them meanwhile
+        group = ReentrantCallbackGroup()
         for name, serve in (
             ("GetSimulatorFeatures", self.features),
             ("GetSimulationState", self.state),
@@ -70,7 +79,10 @@ class SimulationInterfaces:
         ):
             kind = needed(f"{_PACKAGE}/srv/{name}")
             node.create_service(
-                kind, "".join(f"_{c.lower()}" if c.isupper() else c for c in name)[1:], serve, callback_group=group
+                kind,
+                "".join(f"_{c.lower()}" if c.isupper() else c for c in name)[1:],
+                serve,
+                callback_group=group,
             )
         self._server = ActionServer(
             node,
@@ -87,7 +99,9 @@ class SimulationInterfaces:
         executor = SingleThreadedExecutor(context=self._node.context)
         executor.add_node(self._node)
         begun = time.monotonic()
-        while not finished() and (self._callers["pause"].service_is_ready() or time.monotonic() < begun + _PATIENCE):
+        while not finished() and (
+            self._callers["pause"].service_is_ready() or time.monotonic() < begun + _PATIENCE
+        ):
             executor.spin_once(timeout_sec=_LOOK)
         executor.shutdown()
 
@@ -106,10 +120,14 @@ class SimulationInterfaces:
         """SetSimulationState: playing, paused, or stopped, which is paused at time zero."""
         wanted, now, of = request.state.state, self._state(), self._states
         if wanted not in (of.STATE_STOPPED, of.STATE_PLAYING, of.STATE_PAUSED):
-            return self._answered(response, self._result.RESULT_FEATURE_UNSUPPORTED, f"state {wanted} cannot be set")
+            return self._answered(
+                response, self._result.RESULT_FEATURE_UNSUPPORTED, f"state {wanted} cannot be set"
+            )
         if wanted == now:
             return self._answered(
-                response, self._set_kind.Response.ALREADY_IN_TARGET_STATE, "the state is that already"
+                response,
+                self._set_kind.Response.ALREADY_IN_TARGET_STATE,
+                "the state is that already",
             )
         try:
             if wanted == of.STATE_PLAYING:
@@ -135,8 +153,16 @@ class SimulationInterfaces:
             code, text = await self._take_steps(1)
             if code == self._result.RESULT_OK:
                 done += 1
-                goal.publish_feedback(self._action.Feedback(completed_steps=done, remaining_steps=wanted - done))
-        end = goal.abort if code != self._result.RESULT_OK else goal.succeed if done == wanted else goal.canceled
+                goal.publish_feedback(
+                    self._action.Feedback(completed_steps=done, remaining_steps=wanted - done)
+                )
+        end = (
+            goal.abort
+            if code != self._result.RESULT_OK
+            else goal.succeed
+            if done == wanted
+            else goal.canceled
+        )
         end()
         return self._answered(result, code, text)
 
@@ -154,13 +180,21 @@ class SimulationInterfaces:
         return self._answered(response)
 
     def _answered(self, response: Any, code: int | None = None, text: str = "") -> Any:
-        response.result = self._result(result=self._result.RESULT_OK if code is None else code, error_message=text)
+        response.result = self._result(
+            result=self._result.RESULT_OK if code is None else code, error_message=text
+        )
         return response
 
     def _state(self) -> int:
         paused = time.monotonic() - self._ticked > _RESTS if self._paused is None else self._paused
         of = self._states
-        state: int = of.STATE_PLAYING if not paused else of.STATE_STOPPED if self._is_stopped else of.STATE_PAUSED
+        state: int = (
+            of.STATE_PLAYING
+            if not paused
+            else of.STATE_STOPPED
+            if self._is_stopped
+            else of.STATE_PAUSED
+        )
         return state
 
     async def _take_steps(self, count: int) -> tuple[int, str]:
@@ -173,7 +207,9 @@ class SimulationInterfaces:
                 await self._ask("step", steps)
                 self._paused, self._is_stopped = True, False
                 if not await stepped:
-                    raise LookupError(f"no step within {_PATIENCE:g} s: who does not answer, {self._master} reports")
+                    raise LookupError(
+                        f"no step within {_PATIENCE:g} s: who does not answer, {self._master} reports"
+                    )
         except LookupError as error:
             return self._result.RESULT_OPERATION_FAILED, str(error)
         return self._result.RESULT_OK, ""

@@ -34,10 +34,17 @@ class Language(Protocol):
 class CommandedDriver(SteppedNode):
     """Plays the driver by the newest command; ImportError if the language lacks its packages."""
 
-    def __init__(self, language: Callable[[CommandedDriver], Language], **node_arguments: Any) -> None:
-        chosen = [*(node_arguments.pop("parameter_overrides", None) or ()), Parameter("method", value=_LAW)]
+    def __init__(
+        self, language: Callable[[CommandedDriver], Language], **node_arguments: Any
+    ) -> None:
+        chosen = [
+            *(node_arguments.pop("parameter_overrides", None) or ()),
+            Parameter("method", value=_LAW),
+        ]
         super().__init__("driver", parameter_overrides=chosen, **node_arguments)
-        self._places = {name: place for place, name in enumerate(self.configuration.method.law.names())}
+        self._places = {
+            name: place for place, name in enumerate(self.configuration.method.law.names())
+        }
         self._inputs: list[tuple[Reader, type, Callable[[Any], dict[str, float]]]] = []
         self._reported = -_REPORT_PERIOD
         self._language = language(self)
@@ -45,7 +52,9 @@ class CommandedDriver(SteppedNode):
 
     def follow(self, topic: str, kind: str, read: Callable[[Any], dict[str, float]]) -> None:
         """Have the newest message of a topic change the state by what `read` makes of it."""
-        self._inputs.append((Reader(self, needed(kind), topic, lambda _: None, None), needed(kind), read))
+        self._inputs.append(
+            (Reader(self, needed(kind), topic, lambda _: None, None), needed(kind), read)
+        )
 
     def take_steps(self, until: float, guard: int) -> bool:
         """As every node, but not for long: commands are waiting."""
@@ -65,12 +74,17 @@ class CommandedDriver(SteppedNode):
             self._reported = now
             sec, nanosec = divmod(now, stamps.NANOSECONDS)
             row = self.stepper.part.state
-            self._language.report((sec, nanosec), {name: float(row[place]) for name, place in self._places.items()})
+            self._language.report(
+                (sec, nanosec), {name: float(row[place]) for name, place in self._places.items()}
+            )
 
     def _obey(self, command: dict[str, float]) -> None:
         wrong = [name for name, value in command.items() if not math.isfinite(value)]
         if wrong:
-            self.reports.note(wrong[0], f"a command is refused: {wrong[0]} is {command[wrong[0]]}, expected a number")
+            self.reports.note(
+                wrong[0],
+                f"a command is refused: {wrong[0]} is {command[wrong[0]]}, expected a number",
+            )
             return
         part = self.stepper.part
         state = [*part.state]  # in plain Python, and behind sensors and faults, this is a copy
@@ -123,7 +137,9 @@ class Autoware:
         self._gears: Any = needed("autoware_vehicle_msgs/msg/GearReport")
         self._gear, self._was_commanded = int(self._gears.PARK), False
         node.follow(f"{_COMMANDS}/control_cmd", "autoware_control_msgs/msg/Control", self._command)
-        node.follow(f"{_COMMANDS}/gear_cmd", "autoware_vehicle_msgs/msg/GearCommand", self._change_gear)
+        node.follow(
+            f"{_COMMANDS}/gear_cmd", "autoware_vehicle_msgs/msg/GearCommand", self._change_gear
+        )
         self._to_rear_axle = node.configuration.common.vehicle.centre_of_mass_to_rear_axle
         self._velocity = self._publisher(node, "velocity_status", "VelocityReport")
         self._steering = self._publisher(node, "steering_status", "SteeringReport")

@@ -24,15 +24,24 @@ _NEEDED = {  # one of each package
 def bridge(argv: list[str]) -> None:
     """ev-stack bridge simulation_interfaces | autoware | ackermann [--ros-args ...]"""
     parser = Parser(
-        prog="ev-stack bridge", description=f"{__doc__} Each where its package is sourced (docs/bridges.md)."
+        prog="ev-stack bridge",
+        description=f"{__doc__} Each where its package is sourced (docs/bridges.md).",
     )
-    parser.add_argument("kind", choices=[_SIMULATION, *_VEHICLES], help="the last two are drivers, as in run.sh --node")
     parser.add_argument(
-        "--namespace", metavar="/NAME", help=f"of the graph, of {_SIMULATION} where a domain has several"
+        "kind",
+        choices=[_SIMULATION, *_VEHICLES],
+        help="the last two are drivers, as in run.sh --node",
+    )
+    parser.add_argument(
+        "--namespace",
+        metavar="/NAME",
+        help=f"of the graph, of {_SIMULATION} where a domain has several",
     )
     given, rest = parser.parse_known_args(argv)
     if given.kind in _VEHICLES and given.namespace:
-        parser.error(f"--namespace is for {_SIMULATION}; that of a driver is -r __ns:=/NAME behind --ros-args")
+        parser.error(
+            f"--namespace is for {_SIMULATION}; that of a driver is -r __ns:=/NAME behind --ros-args"
+        )
     if given.kind == _SIMULATION and rest:
         parser.error(f"unrecognized arguments: {' '.join(rest)}")
     try:
@@ -42,11 +51,16 @@ def bridge(argv: list[str]) -> None:
             from ev_doors.bridges import vehicle
 
             sys.argv[1:] = rest
-            run_node("driver", partial(vehicle.CommandedDriver, getattr(vehicle, given.kind.capitalize())))
+            run_node(
+                "driver",
+                partial(vehicle.CommandedDriver, getattr(vehicle, given.kind.capitalize())),
+            )
             return
         from ev_doors.bridges.simulation import SimulationInterfaces
 
         with StopRequest() as stop, in_the_graph(_SIMULATION) as node:
-            SimulationInterfaces(node, master_namespace(node, given.namespace)).spin(lambda: stop.received)
+            SimulationInterfaces(node, master_namespace(node, given.namespace)).spin(
+                lambda: stop.received
+            )
     except (LookupError, RunFailed, ImportError) as error:
         refuse(error.args[0])

@@ -35,7 +35,8 @@ def main(argv: list[str] | None = None) -> None:
 
     try:
         with _domain(bool(words)) as domain:
-            sockets = listening(given.port)  # before a run is started for a page that cannot be served
+            # before a run is started for a page that cannot be served
+            sockets = listening(given.port)
             with _run_of(words, domain) as run:
                 ended = asyncio.run(attached(given.namespace, domain, sockets, run))
                 if run is not None and ended is None:  # Ctrl-C: the run prints that itself
@@ -59,9 +60,13 @@ def _arguments(argv: list[str] | None) -> tuple[argparse.Namespace, list[str]]:
         "in real time unless --set plant.real_time_factor says otherwise.",
         allow_abbrev=False,
     )
-    parser.add_argument("--port", type=PORT, default=8050, metavar="N", help="of the page, 0 for any; default 8050")
     parser.add_argument(
-        "--namespace", metavar="/NAME", help="of the graph; default: that of the run, or of each in turn"
+        "--port", type=PORT, default=8050, metavar="N", help="of the page, 0 for any; default 8050"
+    )
+    parser.add_argument(
+        "--namespace",
+        metavar="/NAME",
+        help="of the graph; default: that of the run, or of each in turn",
     )
     given, words = parser.parse_known_args(argv)
     if words and words[0].startswith("-"):
@@ -83,8 +88,14 @@ def _domain(own: bool) -> Iterator[int]:
         return
     found = reserved_domains()
     if len(found) != 1:
-        there = f"runs are under way in the domains {', '.join(map(str, found))}" if found else "no run is under way"
-        raise RunFailed(f"{there}: {'ROS_DOMAIN_ID=N says which' if found else 'name a SCENARIO to drive one'}")
+        there = (
+            f"runs are under way in the domains {', '.join(map(str, found))}"
+            if found
+            else "no run is under way"
+        )
+        raise RunFailed(
+            f"{there}: {'ROS_DOMAIN_ID=N says which' if found else 'name a SCENARIO to drive one'}"
+        )
     yield found[0]
 
 
@@ -95,7 +106,13 @@ def _run_of(words: Sequence[str], domain: int) -> Iterator[subprocess.Popen | No
         yield None
         return
     scenario, *others = words
-    command = [sys.executable, "-c", "from ev_stack.commands.program import main; main()", "run", scenario]
+    command = [
+        sys.executable,
+        "-c",
+        "from ev_stack.commands.program import main; main()",
+        "run",
+        scenario,
+    ]
     run = subprocess.Popen(
         [*command, "--set", "plant.real_time_factor=1", *others],
         env={**os.environ, "ROS_DOMAIN_ID": str(domain)},

@@ -22,8 +22,12 @@ def export_library(argv: list[str]) -> None:
 
     parser = _of_export("export", "a car or its laws as a C library")
     parser.add_argument("--target", required=True, metavar="TARGET", help=", ".join(TARGETS))
-    parser.add_argument("--name", default="", help="names in C begin with evs_NAME; default: run and roles")
-    parser.add_argument("--out", type=output_folder, required=True, metavar="DIR", help="where the files shall be")
+    parser.add_argument(
+        "--name", default="", help="names in C begin with evs_NAME; default: run and roles"
+    )
+    parser.add_argument(
+        "--out", type=output_folder, required=True, metavar="DIR", help="where the files shall be"
+    )
     given = parser.parse_args(argv)
     try:
         target = target_of(given.target)
@@ -32,7 +36,9 @@ def export_library(argv: list[str]) -> None:
         write_library(content, name, target, given.out)
     except (ParameterError, OSError) as error:
         refuse(error)
-    print(f"{name}: {', '.join(content.roles)} for {target.name} in {given.out}, hash {content.digest[:12]}")
+    print(
+        f"{name}: {', '.join(content.roles)} for {target.name} in {given.out}, hash {content.digest[:12]}"
+    )
 
 
 def export_fmu(argv: list[str]) -> None:
@@ -41,11 +47,18 @@ def export_fmu(argv: list[str]) -> None:
     from ev_doors.export.targets import target_of
 
     parser = _of_export("fmu", "a car or its laws as an FMU for co-simulation")
-    parser.add_argument("--fmi", type=int, choices=VERSIONS, default=VERSIONS[0], help="version of FMI; default: 2")
     parser.add_argument(
-        "--target", default=",".join(TARGETS), metavar="TARGET,TARGET", help="what it runs on; default: %(default)s"
+        "--fmi", type=int, choices=VERSIONS, default=VERSIONS[0], help="version of FMI; default: 2"
     )
-    parser.add_argument("--out", type=Path, required=True, metavar="NAME.fmu", help="NAME becomes that of the model")
+    parser.add_argument(
+        "--target",
+        default=",".join(TARGETS),
+        metavar="TARGET,TARGET",
+        help="what it runs on; default: %(default)s",
+    )
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="NAME.fmu", help="NAME becomes that of the model"
+    )
     given = parser.parse_args(argv)
     try:
         targets = [target_of(name) for name in dict.fromkeys(given.target.split(","))]
@@ -62,8 +75,12 @@ def _of_export(command: str, about: str) -> Parser:
     parser.add_argument("scenario", help="name of a scenario, or path of your own")
     parser.add_argument("--run", default="", help="of a scenario with several runs")
     what = parser.add_mutually_exclusive_group()
-    what.add_argument("--only", default="", metavar="ROLE,ROLE", help="these roles, such as asr; default: all")
-    what.add_argument("--without", default="", metavar="ROLE,ROLE", help="all but these, whose answers are inputs")
+    what.add_argument(
+        "--only", default="", metavar="ROLE,ROLE", help="these roles, such as asr; default: all"
+    )
+    what.add_argument(
+        "--without", default="", metavar="ROLE,ROLE", help="all but these, whose answers are inputs"
+    )
     add_overrides(parser)
     return parser
 

@@ -13,15 +13,21 @@ from ev_stack.command_line.refusal import Parser, refuse
 from ev_stack.commands.present_graph import in_the_graph
 from ev_stack.recording.outcome import RunFailed
 
-_ABOUT_POLICIES = "Write the policy file of the graph for DDS security, or hold the running graph against it."
+_ABOUT_POLICIES = (
+    "Write the policy file of the graph for DDS security, or hold the running graph against it."
+)
 
 
 def policies(argv: list[str]) -> None:
     """ev-stack security_policies [--namespace /ev] [--check]"""
     parser = Parser(prog="security_policies", description=_ABOUT_POLICIES)
-    parser.add_argument("--namespace", type=_namespace, default="/ev", help="of the nodes; default /ev")
     parser.add_argument(
-        "--check", action="store_true", help="hold the running graph against it, status 1 if it does more"
+        "--namespace", type=_namespace, default="/ev", help="of the nodes; default /ev"
+    )
+    parser.add_argument(
+        "--check",
+        action="store_true",
+        help="hold the running graph against it, status 1 if it does more",
     )
     given = parser.parse_args(argv)
     allowed = permissions(given.namespace)
@@ -36,7 +42,9 @@ def policies(argv: list[str]) -> None:
     if not used:
         refuse(f"no node is running in namespace {given.namespace}")
     found = violations(allowed, used.values())
-    print(f"{len(used)} nodes, {len(found)} things that the policy does not allow", *found, sep="\n")
+    print(
+        f"{len(used)} nodes, {len(found)} things that the policy does not allow", *found, sep="\n"
+    )
     sys.exit(bool(found))
 
 

@@ -32,16 +32,23 @@ def visualize(argv: list[str]) -> None:
             refuse(one_line(error))
         try:
             node = rclpy.create_node(_VISUALIZATION, namespace="ev", start_parameter_services=False)
-            frames = LiveFrames(node, lambda cause, text: node.get_logger().warning(text, once=True))
+            frames = LiveFrames(
+                node, lambda cause, text: node.get_logger().warning(text, once=True)
+            )
             views = RosViews(node, node.get_logger().warning)
-            controls = Controls(node.context, node.get_namespace(), f"{_VISUALIZATION}_controls", frames.take_car)
+            controls = Controls(
+                node.context, node.get_namespace(), f"{_VISUALIZATION}_controls", frames.take_car
+            )
             was_there = False
             while not stop.received and (controls.has_master or not was_there):
                 was_there |= controls.has_master
                 controls.look()
                 if frames.look() and frames.vehicle is not None:
                     rear_is_steered = "rear_steering" in controls.nodes
-                    views.publish(frames.recording, CarViews(node.get_namespace(), frames.vehicle, rear_is_steered))
+                    views.publish(
+                        frames.recording,
+                        CarViews(node.get_namespace(), frames.vehicle, rear_is_steered),
+                    )
                 time.sleep(_VIEW_PERIOD)
             leave_graph(node)
         finally:

@@ -41,17 +41,28 @@ class Controls:
     """Knows the nodes with roles and asks them; `tell` gets their parameters, answers and refusals as they come."""
 
     def __init__(self, context: Context, namespace: str, name: str, tell: Tell) -> None:
-        # A node of its own: the executor, which only services need, would take the messages of another one.
-        node = Node(name, context=context, namespace=namespace, start_parameter_services=False, enable_rosout=False)
-        self.nodes: dict[str, dict[str, Any]] = {}  # by name, the message with the parameters of the present nodes
+        # A node of its own: the executor, which only services need, would take the messages of
+        # another one.
+        node = Node(
+            name,
+            context=context,
+            namespace=namespace,
+            start_parameter_services=False,
+            enable_rosout=False,
+        )
+        # by name, the message with the parameters of the present nodes
+        self.nodes: dict[str, dict[str, Any]] = {}
         self._node, self._tell = node, tell
         self._executor = SingleThreadedExecutor(context=context)
         self._executor.add_node(node)
         self._of: dict[str, AsyncParameterClient] = {}
-        self._asked: set[str] = set()  # nodes whose parameters are known, or were asked for a moment ago
+        # nodes whose parameters are known, or were asked for a moment ago
+        self._asked: set[str] = set()
         self._present: set[str] = set()
         self._types: dict[tuple[str, str], Parameter.Type] = {}
-        self._time = {name: node.create_client(Trigger, f"{MASTER}/{name}") for name in TIME_SERVICES}
+        self._time = {
+            name: node.create_client(Trigger, f"{MASTER}/{name}") for name in TIME_SERVICES
+        }
         self._waiting: list[tuple[Future, Callable[[Any], None], Callable[[], None], float]] = []
         self._next_look = 0.0
 
@@ -111,14 +122,22 @@ class Controls:
             client = self._of.setdefault(name, AsyncParameterClient(self._node, name))
             if client.services_are_ready():
                 self._asked.add(name)
-                self._ask(client.list_parameters(), partial(self._listed, name), partial(self._asked.discard, name))
+                self._ask(
+                    client.list_parameters(),
+                    partial(self._listed, name),
+                    partial(self._asked.discard, name),
+                )
 
     def _listed(self, name: str, response: Any) -> None:
         names = [each for each in response.result.names if not ros_parameters.is_ros_own(each)]
         client, again = self._of[name], partial(self._asked.discard, name)
 
         def described(answer: Any) -> None:
-            self._ask(client.get_parameters(names), partial(self._described, name, answer.descriptors), again)
+            self._ask(
+                client.get_parameters(names),
+                partial(self._described, name, answer.descriptors),
+                again,
+            )
 
         self._ask(client.describe_parameters(names), described, again)
 
@@ -147,7 +166,9 @@ class Controls:
         for known in self.nodes.get(node, {}).get("parameters", ()):
             if known["name"] == name:
                 known["value"] = value if result.successful else known["value"]
-                self._tell({"kind": "parameter", "node": node, "name": name, "value": known["value"]})
+                self._tell(
+                    {"kind": "parameter", "node": node, "name": name, "value": known["value"]}
+                )
         if result.successful:
             self.say(f"{node}.{name} = {value}", refused=False)
         else:
@@ -155,21 +176,28 @@ class Controls:
 
     def _call(self, service: str) -> None:
         if service not in self._time:
-            raise ValueError(f"service {quoted(service)} is refused, expected {', '.join(self._time)}")
+            raise ValueError(
+                f"service {quoted(service)} is refused, expected {', '.join(self._time)}"
+            )
         if not self._time[service].service_is_ready():
             raise ValueError(f"{service}: {MASTER} is not there")
         self._ask(
             self._time[service].call_async(Trigger.Request()),
-            lambda answer: None if answer.success else self.say(answer.message),  # success comes as a report
+            # success comes as a report
+            lambda answer: None if answer.success else self.say(answer.message),
             lambda: self.say(f"{MASTER} does not answer; whether it did {service} is not known"),
         )
 
-    def _ask(self, future: Future, then: Callable[[Any], None], otherwise: Callable[[], None]) -> None:
+    def _ask(
+        self, future: Future, then: Callable[[Any], None], otherwise: Callable[[], None]
+    ) -> None:
         """Call `then` with the answer, or `otherwise` without one: what a graph has just found is lost at times."""
         self._waiting.append((future, then, otherwise, time.monotonic() + _PATIENCE))
 
 
-def node_message(name: str, descriptors: Iterable[ParameterDescriptor], values: Iterable[Any]) -> dict[str, Any]:
+def node_message(
+    name: str, descriptors: Iterable[ParameterDescriptor], values: Iterable[Any]
+) -> dict[str, Any]:
     """The message that has a page show a node: all its parameters, as they are described, and their values."""
     described = zip(descriptors, values, strict=True)
     parameters = [{**_about(descriptor), "value": _plain(value)} for descriptor, value in described]
@@ -191,4 +219,8 @@ def _about(descriptor: ParameterDescriptor) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    return list(value) if value is not None and not isinstance(value, (str, bool, int, float)) else value
+    return (
+        list(value)
+        if value is not None and not isinstance(value, (str, bool, int, float))
+        else value
+    )

@@ -72,14 +72,18 @@ class Reported:
             status.name.endswith((HEALTH, runner_line.TIMING)) or status.hardware_id
         ):  # of a device: its node notes what is latched
             return
-        text, about_time = shown(f"{status.name}: {status.message}"), status.name.endswith(runner_line.TIME_SERVICE)
+        text, about_time = (
+            shown(f"{status.name}: {status.message}"),
+            status.name.endswith(runner_line.TIME_SERVICE),
+        )
         what = next((shown(value.value) for value in status.values if value.key == NOTED), text)
         if about_time or (what not in self._reported and len(self._reported) < _MOST):
             self._reported.add(what)
             self._new.append((text, about_time))
 
 
-# Of the messages between two looks only the last one counts, and no writer waits for a page or sends to it again.
+# Of the messages between two looks only the last one counts, and no writer waits for a page or
+# sends to it again.
 _NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
@@ -87,7 +91,8 @@ class _NewestReader(SignalReader):
     quality = _NEWEST
 
 
-_TELLS_TIME = BodyVelocity  # of the master, at every instant: one topic never goes back, several overtake each other
+# of the master, at every instant: one topic never goes back, several overtake each other
+_TELLS_TIME = BodyVelocity
 
 
 class LiveFrames:
@@ -99,7 +104,10 @@ class LiveFrames:
     def __init__(self, node: Node, refuse: Callable[[str, str], None]) -> None:
         self.vehicle: Vehicle | None = None
         self._refuse = refuse
-        self._readers = {signal: _NewestReader(node, TOPICS[signal], lambda message: None, refuse) for signal in PLACES}
+        self._readers = {
+            signal: _NewestReader(node, TOPICS[signal], lambda message: None, refuse)
+            for signal in PLACES
+        }
         self._numbers = np.zeros((1, SIZE))
         self._stamp: int | None = None
         self._period = 0  # ns; 0 until the parameters of the plant are known
@@ -133,7 +141,9 @@ class LiveFrames:
         if newest is None or newest == self._stamp:
             return False
         self._stamp = newest
-        self._numbers[0, TIME] = stamps.to_seconds(newest - newest % self._period if self._period else newest)
+        self._numbers[0, TIME] = stamps.to_seconds(
+            newest - newest % self._period if self._period else newest
+        )
         self._shown = self._channels()
         return True
 

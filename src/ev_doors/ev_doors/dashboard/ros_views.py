@@ -15,7 +15,8 @@ from ev_stack.recording.recording import Recording
 from ev_stack.recording.shown import View
 from ev_stack.views.messages import VIEWS, CarViews
 
-_HELD = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)  # for subscribers that come later
+# for subscribers that come later
+_HELD = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class RosViews:
@@ -29,7 +30,9 @@ class RosViews:
                 kind = message_class(view.message_type)
             except ImportError:
                 package = view.message_type.partition("/")[0]
-                say(f"no {view.name}: {package} is not installed; a bag has it without (docs/live.md)")
+                say(
+                    f"no {view.name}: {package} is not installed; a bag has it without (docs/live.md)"
+                )
                 continue
             quality = _HELD if view.lasts else QoSProfile(depth=10)
             named = view.within(node.get_namespace())

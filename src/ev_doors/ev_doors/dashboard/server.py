@@ -43,7 +43,9 @@ def listening(port: int) -> list[socket]:
     try:
         return bind_sockets(port, ADDRESS)
     except OSError as error:
-        raise RunFailed(f"--port {port} is refused: {error.strerror}, expected a free one, or 0 for any") from None
+        raise RunFailed(
+            f"--port {port} is refused: {error.strerror}, expected a free one, or 0 for any"
+        ) from None
 
 
 class Pages:
@@ -64,7 +66,10 @@ class Pages:
         text = filled("dashboard.html", title=title)
         self._server = HTTPServer(
             tornado.web.Application(
-                [("/", _Page, {"hosts": hosts, "text": text}), ("/live", _Socket, {"hosts": hosts, "pages": self})],
+                [
+                    ("/", _Page, {"hosts": hosts, "text": text}),
+                    ("/live", _Socket, {"hosts": hosts, "pages": self}),
+                ],
                 log_function=lambda handler: None,
                 websocket_ping_interval=10,
                 websocket_max_message_size=_LONGEST_WISH,
@@ -158,7 +163,9 @@ class _Socket(_Local, tornado.websocket.WebSocketHandler):
     def _write(self, message: str | bytes) -> Any:
         """A future that ends when the message has left; None if the page has gone, which it may do at any moment."""
         try:
-            return asyncio.ensure_future(self._left(self.write_message(message, isinstance(message, bytes))))
+            return asyncio.ensure_future(
+                self._left(self.write_message(message, isinstance(message, bytes)))
+            )
         except tornado.websocket.WebSocketClosedError:
             return None
 
@@ -178,8 +185,9 @@ async def attached(
 ) -> str | None:
     """Serve pages until the run has ended, and return the reason in words; None if Ctrl-C or SIGTERM came first.
 
-    Without a `namespace` the pages show the graph that has a master of time, and another one after it. Without a `run`
-    of our own the graph has ended when its master has left. RunFailed if there is none.
+    Without a `namespace` the pages show the graph that has a master of time, and another one after
+    it. Without a `run` of our own the graph has ended when its master has left. RunFailed if there
+    is none.
     """
     stopped = asyncio.Event()
     loop = asyncio.get_running_loop()
@@ -211,9 +219,13 @@ async def attached(
 class _Graph:
     """What comes from the graph of a namespace, and what can be asked there."""
 
-    def __init__(self, context: Context, namespace: str, tell: Callable[[dict[str, Any]], None]) -> None:
+    def __init__(
+        self, context: Context, namespace: str, tell: Callable[[dict[str, Any]], None]
+    ) -> None:
         self.title = {"kind": "title", "text": f"EV Control Stack {namespace}"}
-        self._node = Node(f"{_NODE}_signals", context=context, namespace=namespace, start_parameter_services=False)
+        self._node = Node(
+            f"{_NODE}_signals", context=context, namespace=namespace, start_parameter_services=False
+        )
         self.namespace, self._tell, self._reported = namespace, tell, set[str]()
         self.reported = Reported(self._node)
         self.controls = Controls(context, namespace, f"{_NODE}_controls", self._tell_pages)
@@ -259,7 +271,11 @@ class _Dashboard:
         """Take what has come and pass it on."""
         if self._may_change and not self.has_master and time.monotonic() > self._next_look:
             self._next_look = time.monotonic() + GRAPH_PERIOD
-            there = {space for name, space in self._observer.get_node_names_and_namespaces() if name == MASTER}
+            there = {
+                space
+                for name, space in self._observer.get_node_names_and_namespaces()
+                if name == MASTER
+            }
             if there and (self._graph is None or self._graph.namespace not in there):
                 self._show(min(there))
         if (graph := self._graph) is None:

@@ -50,8 +50,8 @@ class Tunable(NamedTuple):
 class Part(NamedTuple):
     """One function that is called in each control period: the law of a role, its sensors, or its faults.
 
-    `begin` and `end` say where it writes in the frame, `seeds` where the seed stands in its constants. Its state is put
-    back to its start at the instants `restarts`.
+    `begin` and `end` say where it writes in the frame, `seeds` where the seed stands in its
+    constants. Its state is put back to its start at the instants `restarts`.
     """
 
     role: str
@@ -73,23 +73,37 @@ class Part(NamedTuple):
 class Content:
     """A run with `only` some of its roles, or `without` some, as `ev_stack.Simulation` steps it.
 
-    What the roles that are left out would write are its inputs. `bare` are those kept without their sensors and faults.
+    What the roles that are left out would write are its inputs. `bare` are those kept without their
+    sensors and faults.
 
-    ParameterError, in one line, for an unknown role, for one that is not compiled, and where nothing is left.
+    ParameterError, in one line, for an unknown role, for one that is not compiled, and where
+    nothing is left.
     """
 
-    def __init__(self, run: Run, only: Collection[str] = (), without: Collection[str] = (), bare: bool = False) -> None:
+    def __init__(
+        self,
+        run: Run,
+        only: Collection[str] = (),
+        without: Collection[str] = (),
+        bare: bool = False,
+    ) -> None:
         for role in (*only, *without):
             if role not in run.configurations:
                 raise unknown_name("role", role, run.configurations)
-        without = [role for role in run.configurations if role in without or (only and role not in only)]
+        without = [
+            role for role in run.configurations if role in without or (only and role not in only)
+        ]
         self.run, self.period = run, run.period
         answering, integrating = roles_in_order(run.configurations)
         self.roles = tuple(role for role in (*answering, *integrating) if role not in without)
         if not self.roles:
-            raise ParameterError(f"{run.name}: all roles are left out, expected to keep one at least")
+            raise ParameterError(
+                f"{run.name}: all roles are left out, expected to keep one at least"
+            )
         self._kept = {role: run.configurations[role] for role in self.roles}
-        first = min((answering.index(role) for role in without if role in answering), default=len(answering))
+        first = min(
+            (answering.index(role) for role in without if role in answering), default=len(answering)
+        )
         if any(role in integrating for role in without):
             first = 0
         before = answering[:first]
@@ -97,7 +111,8 @@ class Content:
         self.parts = [part for each in self._kept.values() for part in _parts(each, required, bare)]
         self.before = sum(part.role in before for part in self.parts)
         self.answering = sum(part.role in answering for part in self.parts)
-        # The random parts of a method, such as a road, are constants: another seed would need others.
+        # The random parts of a method, such as a road, are constants: another seed would need
+        # others.
         self.takes_seeds = not any(each.has_random_method for each in self._kept.values())
         self.seed = max(each.common.seed for each in self._kept.values())
 
@@ -110,7 +125,9 @@ class Content:
     def inputs(self) -> list[Channel]:
         """What the kept roles read of those that are left out."""
         written = {signal for each in self._kept.values() for signal in each.method.writes}
-        return _channels(s for each in self._kept.values() for s in each.method.inputs if s not in written)
+        return _channels(
+            s for each in self._kept.values() for s in each.method.inputs if s not in written
+        )
 
     @property
     def size(self) -> int:
@@ -120,7 +137,9 @@ class Content:
     @cached_property
     def digest(self) -> str:
         """SHA-256 of all code, constants and states, and of the order and names of everything."""
-        digest = hashlib.sha256(repr((self.period, self.inputs, self.outputs, self.before, self.answering)).encode())
+        digest = hashlib.sha256(
+            repr((self.period, self.inputs, self.outputs, self.before, self.answering)).encode()
+        )
         for part in self.parts:
             digest.update(repr((key_of(*part.code), *part[2:])).encode())
         return digest.hexdigest()
@@ -138,20 +157,27 @@ def _parts(configuration: Configuration, required: Collection[str], bare: bool) 
     method, parameters, common = configuration.method, configuration.given, configuration.common
     role, vehicle, period = configuration.role, common.vehicle, common.control_period
     if method.law is None or not method.law.is_compilable:
-        raise ParameterError(f"{role} method {method.name} is not compiled, which an export needs: mark it @compilable")
+        raise ParameterError(
+            f"{role} method {method.name} is not compiled, which an export needs: mark it @compilable"
+        )
     given = given_to(method, parameters, vehicle, period)
     with in_one_line(method, parameters, vehicle, period) as look_at:
         code = code_of(method, given)
         look_at(reach_of(code.text, code.names))
     constants = constants_row(given.trees, given.values["c"], period).tolist()
     tunables = [each for each in _tunables(configuration, given) if each.name not in required]
-    span, again = frame.span(method.writes), tuple(int(n) for n in restarts(configuration) if n < math.inf)
+    span, again = (
+        frame.span(method.writes),
+        tuple(int(n) for n in restarts(configuration) if n < math.inf),
+    )
     state = numbers(given.values["s"])
     parts = [Part(role, code, constants, state, *span, tunables=tuple(tunables), restarts=again)]
     for each in () if bare else rows_of(configuration):
         seed = measuring.SEED if isinstance(each, SensorRow) else row.SEED
         seeds = tuple(range(each.head + seed, len(each.constants), each.width))
-        parts.append(Part(role, ROW_CODE[type(each)], list(each.constants), list(each.state), *span, seeds))
+        parts.append(
+            Part(role, ROW_CODE[type(each)], list(each.constants), list(each.state), *span, seeds)
+        )
     return parts
 
 
@@ -168,27 +194,41 @@ def _tunables(configuration: Configuration, given: Given) -> list[Tunable]:
         law.start(*(values[name] for name in given_names(law.start)))
     places = {name: len(HEAD) + n for n, name in enumerate(_names(given.trees["p"]))}
     return [
-        Tunable(f"{configuration.role}.{each.name}", each.spec.unit, *_bounds(each.spec), places[each.name])
+        Tunable(
+            f"{configuration.role}.{each.name}",
+            each.spec.unit,
+            *_bounds(each.spec),
+            places[each.name],
+        )
         for each in entries(configuration.given)
-        if each.type is float and not each.is_array and not each.spec.read_only and each.name not in used
+        if each.type is float
+        and not each.is_array
+        and not each.spec.read_only
+        and each.name not in used
     ]
 
 
 def _bounds(spec: Any) -> tuple[float, float]:
-    return (-math.inf if spec.low is None else spec.low, math.inf if spec.high is None else spec.high)
+    return (
+        -math.inf if spec.low is None else spec.low,
+        math.inf if spec.high is None else spec.high,
+    )
 
 
 def _names(tree: Mapping[str, Any], prefix: str = "") -> list[str]:
     found: list[str] = []
     for name, value in tree.items():
-        found += _names(value, f"{prefix}{name}.") if isinstance(value, Mapping) else [prefix + name]
+        found += (
+            _names(value, f"{prefix}{name}.") if isinstance(value, Mapping) else [prefix + name]
+        )
     return found
 
 
 def _watched(parameters: Any, used: set[str], prefix: str = "") -> Any:
     """The same parameters, as an object of a class below theirs that notes the names of those that are read.
 
-    Those that a rule of their dataclass reads are noted at once: an export, which does not know the rule, fixes them.
+    Those that a rule of their dataclass reads are noted at once: an export, which does not know the
+    rule, fixes them.
     """
     kind: type = type(parameters)
     names = [f.name for f in fields(kind)] if is_dataclass(kind) else [*vars(parameters)]

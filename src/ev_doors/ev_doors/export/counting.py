@@ -18,7 +18,8 @@ _DESCRIPTOR = 100  # through which the program reads the count
 def counted(command: Sequence[str], folder: Path) -> list[str]:
     """The words that start an emulated program which knows its instructions, with the plugin in a folder.
 
-    The last word of the command is the program. ParameterError, in one line, if its emulator cannot count.
+    The last word of the command is the program. ParameterError, in one line, if its emulator cannot
+    count.
     """
     _HOST.refuse_missing_compiler()
     *emulator, program = command
@@ -27,7 +28,12 @@ def counted(command: Sequence[str], folder: Path) -> list[str]:
         plugin = _HOST.program([_SOURCE], folder / f"qemu_count_{version}.so", options)
         words = [*emulator, "-plugin", str(plugin), program, str(_DESCRIPTOR)]
         # A program ends with its input.
-        if not (tried := subprocess.run(words, stdin=subprocess.DEVNULL, capture_output=True)).returncode:
+        if not (
+            tried := subprocess.run(words, stdin=subprocess.DEVNULL, capture_output=True)
+        ).returncode:
             return words
-    line = tried.stderr.decode(errors="replace").strip().rpartition("\n")[2] or f"status {tried.returncode}"
+    line = (
+        tried.stderr.decode(errors="replace").strip().rpartition("\n")[2]
+        or f"status {tried.returncode}"
+    )
     raise ParameterError(f"{emulator[0]} does not take the plugin that counts: {line}")

@@ -20,7 +20,15 @@ from ev_stack.recording.recording import atomic_file
 from ev_stack.running.output_folder import OutputFolder
 
 VERSIONS = (2, 3)
-_OPTIONS = ("-std=gnu2x", "-O2", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden", "-shared", "-s")
+_OPTIONS = (
+    "-std=gnu2x",
+    "-O2",
+    "-ffp-contract=off",
+    "-fPIC",
+    "-fvisibility=hidden",
+    "-shared",
+    "-s",
+)
 _OPTIONS_OF = {
     "Linux": ("-Wl,-Bsymbolic,--build-id=none",),
     "Windows": ("-static-libgcc", "-Wl,--no-insert-timestamp"),
@@ -34,7 +42,15 @@ _PLACES = {
 TARGETS = (*_PLACES,)
 _NO_DATE = (1980, 1, 1, 0, 0, 0)  # so that the same export is the same file
 
-_MECHANICAL = {"m": {"m": 1}, "s": {"s": 1}, "kg": {"kg": 1}, "rad": {"rad": 1}, "A": {"A": 1}, "K": {"K": 1}, "1": {}}
+_MECHANICAL = {
+    "m": {"m": 1},
+    "s": {"s": 1},
+    "kg": {"kg": 1},
+    "rad": {"rad": 1},
+    "A": {"A": 1},
+    "K": {"K": 1},
+    "1": {},
+}
 _SYMBOLS = {
     **_MECHANICAL,
     "N": {"kg": 1, "m": 1, "s": -2},
@@ -64,7 +80,8 @@ class Variable(NamedTuple):
 def write_fmu(content: Content, fmi: int, targets: Sequence[Target], file: Path) -> None:
     """Write an FMU of FMI 2 or 3, whose model is named after the file, in the place of one of ours at most.
 
-    ParameterError, in one line, for another name, a file of others there, and a target that has no FMUs.
+    ParameterError, in one line, for another name, a file of others there, and a target that has no
+    FMUs.
     """
     if file.suffix != ".fmu":
         raise ParameterError(f"{file} is refused, expected NAME.fmu")
@@ -73,8 +90,14 @@ def write_fmu(content: Content, fmi: int, targets: Sequence[Target], file: Path)
             raise unknown_name("target of an FMU", target.name, _PLACES)
     library = Library(content, file.stem)
     with tempfile.TemporaryDirectory() as made:
-        packed = {place(file.stem, fmi, each.name): _binary(library, fmi, each, Path(made)) for each in targets}
-        packed = {"modelDescription.xml": _description(library, fmi, targets[0], Path(made)), **packed}
+        packed = {
+            place(file.stem, fmi, each.name): _binary(library, fmi, each, Path(made))
+            for each in targets
+        }
+        packed = {
+            "modelDescription.xml": _description(library, fmi, targets[0], Path(made)),
+            **packed,
+        }
         with (
             OutputFolder(file.parent, f"fmu {file.name}", [file.name]),
             atomic_file(file) as written,
@@ -105,7 +128,9 @@ def _binary(library: Library, fmi: int, target: Target, folder: Path) -> Path:
 def _token(library: Library) -> str:
     """What description and library agree about, in the form of a GUID."""
     digest = library.content.digest
-    return f"{{{'-'.join(digest[a:b] for a, b in ((0, 8), (8, 12), (12, 16), (16, 20), (20, 32)))}}}"
+    return (
+        f"{{{'-'.join(digest[a:b] for a, b in ((0, 8), (8, 12), (12, 16), (16, 20), (20, 32)))}}}"
+    )
 
 
 def _description(library: Library, fmi: int, target: Target, folder: Path) -> Path:
@@ -130,7 +155,9 @@ def _description(library: Library, fmi: int, target: Target, folder: Path) -> Pa
 def _variables(library: Library) -> list[Variable]:
     """Time, inputs, outputs and parameters, in the order of their references."""
     content = library.content
-    tunables = [(each, part.constants[each.place]) for part in content.parts for each in part.tunables]
+    tunables = [
+        (each, part.constants[each.place]) for part in content.parts for each in part.tunables
+    ]
     about = {
         f"{role}.{entry.name}": entry.spec.about
         for role in content.roles
@@ -140,7 +167,12 @@ def _variables(library: Library) -> list[Variable]:
 
     def add(name: str, unit: str, how: str, limits: Mapping[str, float]) -> None:
         causality, variability, initial = how.split()
-        attributes = {"name": name, "valueReference": len(found), "causality": causality, "variability": variability}
+        attributes = {
+            "name": name,
+            "valueReference": len(found),
+            "causality": causality,
+            "variability": variability,
+        }
         attributes |= {} if initial == "none" else {"initial": initial}
         attributes |= {"description": about[name]} if name in about else {}
         finite = {name: value for name, value in limits.items() if math.isfinite(value)}
@@ -152,7 +184,12 @@ def _variables(library: Library) -> list[Variable]:
     for each in content.outputs:
         add(each.name, each.unit, "output discrete calculated", {})
     for each, start in tunables:
-        add(each.name, each.unit, "parameter tunable exact", {"min": each.low, "max": each.high, "start": start})
+        add(
+            each.name,
+            each.unit,
+            "parameter tunable exact",
+            {"min": each.low, "max": each.high, "start": start},
+        )
     return found
 
 

@@ -26,7 +26,8 @@ from ev_stack.running.output_folder import OutputFolder
 
 PROTOCOL = 2  # version of what program.c answers
 _PER_LINE = 8  # constants
-_PREFIX = "evs_"  # of names in C and of files, which could else be words of C, of libraries or of the templates
+# of names in C and of files, which could else be words of C, of libraries or of the templates
+_PREFIX = "evs_"
 _OF_LINKER = "_GLOBAL_OFFSET_TABLE_"  # no function: the linker makes it
 
 
@@ -77,15 +78,25 @@ class Library:
         for file in objects:
             parts = [part for part in self.content.parts if self.symbol(part) == file.stem]
             count = sum(len(part.constants) + len(part.state) for part in parts)
-            rows.append((", ".join(part.role for part in parts), code_size(file.read_bytes()), count))
-        return {"sizes": rows, "code": sum(row[1] for row in rows), "constants": 8 * sum(row[2] for row in rows)}
+            rows.append(
+                (", ".join(part.role for part in parts), code_size(file.read_bytes()), count)
+            )
+        return {
+            "sizes": rows,
+            "code": sum(row[1] for row in rows),
+            "constants": 8 * sum(row[2] for row in rows),
+        }
 
     @property
     def about(self) -> str:
         """What it is, in some words."""
         kept = ", ".join(self.content.roles)
         is_whole = set(self.content.roles) == {*self.content.run.configurations}
-        return f"the whole graph of {self.content.run.name}" if is_whole else f"{kept} of {self.content.run.name}"
+        return (
+            f"the whole graph of {self.content.run.name}"
+            if is_whole
+            else f"{kept} of {self.content.run.name}"
+        )
 
     def objects(self, target: Target, folder: Path) -> list[Path]:
         """The object files of all parts, in a folder; those that are there already are not made again."""
@@ -95,10 +106,15 @@ class Library:
                 file.write_bytes(object_file(self.codes[symbol], symbol, target.processor))
         return [*made.values()]
 
-    def write(self, folder: Path, target: Target, templates: Sequence[str], **more: Any) -> list[Path]:
+    def write(
+        self, folder: Path, target: Target, templates: Sequence[str], **more: Any
+    ) -> list[Path]:
         """Files of these templates in a folder."""
         environment = Environment(
-            loader=PackageLoader("ev_doors.export"), undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+            loader=PackageLoader("ev_doors.export"),
+            undefined=StrictUndefined,
+            trim_blocks=True,
+            lstrip_blocks=True,
         )
         environment.filters.update(rows=_rows, number=_number)
         written = []
@@ -133,7 +149,9 @@ class Library:
     def tunables(self) -> list[Tunable]:
         """All parameters that may change, with their places in an object."""
         return [
-            each._replace(place=place.constants + each.place) for place in self.places for each in place.part.tunables
+            each._replace(place=place.constants + each.place)
+            for place in self.places
+            for each in place.part.tunables
         ]
 
 
@@ -145,7 +163,11 @@ def low_of(channel: Channel) -> float:
 def file_name(template: str, name: str) -> str:
     """The name of a file that is made of a template."""
     stem, _, ending = template.partition(".")
-    return template if ending in ("txt", "md") else {"model": name}.get(stem, f"{name}_{stem}") + f".{ending}"
+    return (
+        template
+        if ending in ("txt", "md")
+        else {"model": name}.get(stem, f"{name}_{stem}") + f".{ending}"
+    )
 
 
 def _rows(numbers: Sequence[float]) -> str:
@@ -161,30 +183,44 @@ def _number(value: float) -> str:
 def write_library(content: Content, name: str, target: Target, directory: Path) -> None:
     """Write the library of an export into a folder, where it replaces nothing but an earlier one.
 
-    ParameterError, and nothing is written, for a name that C does not know, for a target that cannot have it, or for
-    files of others in the folder.
+    ParameterError, and nothing is written, for a name that C does not know, for a target that
+    cannot have it, or for files of others in the folder.
     """
     library = Library(content, name)
     if target.board:
         for role in content.roles:
             if ROLES[role].kind is not RoleKind.ANSWERS:
-                raise ParameterError(f"{role} is refused for target {target.name}, expected roles that answer")
+                raise ParameterError(
+                    f"{role} is refused for target {target.name}, expected roles that answer"
+                )
     with tempfile.TemporaryDirectory() as made:
         folder = Path(made)
         objects = library.objects(target, folder)
         sources = library.write(folder, target, ["model.h", "constants.h", "model.c"])
         loop = target.compiled(sources[-1])
-        called = {each for file in (*objects, loop) for each in calls(file.read_bytes())} - {*library.codes, _OF_LINKER}
+        called = {each for file in (*objects, loop) for each in calls(file.read_bytes())} - {
+            *library.codes,
+            _OF_LINKER,
+        }
         if foreign := sorted(called - target.processor.may_call):
-            raise ParameterError(f"target {target.name}: the loop calls {', '.join(foreign)}, which is not everywhere")
+            raise ParameterError(
+                f"target {target.name}: the loop calls {', '.join(foreign)}, which is not everywhere"
+            )
         archive = target.archive([*objects, loop], folder / f"lib{library.name}.a")
         more = {
             "version": version("ev_stack"),
             "called": sorted(called) or ["nothing"],
-            "methods": [f"{role} {content.run.configurations[role].method.name}" for role in content.roles],
+            "methods": [
+                f"{role} {content.run.configurations[role].method.name}" for role in content.roles
+            ],
             **library.sizes(objects),
         }
-        templates = ["CMakeLists.txt", "README.md", "program.c", *(["board.c", "board.ld"] if target.board else [])]
+        templates = [
+            "CMakeLists.txt",
+            "README.md",
+            "program.c",
+            *(["board.c", "board.ld"] if target.board else []),
+        ]
         written = [*sources, archive, *library.write(folder, target, templates, **more)]
         with OutputFolder(directory, f"export {name}", [file.name for file in written]) as output:
             for file in written:

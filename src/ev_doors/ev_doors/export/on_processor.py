@@ -25,14 +25,19 @@ from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_stack.scenarios.scenario import Run
 
 # Emulated here; anything else is the command of a program on a processor of the user's.
-EMULATED = {name.removesuffix("-linux"): name for name, target in TARGETS.items() if target.system != "Windows"}
+EMULATED = {
+    name.removesuffix("-linux"): name
+    for name, target in TARGETS.items()
+    if target.system != "Windows"
+}
 
 
 class OnProcessor:
     """Makes the parts of a role that runs as a program: on a processor of `EMULATED`, or by a command.
 
-    Sensors and faults of the role stay here, behind the program. ParameterError, in one line, for a role that
-    integrates, one that a fault restarts, a processor that cannot be emulated, and a command that is none.
+    Sensors and faults of the role stay here, behind the program. ParameterError, in one line, for a
+    role that integrates, one that a fault restarts, a processor that cannot be emulated, and a
+    command that is none.
     """
 
     def __init__(self, run: Run, role: str, where: str) -> None:
@@ -42,7 +47,9 @@ class OnProcessor:
         if ROLES[role].kind is not RoleKind.ANSWERS:
             raise ParameterError(f"processor: {role} is refused, expected roles that answer")
         if restarts(configuration):
-            raise ParameterError(f"processor: {role} has a fault `restarted`, which a program elsewhere cannot have")
+            raise ParameterError(
+                f"processor: {role} has a fault `restarted`, which a program elsewhere cannot have"
+            )
         method = configuration.method
         self.writes, self.requires, self.mirrored = method.writes, method.requires, method.mirrored
         self.role, self.where, self._words = role, where, _words(where)
@@ -90,7 +97,9 @@ class OnProcessor:
             return f"{begin}: {error}"
         instructions = f"{took.instructions_a_step} instructions a step"
         if took.error:
-            instructions = f"instructions not counted: {self._why_not_counted or took.why_not_counted}"
+            instructions = (
+                f"instructions not counted: {self._why_not_counted or took.why_not_counted}"
+            )
         per_step = took.nanoseconds / max(took.steps, 1) / 1000.0
         return (
             f"{begin}: {took.steps} steps of {per_step:.3g} us, {took.stack} bytes of stack, {took.code} of code, "
@@ -103,9 +112,13 @@ def _words(command: str) -> list[str]:
     try:
         words = shlex.split(command)
     except ValueError as error:
-        raise ParameterError(f"processor {quoted(command)} is refused: {str(error).lower()}") from None
+        raise ParameterError(
+            f"processor {quoted(command)} is refused: {str(error).lower()}"
+        ) from None
     if not words or not words[0]:
-        raise ParameterError(f"processor {quoted(command)} is refused, expected the command of a program")
+        raise ParameterError(
+            f"processor {quoted(command)} is refused, expected the command of a program"
+        )
     return words
 
 
@@ -160,5 +173,7 @@ def with_processors(run: Run, wanted: dict[str, str]) -> tuple[Run, list[OnProce
     changed = dict(run.configurations)
     for each in made:
         configuration = changed[each.role]
-        changed[each.role] = replace(configuration, method=replace(configuration.method, factory=each))
+        changed[each.role] = replace(
+            configuration, method=replace(configuration.method, factory=each)
+        )
     return replace(run, configurations=changed), made

@@ -30,7 +30,8 @@ PATIENCE = 60.0  # s, with a program that does not answer
 _AT_ONCE = 65536  # bytes that are read or written
 _VERSION, _IDENTITY, _STATUS = struct.Struct("<I"), struct.Struct("<Q3I"), struct.Struct("<i")
 _MEASURED = struct.Struct("<3Qi3I")
-_NOT_COUNTED = {  # by error numbers of Linux, as they come from perf_event_open and from the program
+# by error numbers of Linux, as they come from perf_event_open and from the program
+_NOT_COUNTED = {
     errno.EACCES: "the kernel there does not allow it (kernel.perf_event_paranoid)",
     errno.EPERM: "the kernel there does not allow it",
     errno.ENOENT: "the processor there shows no counter of them",
@@ -44,8 +45,8 @@ _NOT_COUNTED = {  # by error numbers of Linux, as they come from perf_event_open
 class Measured(NamedTuple):
     """What the steps of a program have taken, and the size of its parts.
 
-    Time [ns]; instructions, which mean nothing unless `error`, a number of Linux, is 0; bytes of the stack, of code,
-    and of constants with states.
+    Time [ns]; instructions, which mean nothing unless `error`, a number of Linux, is 0; bytes of
+    the stack, of code, and of constants with states.
     """
 
     steps: int
@@ -77,7 +78,9 @@ def build_program(content: Content, target: Target, folder: Path) -> list[str]:
         templates.append("board.c")
         linking += ["-T", *map(str, library.write(folder, target, ["board.ld"]))]
     sources = library.write(folder, target, templates, **library.sizes(objects))
-    program = target.program([*objects, *sources[2:]], folder / f"{_NAME}_program", (*_OPTIONS, *linking))
+    program = target.program(
+        [*objects, *sources[2:]], folder / f"{_NAME}_program", (*_OPTIONS, *linking)
+    )
     return [*target.emulator, str(program)]
 
 
@@ -93,7 +96,11 @@ class Program:
         self._outputs = struct.Struct(f"<i{len(content.outputs)}d")
         try:
             self._process = subprocess.Popen(
-                command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0, start_new_session=True
+                command,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                bufsize=0,
+                start_new_session=True,
             )
         except (OSError, ValueError) as error:
             raise self._refused(getattr(error, "strerror", "") or "it does not start") from None
@@ -122,7 +129,9 @@ class Program:
 
     def set_parameter(self, index: int, value: float) -> int:
         """Change a parameter; a status."""
-        (status,) = _STATUS.unpack(self._asked(b"p" + struct.pack("<Id", index, value), _STATUS.size))
+        (status,) = _STATUS.unpack(
+            self._asked(b"p" + struct.pack("<Id", index, value), _STATUS.size)
+        )
         return int(status)
 
     @property
@@ -161,7 +170,9 @@ class Program:
     def __enter__(self) -> Program:
         return self
 
-    def __exit__(self, kind: type | None, error: BaseException | None, traceback: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
         self.close()
 
     def _answered(self, request: bytes) -> tuple[int, list[float]]:

@@ -12,8 +12,8 @@ from ev_core.compiling import other_processors
 from ev_core.compiling.other_processors import Processor
 from ev_msgs_py.refusal import ParameterError, unknown_name
 
-# Products are never fused with sums, so the bits are those of every other compiler. What copies and fills memory is
-# written as loops, and stays so.
+# Products are never fused with sums, so the bits are those of every other compiler. What copies and
+# fills memory is written as loops, and stays so.
 OPTIONS = (
     "-std=c99",
     "-O2",
@@ -29,8 +29,9 @@ OPTIONS = (
 class Target:
     """A processor with its system, its C compiler and that one's `options`; `package` is Debian's.
 
-    Programs are linked with `linking`: on Linux all functions are found at the start, so that no step looks for one.
-    `emulator` runs its programs here. A `board` has no system: a program there brings its own start and memory map.
+    Programs are linked with `linking`: on Linux all functions are found at the start, so that no
+    step looks for one. `emulator` runs its programs here. A `board` has no system: a program there
+    brings its own start and memory map.
     """
 
     name: str
@@ -62,7 +63,9 @@ class Target:
         self._call(self.compiler, *self.options, *options, "-c", source, "-o", made)
         return made
 
-    def program(self, sources: Sequence[Path], made: Path, options: Sequence[str] = ("-O2",)) -> Path:
+    def program(
+        self, sources: Sequence[Path], made: Path, options: Sequence[str] = ("-O2",)
+    ) -> Path:
         """A program, or with other options a shared library, of sources, objects and libraries."""
         self._call(self.compiler, *self.options, *options, *sources, "-o", made, "-lm")
         return made
@@ -73,7 +76,9 @@ class Target:
         return made
 
     def _call(self, *words: str | Path) -> None:
-        done = subprocess.run([str(word) for word in words], capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            [str(word) for word in words], capture_output=True, text=True, check=False
+        )
         if done.returncode:
             lines = done.stderr.splitlines() or ["failed"]
             line = next((line for line in lines if "error" in line), lines[0])
@@ -83,7 +88,9 @@ class Target:
 TARGETS = {
     target.name: target
     for target in (
-        Target("x86_64-linux", "x86-64 with SSE 4.2, Linux", other_processors.X86_64_LINUX, "", "gcc"),
+        Target(
+            "x86_64-linux", "x86-64 with SSE 4.2, Linux", other_processors.X86_64_LINUX, "", "gcc"
+        ),
         Target(
             "x86_64-windows",
             "x86-64 with SSE 4.2, Windows",
@@ -119,8 +126,23 @@ TARGETS = {
             linking=("--specs=rdimon.specs", "-nostartfiles"),
             system="Generic",
             emulator=(
-                *("qemu-system-arm", "-M", "mps2-an386", "-nographic", "-monitor", "none", "-serial", "none"),
-                *("-semihosting-config", "enable=on,target=native", "-icount", "shift=10", "-kernel"),
+                *(
+                    "qemu-system-arm",
+                    "-M",
+                    "mps2-an386",
+                    "-nographic",
+                    "-monitor",
+                    "none",
+                    "-serial",
+                    "none",
+                ),
+                *(
+                    "-semihosting-config",
+                    "enable=on,target=native",
+                    "-icount",
+                    "shift=10",
+                    "-kernel",
+                ),
             ),
             board=True,
         ),

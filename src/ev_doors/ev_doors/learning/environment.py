@@ -1,6 +1,7 @@
 """A Gymnasium environment around `ev_stack.Simulation`: any scenario, one role of it played by a learner.
 
-An action names the role whose place the learner takes, and how its numbers become what that role writes.
+An action names the role whose place the learner takes, and how its numbers become what that role
+writes.
 """
 
 from __future__ import annotations
@@ -35,8 +36,9 @@ Frame = Mapping[str, float]
 class Action:
     """A kind of action, in the place of a `role`: it gives some `channels` of what that role writes.
 
-    `bounds` gives lowest and highest values for a plant, (number of channels,) each, and `means` what is written for an
-    action at an instant. `of_law` is the action that stands for what the law wrote.
+    `bounds` gives lowest and highest values for a plant, (number of channels,) each, and `means`
+    what is written for an action at an instant. `of_law` is the action that stands for what the law
+    wrote.
     """
 
     role: str
@@ -118,13 +120,14 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
     - `ends`: of the frame, whether the episode is over; without it, it lasts as long as the scenario, `duration`,
     - `render_mode`: "rgb_array" for pictures of the car from above by `render`, (480, 480, 3) of uint8.
 
-    What is observed ends at its limit, as a sensor does: `limits` has it by channel, with its reason. `run` and the
-    arguments from `method` on are those of `ev_stack.Simulation`. The scenario's own law goes along: `info["own"]` is
-    the action that stands for its output, and what no action gives (brakes, pedals) is its output. `info["frame"]` has
-    all channels of the instant. Everything random follows from the seed of `reset`; without one each episode has
-    another.
+    What is observed ends at its limit, as a sensor does: `limits` has it by channel, with its
+    reason. `run` and the arguments from `method` on are those of `ev_stack.Simulation`. The
+    scenario's own law goes along: `info["own"]` is the action that stands for its output, and what
+    no action gives (brakes, pedals) is its output. `info["frame"]` has all channels of the instant.
+    Everything random follows from the seed of `reset`; without one each episode has another.
 
-    ParameterError, in one line, if something is refused; SignalError if a number becomes not finite.
+    ParameterError, in one line, if something is refused; SignalError if a number becomes not
+    finite.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}  # noqa: RUF012, as the base class has it
@@ -163,12 +166,16 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
         self._way: list[tuple[float, float]] = []
         self.observed = _observed(observe, self._frame)
         plant = self.simulation.configurations[MASTER]
-        self.limits = limits(self.observed, car, self.simulation.duration, self._frame, max(motor_torques(plant)))
+        self.limits = limits(
+            self.observed, car, self.simulation.duration, self._frame, max(motor_torques(plant))
+        )
         self.channels = self._action.channels(car)
         low, high = self._action.bounds(plant)
         self.action_space = gymnasium.spaces.Box(low, high, dtype=np.float64)
         self._largest = np.array([limit.largest for limit in self.limits.values()])
-        self.observation_space = gymnasium.spaces.Box(-self._largest, self._largest, dtype=np.float64)
+        self.observation_space = gymnasium.spaces.Box(
+            -self._largest, self._largest, dtype=np.float64
+        )
         defaults: dict[str, Reward] = {
             "torque_split": CalmYaw(car.wheelbase, car.steering_ratio),
             "traction_control": quick_without_slip,
@@ -189,8 +196,8 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
     ) -> tuple[np.ndarray, dict[str, Any]]:
         """Begin again at rest; `seed` is that of the scenario, too: with it the signals are those of `ev_stack.run`.
 
-        A scenario has seeds below 2^31: for a larger one its seed is drawn. ParameterError for `options`: there are
-        none, an episode begins as the environment was made.
+        A scenario has seeds below 2^31: for a larger one its seed is drawn. ParameterError for
+        `options`: there are none, an episode begins as the environment was made.
         """
         if options:
             raise ParameterError(
@@ -199,7 +206,9 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
             )
         super().reset(seed=seed)
         is_drawn = seed is None or seed > _LARGEST_SEED
-        frame = self.simulation.reset(int(self.np_random.integers(_LARGEST_SEED)) if is_drawn else seed)
+        frame = self.simulation.reset(
+            int(self.np_random.integers(_LARGEST_SEED)) if is_drawn else seed
+        )
         self._law, self._way = self._own_law(), []
         return self._seen(frame), self._info(frame)
 
@@ -209,13 +218,19 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
         ParameterError for another shape, and for what is no finite number; nothing is done then.
         """
         if not hasattr(self, "_own"):
-            raise ParameterError("step is refused before the first reset, expected is reset() before it")
+            raise ParameterError(
+                "step is refused before the first reset, expected is reset() before it"
+            )
         if np.shape(action) != self.action_space.shape:
             allowed = f"{self.action_space.shape}, of {', '.join(self.channels)}"
-            raise ParameterError(f"action of shape {np.shape(action)} is refused, expected {allowed}")
+            raise ParameterError(
+                f"action of shape {np.shape(action)} is refused, expected {allowed}"
+            )
         values = np.asarray(action)
         if values.dtype.kind not in "fiub" or not np.isfinite(values).all():
-            raise ParameterError(f"action {quoted(str(values.tolist()))} is refused, expected are finite numbers")
+            raise ParameterError(
+                f"action {quoted(str(values.tolist()))} is refused, expected are finite numbers"
+            )
         values = values.astype(np.float64)
         means = self._action.means(self._frame, self.channels, values)
         own = self._own
@@ -228,7 +243,11 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
 
     def render(self) -> Any:
         """The car from above at this instant and the way that it has come, None without `render_mode`."""
-        return picture(self._car, self._frame, self.simulation.time, self._way) if self.render_mode else None
+        return (
+            picture(self._car, self._frame, self.simulation.time, self._way)
+            if self.render_mode
+            else None
+        )
 
     def _seen(self, frame: Mapping[str, float]) -> np.ndarray:
         return np.clip([frame[name] for name in self.observed], -self._largest, self._largest)
@@ -257,7 +276,9 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
 def _observed(names: Sequence[str], known: Mapping[str, float]) -> tuple[str, ...]:
     found: list[str] = []
     for name in names:
-        of_topic = [channel for channel in known if channel == name or channel.startswith(f"{name}.")]
+        of_topic = [
+            channel for channel in known if channel == name or channel.startswith(f"{name}.")
+        ]
         if not of_topic:
             raise unknown_name("channel", name, known)
         found += of_topic

@@ -1,7 +1,7 @@
 """The rewards that environments have of their own: simple, bounded below by what a car can do badly.
 
-A reward is a function of the frame after the step, the action, and the action that stands for what the scenario's own
-law wrote at the same instant.
+A reward is a function of the frame after the step, the action, and the action that stands for what
+the scenario's own law wrote at the same instant.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 
 Reward = Callable[[Mapping[str, float], np.ndarray, np.ndarray], float]
 
-LARGE_YAW_ACCELERATION = 1.0  # [m/s^2], of the lateral acceleration that is not the one of a neutral car
+# [m/s^2], of the lateral acceleration that is not the one of a neutral car
+LARGE_YAW_ACCELERATION = 1.0
 LARGE_SLIP_RATIO = 0.1  # about where tyres on snow and wet roads give most
 LARGE_DIFFERENCE = 1.0  # [N m], of hand torques
 
@@ -33,7 +34,9 @@ class CalmYaw:
     def __call__(self, frame: Mapping[str, float], action: np.ndarray, own: np.ndarray) -> float:
         """The reward."""
         speed = frame["twist.longitudinal"]
-        neutral = speed * frame["steering_column.state.angle"] / (self.steering_ratio * self.wheelbase)
+        neutral = (
+            speed * frame["steering_column.state.angle"] / (self.steering_ratio * self.wheelbase)
+        )
         error = speed * (frame["imu.yaw_rate"] - neutral) / LARGE_YAW_ACCELERATION
         return -error * error + little_slip(frame, action, own)
 

@@ -19,7 +19,9 @@ _OVERHANG = 0.7  # [m] of the body beyond the axles
 _TYRE_WIDTH = 0.2  # [m]
 
 
-def picture(car: Vehicle, here: Mapping[str, float], time: float, way: Sequence[tuple[float, float]]) -> np.ndarray:
+def picture(
+    car: Vehicle, here: Mapping[str, float], time: float, way: Sequence[tuple[float, float]]
+) -> np.ndarray:
     """A car at an instant [s] that shows a frame, after a way of points x, y [m]: (SIZE, SIZE, 3) of uint8."""
     figure = Figure(figsize=(SIZE / _DPI, SIZE / _DPI), dpi=_DPI)
     axes = figure.add_axes((0.13, 0.11, 0.84, 0.82))
@@ -27,20 +29,33 @@ def picture(car: Vehicle, here: Mapping[str, float], time: float, way: Sequence[
     heading = 2.0 * math.atan2(here["pose.orientation_z"], here["pose.orientation_w"])
     if way:
         axes.plot(*zip(*way, strict=True), color="tab:blue", linewidth=1.0)
-    rear, width = -car.centre_of_mass_to_rear_axle, max(car.front_track, car.rear_track) + _TYRE_WIDTH
+    rear, width = (
+        -car.centre_of_mass_to_rear_axle,
+        max(car.front_track, car.rear_track) + _TYRE_WIDTH,
+    )
     front = rear + car.wheelbase
     middle, length = (front + rear) / 2.0, car.wheelbase + 2.0 * _OVERHANG
     shapes = [(middle, -car.centre_of_mass_offset, 0.0, length, width, "lightgrey")]
-    angles = {front: here["steering_column.state.road_wheel_angle"], rear: here.get("rear_steering.state.angle", 0.0)}
+    angles = {
+        front: here["steering_column.state.road_wheel_angle"],
+        rear: here.get("rear_steering.state.angle", 0.0),
+    }
     for axle, track in ((front, car.front_track), (rear, car.rear_track)):
         for side in (0.5, -0.5):
             beside = side * track - car.centre_of_mass_offset
-            shapes.append((axle, beside, angles[axle], 2.0 * car.wheel_radius, _TYRE_WIDTH, "black"))
+            shapes.append(
+                (axle, beside, angles[axle], 2.0 * car.wheel_radius, _TYRE_WIDTH, "black")
+            )
     for along, across, angle, long, wide, color in shapes:
         corners = np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)]) * (long / 2.0, wide / 2.0)
         in_car = corners @ _turned(angle) + (along, across)
         axes.add_patch(Polygon(in_car @ _turned(heading) + (x, y), color=color))
-    axes.set(xlim=(x - _AROUND, x + _AROUND), ylim=(y - _AROUND, y + _AROUND), xlabel="x [m]", ylabel="y [m]")
+    axes.set(
+        xlim=(x - _AROUND, x + _AROUND),
+        ylim=(y - _AROUND, y + _AROUND),
+        xlabel="x [m]",
+        ylabel="y [m]",
+    )
     speed = math.hypot(here["twist.longitudinal"], here["twist.lateral"])
     axes.set_title(f"{time:.2f} s, {3.6 * speed:.1f} km/h", fontsize="medium")
     pixels = io.BytesIO()

@@ -54,7 +54,9 @@ def permissions(namespace: str) -> dict[str, Permissions]:
     """The permissions of every role and of the recorder in a namespace such as /ev; the runner is not in the graph."""
     found = [_of_role(role, namespace) for role in ROLES.values()]
     into_the_bag = _topics(RECORDED, namespace) | _REPORTS | _CLOCK
-    found.append(_of_node(RECORDER, _topics((RECORDER_WRITES,), namespace), into_the_bag, namespace))
+    found.append(
+        _of_node(RECORDER, _topics((RECORDER_WRITES,), namespace), into_the_bag, namespace)
+    )
     return {each.node: each for each in found}
 
 
@@ -67,7 +69,11 @@ def _of_role(role: Role, namespace: str) -> Permissions:
 
 
 def _of_node(
-    name: str, writes: frozenset[str], reads: frozenset[str], namespace: str, own_services: tuple[str, ...] = ()
+    name: str,
+    writes: frozenset[str],
+    reads: frozenset[str],
+    namespace: str,
+    own_services: tuple[str, ...] = (),
 ) -> Permissions:
     services = (*_PARAMETER_SERVICES, *own_services)
     serves = frozenset(f"{namespace}/{name}/{service}" for service in services)
@@ -90,10 +96,16 @@ def policy_file(namespace: str, permissions: Iterable[Permissions]) -> str:
         _allow(profile, "topics", "topic", "subscribe", each.subscribes)
         _allow(profile, "services", "service", "reply", each.serves)
     ElementTree.indent(policy)
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(policy, encoding="unicode") + "\n"
+    return (
+        '<?xml version="1.0" encoding="UTF-8"?>\n'
+        + ElementTree.tostring(policy, encoding="unicode")
+        + "\n"
+    )
 
 
-def _allow(profile: ElementTree.Element, group: str, kind: str, what: str, names: frozenset[str]) -> None:
+def _allow(
+    profile: ElementTree.Element, group: str, kind: str, what: str, names: frozenset[str]
+) -> None:
     if not names:
         return
     allowed = ElementTree.SubElement(profile, group, {what: "ALLOW"})
@@ -121,7 +133,9 @@ def violations(allowed: Mapping[str, Permissions], used: Iterable[Permissions]) 
     return tuple(
         line
         for each in used
-        for line in allowed.get(each.node, Permissions(each.node, nothing, nothing, nothing)).lacks(each)
+        for line in allowed.get(each.node, Permissions(each.node, nothing, nothing, nothing)).lacks(
+            each
+        )
     )
 
 

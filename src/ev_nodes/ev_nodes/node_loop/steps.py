@@ -138,7 +138,8 @@ _NOTHING, _KEPT, _REFUSED = range(-3, 0)  # what else can become of a message
 
 _AT_ONCE = 100  # messages of one input that are taken between two looks at the others
 
-GID = 5  # word of the information on a message at which the identity of its publisher begins, two words long
+# word of the information on a message at which the identity of its publisher begins, two words long
+GID = 5
 
 
 @compilable

@@ -18,8 +18,10 @@ from ev_msgs_py.refusal import LINE, shown
 from ev_nodes.stepping.runner_line import NOTE, REMARK, WARNING, RunnerLine, Word
 
 HEALTH = "health"  # the end of the name of its status
-LOST = ".lost."  # in the names of state by which laws remember motors and sensors that they do not trust
-NOTED = "noted"  # key of a diagnostic value: a remark that is made once, and does not make a run less reproducible
+# in the names of state by which laws remember motors and sensors that they do not trust
+LOST = ".lost."
+# key of a diagnostic value: a remark that is made once, and does not make a run less reproducible
+NOTED = "noted"
 _AT_ONCE = Duration()
 _TO_BE_HEARD = 0.002  # s between looks at whether all readers have acknowledged
 _PERIOD = 1.0  # s between reports of health

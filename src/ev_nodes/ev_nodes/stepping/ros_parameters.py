@@ -177,7 +177,8 @@ def descriptor(entry: Entry) -> ParameterDescriptor:
         description=f"{spec.about}{unit}{source}",
         additional_constraints=f"allowed: {spec.allowed}",
         read_only=spec.read_only,
-        dynamic_typing=entry.is_array,  # ROS takes an empty array for one of bytes; our own check knows the type
+        # ROS takes an empty array for one of bytes; our own check knows the type
+        dynamic_typing=entry.is_array,
     )
     if not entry.is_array and (spec.low is not None or spec.high is not None):
         limit = _NO_LIMIT[entry.type]

@@ -54,8 +54,8 @@ class _Placed(NamedTuple):
 class Runs:
     """Drives single runs of a batch, on any thread; a method whose parameters are the same in all is prepared once.
 
-    `initial_states` have by role a row for each run. ParameterError for a method that does not run compiled, for a
-    refused value of a parameter, and for states of another size.
+    `initial_states` have by role a row for each run. ParameterError for a method that does not run
+    compiled, for a refused value of a parameter, and for states of another size.
     """
 
     def __init__(
@@ -83,14 +83,22 @@ class Runs:
         look = max(round(ending.every / times[1]) if ending and last else last, 1)
         self._legs = list(pairwise([0, *range(look, last, look), last]))
         self._varied = {role: variation.configurations(role) for role in configurations}
-        first = {role: varied[0] if varied else configurations[role] for role, varied in self._varied.items()}
+        first = {
+            role: varied[0] if varied else configurations[role]
+            for role, varied in self._varied.items()
+        }
         made = {role: compiled_part(configuration) for role, configuration in first.items()}
         self._made, self._differs = made, {role for role in made if variation.concerns_method(role)}
         # What is compiled is compiled here, and not by several threads at once.
         observer.function()
-        if any(variation.concerns_sensors(role) or not each.is_ideal for role, each in configurations.items()):
+        if any(
+            variation.concerns_sensors(role) or not each.is_ideal
+            for role, each in configurations.items()
+        ):
             row_function(SensorRow)
-        if any("faults" in name for name in variation.names) or any(each.faults for each in configurations.values()):
+        if any("faults" in name for name in variation.names) or any(
+            each.faults for each in configurations.values()
+        ):
             row_function(FaultRow)
         for role, states in initial_states.items():
             _refuse_states(role, states, made[role].state.size)
@@ -109,18 +117,27 @@ class Runs:
         rows = np.array([placed.row for placed in (*before, *behind)], np.int64)
         parts = Parts(rows, len(before))
         frames, stopped = np.zeros((2, frame.SIZE)), np.zeros(3, np.int64)
-        of = {role: varied[run] if varied else self._base[role] for role, varied in self._varied.items()}
+        of = {
+            role: varied[run] if varied else self._base[role]
+            for role, varied in self._varied.items()
+        }
         for first, last in self._legs:
             status = run_through(frames, self._times, first, last, parts, stopped)
             if status != FINISHED:
                 return self._why(status, frames, stopped, (*before, *behind))
-            if self._ending and whole and self._ending.is_over(driven_run(whole.recorded(last + 1)[1], of), first):
+            if (
+                self._ending
+                and whole
+                and self._ending.is_over(driven_run(whole.recorded(last + 1)[1], of), first)
+            ):
                 break
         if self._measures and whole:
             self._measures.take(run, whole, last + 1, of)
         return ""
 
-    def _why(self, status: int, frames: np.ndarray, stopped: np.ndarray, placed: Sequence[_Placed]) -> str:
+    def _why(
+        self, status: int, frames: np.ndarray, stopped: np.ndarray, placed: Sequence[_Placed]
+    ) -> str:
         """The line on what was not finite, or what a law raised."""
         instant, place, which = stopped.tolist()
         role, part = placed[place].role, placed[place].part
@@ -144,11 +161,14 @@ class Runs:
             part = self._made[role]
             if role in self._differs:
                 part = compiled_part(configuration, like=part)
-        except ParameterError as error:  # values that are allowed one by one and do not fit together
+        # values that are allowed one by one and do not fit together
+        except ParameterError as error:
             raise ParameterError(f"run {run}: {role}: {error}") from None
         state = self._initial_states[role][run] if role in self._initial_states else part.state
         if any(text.split()[0] == "restarted" for text in configuration.faults):
-            raise ParameterError(f"{role} faults: restarted is refused in a batch, expected all other kinds")
+            raise ParameterError(
+                f"{role} faults: restarted is refused in a batch, expected all other kinds"
+            )
         writes = frame.span(configuration.method.writes)
         placed, rows = [_Placed(role, writes, part, state.copy())], row_parts(configuration)
         if rows and whole and (truth := whole.truth_of(role)):
@@ -158,7 +178,9 @@ class Runs:
 
 def _refuse_states(role: str, states: np.ndarray, size: int) -> None:
     if states.shape[1] != size:
-        raise ParameterError(f"initial_states of {role} have {states.shape[1]} numbers, expected {size}")
+        raise ParameterError(
+            f"initial_states of {role} have {states.shape[1]} numbers, expected {size}"
+        )
     for run in np.flatnonzero(~np.isfinite(states).all(axis=1)):
         raise ParameterError(f"initial_states of {role} are not finite in run {run}")
 
@@ -170,11 +192,11 @@ _PORTIONS = 16  # for each thread
 class BatchResult:
     """What is kept of the runs of a batch.
 
-    `metrics`: by name one number for each run, (runs,), NaN where it cannot be measured. `signals`: by channel the
-    samples of each run at the instants `time` [s], (runs, samples). `failed`: by number of the run what was not finite
-    and when; such a run has stopped there, its metrics and what would have come later are NaN. `hashes`: the signal
-    hash of each run if asked for, empty where it has failed. `ends`: when each run ended [s], (runs,), NaN where it has
-    failed.
+    `metrics`: by name one number for each run, (runs,), NaN where it cannot be measured. `signals`:
+    by channel the samples of each run at the instants `time` [s], (runs, samples). `failed`: by
+    number of the run what was not finite and when; such a run has stopped there, its metrics and
+    what would have come later are NaN. `hashes`: the signal hash of each run if asked for, empty
+    where it has failed. `ends`: when each run ended [s], (runs,), NaN where it has failed.
     """
 
     metrics: Mapping[str, np.ndarray]
@@ -185,10 +207,11 @@ class BatchResult:
     hashes: Sequence[str] = ()
 
     def __repr__(self) -> str:
-        kept = ", ".join(f"{name} {np.shape(values)}" for name, values in {**self.metrics, **self.signals}.items())
-        return (
-            f"BatchResult of {kept or 'nothing, as neither metrics nor signals were named'}; {len(self.failed)} failed"
+        kept = ", ".join(
+            f"{name} {np.shape(values)}"
+            for name, values in {**self.metrics, **self.signals}.items()
         )
+        return f"BatchResult of {kept or 'nothing, as neither metrics nor signals were named'}; {len(self.failed)} failed"
 
 
 def batch(
@@ -205,45 +228,79 @@ def batch(
 ) -> BatchResult:
     """Drive runs of a graph from rest to `duration` [s], as `run_offline` does each of them.
 
-    `vary` has by ROLE.PARAMETER, or *.PARAMETER for all roles, one value for each run; `initial_states` by role one row
-    of the method's state for each run, (runs, size). Each run keeps the channels in `signals` at every `every`-th
-    period, and `metrics`: reductions of channels over all periods by name, gathered in the compiled loop (`observer`),
-    or texts as in the file of a scenario, computed from the true motion (`measures.expression`), and its signal hash if
-    asked to. Runs that an `ending` ends before have the bits of a run of that duration, and reductions are refused with
-    it. Without `threads` there are as many as cores. ParameterError if a name or value is refused, if roles do
-    not fit together, if a method is plain Python, all before anything runs, or if a run's values make no method.
+    `vary` has by ROLE.PARAMETER, or *.PARAMETER for all roles, one value for each run;
+    `initial_states` by role one row of the method's state for each run, (runs, size). Each run
+    keeps the channels in `signals` at every `every`-th period, and `metrics`: reductions of
+    channels over all periods by name, gathered in the compiled loop (`observer`), or texts as in
+    the file of a scenario, computed from the true motion (`measures.expression`), and its signal
+    hash if asked to. Runs that an `ending` ends before have the bits of a run of that duration, and
+    reductions are refused with it. Without `threads` there are as many as cores. ParameterError if
+    a name or value is refused, if roles do not fit together, if a method is plain Python, all
+    before anything runs, or if a run's values make no method.
     """
     check_graph(configurations)
     reductions, texts = (metrics, ()) if isinstance(metrics, Mapping) else ({}, metrics or ())
-    states = {role: np.atleast_2d(np.asarray(rows, float)) for role, rows in (initial_states or {}).items()}
+    states = {
+        role: np.atleast_2d(np.asarray(rows, float))
+        for role, rows in (initial_states or {}).items()
+    }
     for role in states:
         if role not in configurations:
             raise unknown_name("role", role, configurations)
-    variation = Variation(configurations, vary or {}, {role: len(rows) for role, rows in states.items()})
-    _refuse_channels(configurations, [*signals, *(reduction.channel for reduction in reductions.values())])
+    variation = Variation(
+        configurations, vary or {}, {role: len(rows) for role, rows in states.items()}
+    )
+    _refuse_channels(
+        configurations, [*signals, *(reduction.channel for reduction in reductions.values())]
+    )
     if isinstance(every, bool) or not isinstance(every, int) or every < 1:
-        raise ParameterError(f"every: {every!r} is refused, expected a whole number of periods, at least 1")
-    if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or threads < 1):
-        raise ParameterError(f"threads: {threads!r} is refused, expected is a whole number, at least 1")
+        raise ParameterError(
+            f"every: {every!r} is refused, expected a whole number of periods, at least 1"
+        )
+    if threads is not None and (
+        isinstance(threads, bool) or not isinstance(threads, int) or threads < 1
+    ):
+        raise ParameterError(
+            f"threads: {threads!r} is refused, expected is a whole number, at least 1"
+        )
     if ending and reductions:
-        raise ParameterError("reductions are refused for runs that may end before, expected metrics of whole runs")
+        raise ParameterError(
+            "reductions are refused for runs that may end before, expected metrics of whole runs"
+        )
     period = next(iter(configurations.values())).period
-    times = np.array([stamps.to_seconds(n * period) for n in range(stamps.from_seconds(duration) // period + 1)])
+    times = np.array(
+        [stamps.to_seconds(n * period) for n in range(stamps.from_seconds(duration) // period + 1)]
+    )
     if not len(times):
         raise ParameterError(f"duration: {duration!r} is refused, expected 0 s or more")
-    observation = Observation(signals, every, tuple(reductions.values()), variation.runs, len(times))
-    measures = WholeRuns(texts, configurations, variation.runs, times, hashes) if texts or hashes or ending else None
+    observation = Observation(
+        signals, every, tuple(reductions.values()), variation.runs, len(times)
+    )
+    measures = (
+        WholeRuns(texts, configurations, variation.runs, times, hashes)
+        if texts or hashes or ending
+        else None
+    )
     runs = Runs(configurations, variation, states, observation, times, measures, ending)
     workers = threads or len(os.sched_getaffinity(0))
-    # In portions: handing over each run alone costs a tenth of making it; the last ones shall be short.
+    # In portions: handing over each run alone costs a tenth of making it; the last ones shall be
+    # short.
     size = max(variation.runs // (_PORTIONS * workers), 1)
-    portions = [range(each, min(each + size, variation.runs)) for each in range(0, variation.runs, size)]
+    portions = [
+        range(each, min(each + size, variation.runs)) for each in range(0, variation.runs, size)
+    ]
     failed = _driven(runs, portions, workers)
-    reduced, ends = observation.reduced(), measures.ends if measures else np.full(variation.runs, times[-1])
+    reduced, ends = (
+        observation.reduced(),
+        measures.ends if measures else np.full(variation.runs, times[-1]),
+    )
     reduced[list(failed)] = ends[list(failed)] = np.nan
     return BatchResult(
         {
-            **{name: result(m.kind, reduced[:, i], len(times)) for i, (name, m) in enumerate(reductions.items())},
+            **{
+                name: result(m.kind, reduced[:, i], len(times))
+                for i, (name, m) in enumerate(reductions.items())
+            },
             **(measures.values if measures else {}),
         },
         observation.signals(),

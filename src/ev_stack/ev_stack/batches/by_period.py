@@ -28,16 +28,34 @@ def batch_by_period(
 ) -> BatchResult:
     """As `batch`, but that *.control_period may vary as well; what is measured comes in the order of the runs."""
     if PERIOD not in vary:
-        return batch(configurations, duration, vary, metrics=metrics, threads=threads, hashes=hashes, ending=ending)
+        return batch(
+            configurations,
+            duration,
+            vary,
+            metrics=metrics,
+            threads=threads,
+            hashes=hashes,
+            ending=ending,
+        )
     periods = vary[PERIOD]
     found: dict[str, np.ndarray] = {}
     failed: dict[int, str] = {}
     signal_hashes, ends = [""] * len(periods) if hashes else [], np.full(len(periods), np.nan)
     for period in dict.fromkeys(periods):
         runs = [run for run, each in enumerate(periods) if each == period]
-        columns = {name: [column[run] for run in runs] for name, column in vary.items() if name != PERIOD}
+        columns = {
+            name: [column[run] for run in runs] for name, column in vary.items() if name != PERIOD
+        }
         changed = {role: each.changed({_PERIOD: period}) for role, each in configurations.items()}
-        of = batch(changed, duration, columns, metrics=metrics, threads=threads, hashes=hashes, ending=ending)
+        of = batch(
+            changed,
+            duration,
+            columns,
+            metrics=metrics,
+            threads=threads,
+            hashes=hashes,
+            ending=ending,
+        )
         ends[runs] = of.ends
         for name, values in of.metrics.items():
             found.setdefault(name, np.full(len(periods), np.nan))[runs] = values

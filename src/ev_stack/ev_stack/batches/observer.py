@@ -1,7 +1,7 @@
 """A part that keeps of a run what a batch is asked for: some channels now and then, and reductions.
 
-It writes nothing into the frame in which it stands: behind all that answer, or behind a part that integrates. Two rows
-of numbers are its memory:
+It writes nothing into the frame in which it stands: behind all that answer, or behind a part that
+integrates. Two rows of numbers are its memory:
 
     constants  every  channels  reductions  samples  their places ...  kind and place of each reduction ...
     state      instant  reductions ...  the samples of the first channel ...  of the second ...
@@ -25,15 +25,17 @@ MINIMUM, MAXIMUM, LARGEST_MAGNITUDE, LAST, MEAN, ROOT_MEAN_SQUARE = range(6)
 class Reduction(NamedTuple):
     """A way to make one number of all samples of a channel, such as imu.yaw_rate, from the start on.
 
-    Samples are those of each control period and of both ends: their smallest, largest or last one, the largest
-    magnitude, their mean, and the root of the mean of their squares.
+    Samples are those of each control period and of both ends: their smallest, largest or last one,
+    the largest magnitude, their mean, and the root of the mean of their squares.
     """
 
     kind: int
     channel: str
 
 
-minimum, maximum, largest_magnitude, last, mean, root_mean_square = (partial(Reduction, kind) for kind in range(6))
+minimum, maximum, largest_magnitude, last, mean, root_mean_square = (
+    partial(Reduction, kind) for kind in range(6)
+)
 
 
 def result(kind: int, reduced: np.ndarray, instants: int) -> np.ndarray:
@@ -49,11 +51,19 @@ HEAD = 4
 @compilable
 def observe(now: np.ndarray, state: np.ndarray, c: np.ndarray) -> None:
     """Take from the frame of an instant what is asked for."""
-    instant, every, channels, reductions, samples = int(state[0]), int(c[0]), int(c[1]), int(c[2]), int(c[3])
+    instant, every, channels, reductions, samples = (
+        int(state[0]),
+        int(c[0]),
+        int(c[1]),
+        int(c[2]),
+        int(c[3]),
+    )
     for i in range(reductions):
         place = HEAD + channels + 2 * i
         value = now[int(c[place + 1])]
-        state[1 + i] = value if instant == 0 and c[place] < MEAN else reduced(c[place], state[1 + i], value)
+        state[1 + i] = (
+            value if instant == 0 and c[place] < MEAN else reduced(c[place], state[1 + i], value)
+        )
     if instant % every == 0:
         begin = 1 + reductions + instant // every
         for i in range(channels):
@@ -105,11 +115,22 @@ class Observation:
     """The memory of the observers of all runs."""
 
     def __init__(
-        self, channels: Sequence[str], every: int, reductions: Sequence[Reduction], runs: int, instants: int
+        self,
+        channels: Sequence[str],
+        every: int,
+        reductions: Sequence[Reduction],
+        runs: int,
+        instants: int,
     ) -> None:
         places = frame.channels()
         self._samples = (instants - 1) // every + 1
-        asked = [every, len(channels), len(reductions), self._samples, *(places[name] for name in channels)]
+        asked = [
+            every,
+            len(channels),
+            len(reductions),
+            self._samples,
+            *(places[name] for name in channels),
+        ]
         for reduction in reductions:
             asked += [reduction.kind, places[reduction.channel]]
         self._constants = np.array(asked, float)
@@ -132,5 +153,7 @@ class Observation:
 
     def signals(self) -> dict[str, np.ndarray]:
         """By channel the samples of each run, (runs, samples); NaN where none has come."""
-        samples = self._kept[:, self._head :].reshape(len(self._kept), len(self._channels), self._samples)
+        samples = self._kept[:, self._head :].reshape(
+            len(self._kept), len(self._channels), self._samples
+        )
         return {name: np.ascontiguousarray(samples[:, i]) for i, name in enumerate(self._channels)}

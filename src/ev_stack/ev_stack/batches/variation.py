@@ -19,21 +19,28 @@ _SEED = entries_by_name(CommonParameters)["seed"]
 class Variation:
     """What differs from run to run; names are ROLE.PARAMETER, or *.PARAMETER for all roles.
 
-    `runs` is their number by role where initial states give it. ParameterError for unknown names, for what cannot
-    differ, and if the numbers of values are not the same.
+    `runs` is their number by role where initial states give it. ParameterError for unknown names,
+    for what cannot differ, and if the numbers of values are not the same.
     """
 
     def __init__(
-        self, configurations: Mapping[str, Configuration], vary: Mapping[str, Iterable[Any]], runs: Mapping[str, int]
+        self,
+        configurations: Mapping[str, Configuration],
+        vary: Mapping[str, Iterable[Any]],
+        runs: Mapping[str, int],
     ) -> None:
         self._configurations = configurations
-        self._known = {role: configuration.values() for role, configuration in configurations.items()}
+        self._known = {
+            role: configuration.values() for role, configuration in configurations.items()
+        }
         columns = {name: list(map(plain, plain(values))) for name, values in vary.items()}
         lengths = {name: len(column) for name, column in columns.items()}
         lengths.update({f"initial_states of {role}": count for role, count in runs.items()})
         if len(set(lengths.values())) > 1:
             listed = ", ".join(f"{name} {length}" for name, length in lengths.items())
-            raise ParameterError(f"numbers of runs differ: {listed}; expected one number of values for all")
+            raise ParameterError(
+                f"numbers of runs differ: {listed}; expected one number of values for all"
+            )
         self.names = tuple(columns)
         self.runs = next(iter(lengths.values()), 1)
         self._by_role: dict[str, dict[str, Sequence[Any]]] = {role: {} for role in configurations}
@@ -50,14 +57,22 @@ class Variation:
         extra = entries(configuration.extra) if configuration.extra is not None else ()
         fixed = (*_OF_ALL_RUNS, *(entry.name for entry in extra))
         if parameter in fixed:
-            raise ParameterError(f"{name} is refused: all runs of a batch have the same {parameter}")
+            raise ParameterError(
+                f"{name} is refused: all runs of a batch have the same {parameter}"
+            )
         known = self._known[role]
         if parameter not in known:
             is_sensor = parameter.startswith(_SENSORS)  # there are many: listed where one is meant
-            listed = [each for each in known if each not in fixed and each.startswith(_SENSORS) == is_sensor]
+            listed = [
+                each
+                for each in known
+                if each not in fixed and each.startswith(_SENSORS) == is_sensor
+            ]
             raise unknown_name(f"parameter of {role}", parameter, listed)
         if parameter.startswith(_VEHICLE) and not for_all:
-            raise ParameterError(f"{name} is refused: expected {EVERY_ROLE}.{parameter}, one for all roles")
+            raise ParameterError(
+                f"{name} is refused: expected {EVERY_ROLE}.{parameter}, one for all roles"
+            )
 
     def configurations(self, role: str) -> list[Configuration] | None:
         """Those of a role in all runs, None if nothing that matters differs; ParameterError if a value is refused."""
@@ -83,4 +98,6 @@ class Variation:
     def concerns_method(self, role: str) -> bool:
         """Whether anything differs that the method of a role knows of, and not its sensors and faults alone."""
         seed = () if self._configurations[role].has_random_method else ("seed",)
-        return any(name not in seed and not name.startswith(_SENSORS) for name in self._by_role[role])
+        return any(
+            name not in seed and not name.startswith(_SENSORS) for name in self._by_role[role]
+        )

@@ -30,7 +30,9 @@ class Ending:
 class WholeRun:
     """The memory for some channels of a run, and for those `of_roles` of the car in front of their sensors."""
 
-    def __init__(self, channels: Sequence[str], of_roles: Mapping[str, Sequence[str]], times: np.ndarray) -> None:
+    def __init__(
+        self, channels: Sequence[str], of_roles: Mapping[str, Sequence[str]], times: np.ndarray
+    ) -> None:
         self.shown = Observation(channels, 1, (), 1, len(times))
         self._of_roles, self._times = of_roles, times
         self._true: list[Observation] = []
@@ -46,7 +48,11 @@ class WholeRun:
         """What was shown up to an instant, and the true motion (`true_motion`, which has to drive the car again)."""
         times = self._times[:instants]
         shown = Recording(times, _only_run(self.shown, instants))
-        true = {name: values for each in self._true for name, values in _only_run(each, instants).items()}
+        true = {
+            name: values
+            for each in self._true
+            for name, values in _only_run(each, instants).items()
+        }
         return shown, Recording(times, {**shown.channels, **true}, shown) if true else shown
 
 
@@ -57,9 +63,10 @@ def _only_run(observation: Observation, instants: int) -> dict[str, np.ndarray]:
 class WholeRuns:
     """What is measured of each run once it is driven; `values` have by name one number for each run, (runs,).
 
-    NaN stands where there is none. `ends` are when the runs ended [s], (runs,), and `hashes` those of the published
-    signals if they are asked for, NaN and empty for a run that has not ended. ParameterError for texts that name or
-    declare no metric, and for a metric of channels that the graph does not have.
+    NaN stands where there is none. `ends` are when the runs ended [s], (runs,), and `hashes` those
+    of the published signals if they are asked for, NaN and empty for a run that has not ended.
+    ParameterError for texts that name or declare no metric, and for a metric of channels that the
+    graph does not have.
     """
 
     def __init__(
@@ -72,9 +79,15 @@ class WholeRuns:
     ) -> None:
         self._metrics, self._times = named_metrics(texts), times
         refuse_unmeasurable(self._metrics.values(), configurations)
-        self._channels = [name for topic in written_topics(configurations) for name in topic.channels]
+        self._channels = [
+            name for topic in written_topics(configurations) for name in topic.channels
+        ]
         self._of_roles = {
-            role: [name for signal in configurations[role].method.writes for name in TOPICS[signal].channels]
+            role: [
+                name
+                for signal in configurations[role].method.writes
+                for name in TOPICS[signal].channels
+            ]
             for role in OF_THE_CAR
             if role in configurations and len(times) > 1
         }
@@ -86,7 +99,9 @@ class WholeRuns:
         """The memory for a run."""
         return WholeRun(self._channels, self._of_roles, self._times)
 
-    def take(self, run: int, whole: WholeRun, instants: int, configurations: Mapping[str, Configuration]) -> None:
+    def take(
+        self, run: int, whole: WholeRun, instants: int, configurations: Mapping[str, Configuration]
+    ) -> None:
         """Measure a run that has ended after some instants, of these configurations."""
         shown, motion = whole.recorded(instants)
         self.ends[run] = shown.time[-1]

@@ -11,7 +11,11 @@ from ev_msgs_py.refusal import quoted
 
 def whole(low: int, high: int | None = None) -> Callable[[str], int]:
     """Return the type of a whole number from `low` to `high`."""
-    expected = f"a whole number from {low} to {high}" if high is not None else f"a whole number, {low} or more"
+    expected = (
+        f"a whole number from {low} to {high}"
+        if high is not None
+        else f"a whole number, {low} or more"
+    )
 
     def number(text: str) -> int:
         try:
@@ -37,7 +41,9 @@ def real(low: float = -math.inf, high: float = math.inf) -> Callable[[str], floa
         except ValueError:
             value = math.nan
         if not (math.isfinite(value) and low <= value <= high):
-            raise argparse.ArgumentTypeError(f"{quoted(text)} is refused, expected a number{within}")
+            raise argparse.ArgumentTypeError(
+                f"{quoted(text)} is refused, expected a number{within}"
+            )
         return value
 
     return number

@@ -1,7 +1,8 @@
 """The commands of ev-stack: each package has tables of its own, in a module that an entry point names.
 
-How it works: `COMMANDS` of that module are the commands of `ev-stack`. `REVIEWS`, which it may have, are what
-`ev-stack run` does by name besides driving a scenario. `STUDY`, which one package has, drives a study by its name.
+How it works: `COMMANDS` of that module are the commands of `ev-stack`. `REVIEWS`, which it may
+have, are what `ev-stack run` does by name besides driving a scenario. `STUDY`, which one package
+has, drives a study by its name.
 """
 
 from __future__ import annotations
@@ -44,7 +45,9 @@ class Offered(NamedTuple):
 @cache
 def offered_commands() -> Offered:
     """All commands: ours first, in the order of packages and of their tables."""
-    packages = sorted(offered(GROUP), key=lambda name: OURS.index(name) if name in OURS else len(OURS))
+    packages = sorted(
+        offered(GROUP), key=lambda name: OURS.index(name) if name in OURS else len(OURS)
+    )
     commands: dict[str, Command] = {}
     reviews: dict[str, Command] = {}
     study = None
@@ -53,12 +56,16 @@ def offered_commands() -> Offered:
         try:
             module = import_module(offered(GROUP)[package])
             own_commands = {name: Command(*each) for name, each in module.COMMANDS.items()}
-            own_reviews = {name: Command(*each) for name, each in getattr(module, "REVIEWS", {}).items()}
+            own_reviews = {
+                name: Command(*each) for name, each in getattr(module, "REVIEWS", {}).items()
+            }
         except Exception as error:  # whatever somebody's module raises: all other commands go on
             not_loaded.append(f"commands of {package}: {type(error).__name__}: {error}")
             continue
         if taken := [*(own_commands.keys() & commands), *(own_reviews.keys() & reviews)]:
-            not_loaded.append(f"commands of {package}: {quoted(min(taken))} is taken, expected another name")
+            not_loaded.append(
+                f"commands of {package}: {quoted(min(taken))} is taken, expected another name"
+            )
             continue
         commands |= own_commands
         reviews |= own_reviews

@@ -28,19 +28,30 @@ TRACEBACK = "--traceback"
 def arguments(argv: list[str] | None = None) -> argparse.Namespace:
     """Parse the command line; argparse ends the process with status 2 for words it does not know."""
     parser = Parser(
-        prog="run.sh", description="Run a scenario: every node its own process over DDS, unless an option changes this."
+        prog="run.sh",
+        description="Run a scenario: every node its own process over DDS, unless an option changes this.",
     )
-    parser.add_argument("scenario", nargs="?", help="name of a scenario, --list shows them, or path of your own")
-    parser.add_argument("--run", action="append", default=[], metavar="NAME", help="of its runs only this one")
+    parser.add_argument(
+        "scenario", nargs="?", help="name of a scenario, --list shows them, or path of your own"
+    )
+    parser.add_argument(
+        "--run", action="append", default=[], metavar="NAME", help="of its runs only this one"
+    )
     way = parser.add_mutually_exclusive_group()
     way.add_argument("--offline", action="store_true", help="no DDS, one process")
     way.add_argument("--in-process", action="store_true", help="all nodes in one process, over DDS")
-    parser.add_argument("--realtime", action="store_true", help="by the wall clock instead of in lockstep")
+    parser.add_argument(
+        "--realtime", action="store_true", help="by the wall clock instead of in lockstep"
+    )
     add_overrides(parser)
     add_metrics(parser, "besides those of the scenario")
     add_outputs(parser)
     parser.add_argument(
-        "--node", action="append", default=[], metavar="NODE=COMMAND", help="your own node in the place of ours"
+        "--node",
+        action="append",
+        default=[],
+        metavar="NODE=COMMAND",
+        help="your own node in the place of ours",
     )
     parser.add_argument(
         "--processor",
@@ -49,17 +60,25 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
         metavar="NODE=PROCESSOR",
         help="a law as a program on aarch64 or arm (emulated), or by a command; drives without DDS",
     )
-    parser.add_argument("--out", type=output_folder, metavar="DIR", help="output folder; default results/SCENARIO")
-    parser.add_argument("--no-record", action="store_true", help="no bag; signals, metrics and figures all the same")
+    parser.add_argument(
+        "--out", type=output_folder, metavar="DIR", help="output folder; default results/SCENARIO"
+    )
+    parser.add_argument(
+        "--no-record", action="store_true", help="no bag; signals, metrics and figures all the same"
+    )
     add_traceback(parser)
-    parser.add_argument("--list", action="store_true", help="show scenarios and methods, one line each")
+    parser.add_argument(
+        "--list", action="store_true", help="show scenarios and methods, one line each"
+    )
     given = parser.parse_args(argv)
     given.command = command_of(sys.argv[1:] if argv is None else argv)
     if not given.list and given.scenario is None:
         parser.error("which scenario? --list shows them")
     if given.processor:
         if given.in_process or given.realtime or given.node:
-            parser.error("--processor drives without DDS: leave out --in-process, --realtime and --node")
+            parser.error(
+                "--processor drives without DDS: leave out --in-process, --realtime and --node"
+            )
         given.offline = True
     if given.offline and given.realtime:
         parser.error("--realtime needs DDS: leave out --offline")
@@ -70,23 +89,44 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
 
 def add_traceback(parser: argparse.ArgumentParser) -> None:
     """Declare the option that `run_scenario.main` looks for."""
-    parser.add_argument(TRACEBACK, action="store_true", help="how Python came to an error, before its line")
+    parser.add_argument(
+        TRACEBACK, action="store_true", help="how Python came to an error, before its line"
+    )
 
 
 def add_overrides(parser: argparse.ArgumentParser) -> None:
     """Declare the options that `overrides` reads."""
-    parser.add_argument("--method", action="append", default=[], metavar="NODE=NAME", help="method of a node")
-    parser.add_argument("--cycle", metavar="NAME", help="another speed cycle: a CSV file, or a name in config/cycles")
+    parser.add_argument(
+        "--method", action="append", default=[], metavar="NODE=NAME", help="method of a node"
+    )
+    parser.add_argument(
+        "--cycle",
+        metavar="NAME",
+        help="another speed cycle: a CSV file, or a name in config/cycles",
+    )
     add_changes(parser)
 
 
 def add_changes(parser: argparse.ArgumentParser) -> None:
     """Declare those that leave methods and cycle as they are."""
-    parser.add_argument("--vehicle", metavar="FILE", help="another car: a complete vehicle file, or a name")
-    parser.add_argument("--params", action="append", default=[], metavar="FILE", type=Path, help="more ROS parameters")
-    parser.add_argument("--set", action="append", default=[], metavar="NODE.PARAM=VALUE", help="one parameter")
+    parser.add_argument(
+        "--vehicle", metavar="FILE", help="another car: a complete vehicle file, or a name"
+    )
+    parser.add_argument(
+        "--params",
+        action="append",
+        default=[],
+        metavar="FILE",
+        type=Path,
+        help="more ROS parameters",
+    )
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="NODE.PARAM=VALUE", help="one parameter"
+    )
     parser.add_argument("--seed", type=int, metavar="N", help="seed of everything random")
-    parser.add_argument("--duration", type=_seconds, metavar="S", help="simulated time of every run")
+    parser.add_argument(
+        "--duration", type=_seconds, metavar="S", help="simulated time of every run"
+    )
 
 
 def _seconds(text: str) -> float:
@@ -101,13 +141,18 @@ def _seconds(text: str) -> float:
 def add_metrics(parser: argparse.ArgumentParser, default: str) -> None:
     """Declare the option that chooses metrics."""
     parser.add_argument(
-        "--metrics", default="", metavar="NAME,NAME", help=f"docs/metrics.md, or 'NAME [UNIT] = EXPRESSION'; {default}"
+        "--metrics",
+        default="",
+        metavar="NAME,NAME",
+        help=f"docs/metrics.md, or 'NAME [UNIT] = EXPRESSION'; {default}",
     )
 
 
 def add_outputs(parser: argparse.ArgumentParser) -> None:
     """Declare the options of what a run or a study leaves behind besides its summary."""
-    parser.add_argument("--figures", type=_formats, default=(), metavar="pdf,svg", help="figures also for print")
+    parser.add_argument(
+        "--figures", type=_formats, default=(), metavar="pdf,svg", help="figures also for print"
+    )
     parser.add_argument(
         "--width",
         type=float,
@@ -119,7 +164,9 @@ def add_outputs(parser: argparse.ArgumentParser) -> None:
         metavar="NAME,NAME",
         help="only these in print: FIGURE, PANEL or FIGURE.PANEL with * and ?, where PANEL is its title, as yaw_rate",
     )
-    parser.add_argument("--no-report", action="store_true", help="neither report.html nor PNG figures")
+    parser.add_argument(
+        "--no-report", action="store_true", help="neither report.html nor PNG figures"
+    )
 
 
 def printing(given: argparse.Namespace) -> Print:
@@ -127,7 +174,9 @@ def printing(given: argparse.Namespace) -> Print:
     for option in ("width", "panels"):
         if getattr(given, option) is not None and not given.figures:
             raise ParameterError(f"--{option} is about figures for print: add --figures pdf or svg")
-    return Print(given.figures, given.width or COLUMN, tuple(given.panels.split(",")) if given.panels else ())
+    return Print(
+        given.figures, given.width or COLUMN, tuple(given.panels.split(",")) if given.panels else ()
+    )
 
 
 def _formats(text: str) -> tuple[str, ...]:
@@ -180,10 +229,14 @@ def overrides(given: argparse.Namespace) -> Overrides:
 def files_read(given: argparse.Namespace, *words: str) -> list[Path | str]:
     """The files that a command line names for `overrides`, and those among further words.
 
-    A name in a config folder has neither folder nor suffix, and may be that of an output folder as well.
+    A name in a config folder has neither folder nor suffix, and may be that of an output folder as
+    well.
     """
     named = (given.vehicle, getattr(given, "cycle", None), *words)
-    return [*given.params, *(word for word in named if word and (os.sep in word or Path(word).suffix))]
+    return [
+        *given.params,
+        *(word for word in named if word and (os.sep in word or Path(word).suffix)),
+    ]
 
 
 def _split(word: str, mark: str, option: str, form: str) -> tuple[str, str]:

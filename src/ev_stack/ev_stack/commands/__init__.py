@@ -5,7 +5,10 @@ COMMANDS = {  # name -> module and function that takes words, and what it does
         "ev_stack.commands.run_scenario:main",
         "drive a scenario, a study or a review: ev-stack run SCENARIO; --help lists the options",
     ),
-    "list": ("ev_stack.commands.run_scenario:list_all", "scenarios, studies and methods, one line each"),
+    "list": (
+        "ev_stack.commands.run_scenario:list_all",
+        "scenarios, studies and methods, one line each",
+    ),
     "schema": (
         "ev_stack.commands.descriptions:print_schema",
         "JSON Schema of scenario, vehicle and parameter files, for editors",
@@ -18,7 +21,10 @@ COMMANDS = {  # name -> module and function that takes words, and what it does
         "ev_stack.commands.descriptions:write_parameters",
         "all parameters of the nodes of a run, as files, and how they start",
     ),
-    "header": ("ev_stack.commands.descriptions:print_header", "ev_laws.h, the interface of laws in C and C++"),
+    "header": (
+        "ev_stack.commands.descriptions:print_header",
+        "ev_laws.h, the interface of laws in C and C++",
+    ),
     "compile": (
         "ev_stack.commands.compiling:main",
         "compile all methods, or those of scenarios, so that no run has to wait",
@@ -36,7 +42,10 @@ COMMANDS = {  # name -> module and function that takes words, and what it does
         "ev_stack.commands.live_graph:topic",
         "topics of a running graph: topic list, echo NAME, hz NAME, info NAME",
     ),
-    "inspect": ("ev_stack.commands.live_graph:inspect", "show the running graph: nodes, topics, rates"),
+    "inspect": (
+        "ev_stack.commands.live_graph:inspect",
+        "show the running graph: nodes, topics, rates",
+    ),
 }
 
 REVIEWS = {  # of ev-stack run

@@ -14,7 +14,15 @@ from ev_msgs_py.contract.frame import PLACES, places
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.refusal import ParameterError, unknown_name
 from ev_stack.command_line.refusal import Parser, refuse
-from ev_stack.running.beforehand import Unit, compile_units, of_reports, stepping, unit_of, unit_of_code, unit_of_method
+from ev_stack.running.beforehand import (
+    Unit,
+    compile_units,
+    of_reports,
+    stepping,
+    unit_of,
+    unit_of_code,
+    unit_of_method,
+)
 from ev_stack.scenarios.scenario import load_scenario
 
 _PERIOD = 0.005  # [s], that all methods allow; compiled code is the same for all periods
@@ -27,10 +35,14 @@ with its default parameters, and what steps it. Compiled code lies in your cache
 def main(argv: list[str]) -> None:
     """ev-stack compile [SCENARIO | ROLE=METHOD ...]; exit status 1, and one line for each that cannot be compiled."""
     parser = Parser(prog="ev-stack compile", description=_ABOUT)
-    parser.add_argument("names", nargs="*", metavar="SCENARIO | ROLE=METHOD", help="default: everything")
+    parser.add_argument(
+        "names", nargs="*", metavar="SCENARIO | ROLE=METHOD", help="default: everything"
+    )
     given = parser.parse_args(argv)
     try:
-        units = [unit for name in given.names for unit in _named(name)] if given.names else everything()
+        units = (
+            [unit for name in given.names for unit in _named(name)] if given.names else everything()
+        )
         errors = compile_units(units)
     except (ParameterError, OSError) as error:
         refuse(error)
@@ -76,7 +88,9 @@ def sharing(methods: Iterable[Method]) -> list[list[Method]]:
     for method in methods:
         if method.law is None or not method.law.is_compilable:
             continue
-        kind = (method.law.parameters, method.law.state) if method.law.heavy else method.law.function
+        kind = (
+            (method.law.parameters, method.law.state) if method.law.heavy else method.law.function
+        )
         groups.setdefault(kind, []).append(method)
     return sorted(groups.values(), key=_cost, reverse=True)
 

@@ -61,12 +61,20 @@ def write_parameters(argv: list[str]) -> None:
 
     parser = Parser(prog="ev-stack parameters", description=_ABOUT_PARAMETERS)
     parser.add_argument("scenario", help="name or path of a scenario")
-    parser.add_argument("--run", default="", metavar="NAME", help="which of its runs, if it has several")
-    parser.add_argument("--realtime", action="store_true", help="by the wall clock instead of in lockstep")
+    parser.add_argument(
+        "--run", default="", metavar="NAME", help="which of its runs, if it has several"
+    )
+    parser.add_argument(
+        "--realtime", action="store_true", help="by the wall clock instead of in lockstep"
+    )
     add_overrides(parser)
     parser.add_argument("--no-record", action="store_true", help="no bag")
     parser.add_argument(
-        "--out", type=output_folder, required=True, metavar="DIR", help="where the recorder shall write"
+        "--out",
+        type=output_folder,
+        required=True,
+        metavar="DIR",
+        help="where the recorder shall write",
     )
     given = parser.parse_args(argv)
     try:
@@ -80,7 +88,12 @@ def write_parameters(argv: list[str]) -> None:
     except (ParameterError, RunFailed, LookupError, OSError) as error:
         refuse(error)
     layout = config_folders()[-1] / "layouts" / "car.rviz"
-    started_by = {"namespace": run.namespace, "parameters": str(file), "nodes": started, "rviz": str(layout)}
+    started_by = {
+        "namespace": run.namespace,
+        "parameters": str(file),
+        "nodes": started,
+        "rviz": str(layout),
+    }
     print(json.dumps(started_by, indent=2))
 
 
@@ -115,15 +128,25 @@ def schema() -> dict[str, Any]:
 
 def _section(name: str) -> dict[str, Any]:
     of = {"$ref": f"#/$defs/{name.replace(' ', '%20')}"}
-    return {"type": "object", "properties": {"ros__parameters": of}, "required": ["ros__parameters"]}
+    return {
+        "type": "object",
+        "properties": {"ros__parameters": of},
+        "required": ["ros__parameters"],
+    }
 
 
 def _entries(role: str) -> list[Entry]:
     """All parameters that a node of a role may have, whatever its method."""
-    found = {entry.name: entry for method in methods_of(role).values() for entry in entries(method.parameters)}
+    found = {
+        entry.name: entry
+        for method in methods_of(role).values()
+        for entry in entries(method.parameters)
+    }
     rest = [*entries(CommonParameters), *(entries(MasterParameters) if role == MASTER else ())]
     rest += entries(sensors_for(ROLES[role].writes), "sensors.")
-    method = Entry("method", str, False, "", Spec(f"how the {role} works", choices=tuple(methods_of(role))))
+    method = Entry(
+        "method", str, False, "", Spec(f"how the {role} works", choices=tuple(methods_of(role)))
+    )
     return [method, *rest, *found.values()]
 
 
@@ -153,18 +176,29 @@ def _within(properties: dict[str, Any], name: str) -> dict[str, Any]:
 
 
 def _group() -> dict[str, Any]:
-    return {"type": "object", "properties": {}, "patternProperties": {r"\.": True}, "additionalProperties": False}
+    return {
+        "type": "object",
+        "properties": {},
+        "patternProperties": {r"\.": True},
+        "additionalProperties": False,
+    }
 
 
 def _value(entry: Entry) -> dict[str, Any]:
     spec = entry.spec
     unit = f" [{spec.unit}]" if spec.unit else ""
     limits = {"minimum": spec.low, "maximum": spec.high, "enum": list(spec.choices) or None}
-    kind: dict[str, Any] = {"type": _TYPES[entry.type], **{k: v for k, v in limits.items() if v is not None}}
+    kind: dict[str, Any] = {
+        "type": _TYPES[entry.type],
+        **{k: v for k, v in limits.items() if v is not None},
+    }
     if "off" in spec.choices:
         kind = {"enum": [*spec.choices, False]}  # YAML 1.1 reads a bare `off` as false
     if entry.type is float and (units := units_for(spec.unit)):
-        with_unit = {"type": "string", "pattern": f"{_NUMBER}({'|'.join(map(re.escape, units))})\\s*$"}
+        with_unit = {
+            "type": "string",
+            "pattern": f"{_NUMBER}({'|'.join(map(re.escape, units))})\\s*$",
+        }
         kind = {"anyOf": [kind, with_unit]}
     if entry.is_array:
         kind = {"type": "array", "items": kind}

@@ -27,15 +27,19 @@ from ev_stack.running.buses import buses
 from ev_stack.running.output_folder import OutputFolder
 from ev_stack.scenarios.scenario import Run, load_scenario
 
-PROCESSORS = "ev_stack.processors"  # of entry points: `program`, the module that moves laws onto other processors
+# of entry points: `program`, the module that moves laws onto other processors
+PROCESSORS = "ev_stack.processors"
 _MIDDLEWARE = "RMW_IMPLEMENTATION"
-_SHARED_MEMORY, _ROOM = "/dev/shm", 65536  # bytes; where there are fewer, LTTng of ROS 2 ends the process by SIGBUS
+# bytes; where there are fewer, LTTng of ROS 2 ends the process by SIGBUS
+_SHARED_MEMORY, _ROOM = "/dev/shm", 65536
 
 
 def drive_scenario(given: argparse.Namespace) -> None:
     """Drive all runs of a scenario and report; raises what `ev_stack.commands.run_scenario.main` catches."""
     prints = printing(given)
-    scenario = load_scenario(given.scenario, replace(overrides(given), metrics=listed(given.metrics)), given.run)
+    scenario = load_scenario(
+        given.scenario, replace(overrides(given), metrics=listed(given.metrics)), given.run
+    )
     _refuse_without_ros(given)
     on_processors = []
     if given.processor:
@@ -51,7 +55,9 @@ def drive_scenario(given: argparse.Namespace) -> None:
     mode = f"{way}, realtime" if given.realtime else way
     compile_for(scenario.runs, not given.offline, own_nodes(given))
     before, reads = _command_of(out), files_read(given, given.scenario)
-    with OutputFolder(out, f"scenario {scenario.name}", OF_ALL_RUNS, scenario.runs, reads=reads) as folder:
+    with OutputFolder(
+        out, f"scenario {scenario.name}", OF_ALL_RUNS, scenario.runs, reads=reads
+    ) as folder:
         outcomes = {run.name: _drive(run, folder.of(run), given) for run in scenario.runs}
         result = Result(scenario, outcomes, mode, commands, given.command)
         summary, figures = result.summary(), {} if given.no_report else result.figures()
@@ -70,7 +76,9 @@ def drive_scenario(given: argparse.Namespace) -> None:
     for each in on_processors:
         print(each.report)
     print(f"signal hash {content['signal_hash']}")
-    print(f"{summary.simulated_time:g} s in {summary.wall_time:.2f} s, {content['real_time_factor']:.1f} x real time")
+    print(
+        f"{summary.simulated_time:g} s in {summary.wall_time:.2f} s, {content['real_time_factor']:.1f} x real time"
+    )
     page = "" if given.no_report else "report.html, figures, "
     print(f"{page}signals and summary: {folder.directory}")
 
@@ -87,19 +95,31 @@ def _refuse_without_ros(given: argparse.Namespace) -> None:
     """RunFailed, before anything is made, if ROS 2 is needed and not installed or cannot start."""
     if not given.offline:
         if find_spec("rclpy") is None:
-            raise RunFailed("nodes need ROS 2 (rclpy), which is not installed here: --offline --no-record needs none")
+            raise RunFailed(
+                "nodes need ROS 2 (rclpy), which is not installed here: --offline --no-record needs none"
+            )
         middleware = os.environ.get(_MIDDLEWARE, "")
         if middleware not in ("", "rmw_fastrtps_cpp") and not _can_be_loaded():
-            raise RunFailed(f"{_MIDDLEWARE}={quoted(middleware)} is refused, expected one that is installed, or none")
+            raise RunFailed(
+                f"{_MIDDLEWARE}={quoted(middleware)} is refused, expected one that is installed, or none"
+            )
         if os.access(_SHARED_MEMORY, os.W_OK) and shutil.disk_usage(_SHARED_MEMORY).free < _ROOM:
-            raise RunFailed(f"{_SHARED_MEMORY} is full: the libraries of ROS 2 need {_ROOM} bytes there")
+            raise RunFailed(
+                f"{_SHARED_MEMORY} is full: the libraries of ROS 2 need {_ROOM} bytes there"
+            )
     if not given.no_record and None in (find_spec("rosbags"), find_spec("sensor_msgs")):
-        raise RunFailed("a bag needs rosbags and the messages of ROS 2, which are not installed here: add --no-record")
+        raise RunFailed(
+            "a bag needs rosbags and the messages of ROS 2, which are not installed here: add --no-record"
+        )
 
 
 def _can_be_loaded() -> bool:
     """Whether ROS 2 starts; where it does not find its middleware it ends the process that tries, in words of C."""
-    words = [sys.executable, "-c", "import rclpy; rclpy.utilities.get_rmw_implementation_identifier()"]
+    words = [
+        sys.executable,
+        "-c",
+        "import rclpy; rclpy.utilities.get_rmw_implementation_identifier()",
+    ]
     return subprocess.run(words, capture_output=True).returncode == 0
 
 

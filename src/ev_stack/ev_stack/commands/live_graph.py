@@ -25,8 +25,12 @@ _JOINS = 0.2  # s for publishers to find a subscription
 def inspect(argv: list[str]) -> None:
     """scripts/inspect.sh [--seconds S] [--echo TOPIC]"""
     parser = Parser(prog="inspect.sh", description="Show the running graph: nodes, topics, rates.")
-    parser.add_argument("--seconds", type=_positive, default=2.0, help="how long rates are measured")
-    parser.add_argument("--echo", metavar="TOPIC", help="print one message of this topic, as YAML, and end")
+    parser.add_argument(
+        "--seconds", type=_positive, default=2.0, help="how long rates are measured"
+    )
+    parser.add_argument(
+        "--echo", metavar="TOPIC", help="print one message of this topic, as YAML, and end"
+    )
     given = parser.parse_args(argv)
     try:
         with suppress(KeyboardInterrupt), in_the_graph(_OWN_NAME) as node:
@@ -52,7 +56,9 @@ def _rates(node: Node, topics: dict[str, str], seconds: float) -> dict[str, floa
         with suppress(ImportError):
             type_ = message_class(kind)
             quality = quality_of(node, name, depth=1000)
-            subscriptions[name] = node.create_subscription(type_, name, lambda message: None, quality, raw=True)
+            subscriptions[name] = node.create_subscription(
+                type_, name, lambda message: None, quality, raw=True
+            )
     time.sleep(_JOINS)
     for subscription in subscriptions.values():
         _taken(subscription)  # what came while the others were being made
@@ -82,7 +88,9 @@ def _graph(node: Node, seconds: float) -> list[str]:
     for name, kinds in topics.items():
         rate = f"{rates[name]:.1f} Hz" if name in rates else "message type is not installed"
         lines.append(f"  {name}  {', '.join(kinds)}  {rate}")
-        lines.append(f"    {', '.join(writers[name]) or 'nobody'} -> {', '.join(readers[name]) or 'nobody'}")
+        lines.append(
+            f"    {', '.join(writers[name]) or 'nobody'} -> {', '.join(readers[name]) or 'nobody'}"
+        )
     return lines
 
 
@@ -93,17 +101,23 @@ def _names(ends: list) -> list[str]:
 def topic(argv: list[str]) -> None:
     """ev-stack topic list [-t] | echo TOPIC [--once] | hz TOPIC [--seconds S] | info TOPIC"""
     parser = parser_of("topic", "Show topics, their messages as YAML, their rates and their ends.")
-    verbs = parser.add_subparsers(dest="what", required=True, metavar="list|echo|hz|info", parser_class=Parser)
+    verbs = parser.add_subparsers(
+        dest="what", required=True, metavar="list|echo|hz|info", parser_class=Parser
+    )
     listed, echo, hz, info = (verb_of(verbs, name) for name in ("list", "echo", "hz", "info"))
     listed.add_argument("-t", "--show-types", action="store_true", help="with their types")
     for each in (echo, hz, info):
         each.add_argument("topic", help="such as wheel_states, or a full name such as /diagnostics")
     echo.add_argument("--once", action="store_true", help="one message and end")
     hz.add_argument("--seconds", type=_positive, default=2.0, help="how long it is measured")
-    info.add_argument("-v", "--verbose", action="store_true", help="with the nodes and their quality of service")
+    info.add_argument(
+        "-v", "--verbose", action="store_true", help="with the nodes and their quality of service"
+    )
     given = parser.parse_args(argv)
     with suppress(KeyboardInterrupt), shell_in(given.namespace) as shell:
-        for text in {"list": _list, "echo": _echo, "hz": _hz, "info": _info}[given.what](shell, given):
+        for text in {"list": _list, "echo": _echo, "hz": _hz, "info": _info}[given.what](
+            shell, given
+        ):
             print(text, flush=True)
 
 
@@ -146,12 +160,18 @@ def _info(shell: Shell, given: argparse.Namespace) -> Iterator[str]:
 def node(argv: list[str]) -> None:
     """ev-stack node list | info NODE"""
     parser = parser_of("node", "Show the nodes of the graph, their topics and their services.")
-    verbs = parser.add_subparsers(dest="what", required=True, metavar="list|info", parser_class=Parser)
+    verbs = parser.add_subparsers(
+        dest="what", required=True, metavar="list|info", parser_class=Parser
+    )
     verb_of(verbs, "list")
     verb_of(verbs, "info").add_argument("node", help="such as plant, or a full name")
     given = parser.parse_args(argv)
     with suppress(KeyboardInterrupt), shell_in(given.namespace) as shell:
-        print("\n".join(full_names(shell.node) if given.what == "list" else _about_node(shell, given.node)))
+        print(
+            "\n".join(
+                full_names(shell.node) if given.what == "list" else _about_node(shell, given.node)
+            )
+        )
 
 
 def _about_node(shell: Shell, node: str) -> Iterator[str]:

@@ -29,9 +29,13 @@ def parameter_of(name: str, kind: Parameter.Type, value: Any) -> Parameter:
         if not isinstance(given, list):
             raise TypeError
         kinds = {type(element) for element in given}
-        return Parameter(name, value=_alike(given, float if float in kinds else next(iter(kinds), str)))
+        return Parameter(
+            name, value=_alike(given, float if float in kinds else next(iter(kinds), str))
+        )
     except (TypeError, ValueError, OverflowError, yaml.YAMLError):
-        allowed = kind.name.lower() if kind in _KINDS else "an array in brackets, [] for an empty one"
+        allowed = (
+            kind.name.lower() if kind in _KINDS else "an array in brackets, [] for an empty one"
+        )
         raise ValueError(f"{quoted(value)} is refused, expected {allowed}") from None
 
 

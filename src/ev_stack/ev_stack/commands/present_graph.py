@@ -30,7 +30,11 @@ Found = TypeVar("Found")
 def full_names(node: Node) -> list[str]:
     """The nodes of the graph but this one and hidden ones, sorted."""
     there = node.get_node_names_and_namespaces()
-    named = {f"{space.rstrip('/')}/{name}" for name, space in there if not name.startswith("_") or NAMELESS in name}
+    named = {
+        f"{space.rstrip('/')}/{name}"
+        for name, space in there
+        if not name.startswith("_") or NAMELESS in name
+    }
     return sorted(named - {node.get_fully_qualified_name()})
 
 
@@ -50,13 +54,19 @@ def present_domain() -> int:
 def in_the_graph(name: str) -> Iterator[Node]:
     """A node of our own in the graph, when the others have been found; LookupError if there are none."""
     domain = present_domain()
-    rclpy.init(args=["--ros-args", NO_LOG_FILE], domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
+    rclpy.init(
+        args=["--ros-args", NO_LOG_FILE],
+        domain_id=domain,
+        signal_handler_options=SignalHandlerOptions.NO,
+    )
     try:
         node = Node(name, start_parameter_services=False, enable_rosout=False)
         try:
             if not _found(node):
                 others = ", ".join(map(str, reserved_domains())) or "none"
-                raise LookupError(f"no nodes are running in ROS domain {domain}; runs are under way in: {others}")
+                raise LookupError(
+                    f"no nodes are running in ROS domain {domain}; runs are under way in: {others}"
+                )
             yield node
         finally:
             leave_graph(node)
@@ -109,7 +119,9 @@ def topics_of(node: Node) -> dict[str, list[str]]:
 
 
 def _type_by_contract(name: str) -> str | None:
-    return next((topic.message_type for topic in TOPICS.values() if name.endswith(f"/{topic.name}")), None)
+    return next(
+        (topic.message_type for topic in TOPICS.values() if name.endswith(f"/{topic.name}")), None
+    )
 
 
 def type_of(node: Node, name: str) -> str:
@@ -145,10 +157,18 @@ def master_namespace(node: Node, wanted: str | None) -> str:
 
 def _master_now(node: Node, wanted: str | None) -> str:
     ending = f"/{MASTER}"
-    spaces = [each.removesuffix(ending) or "/" for each in full_names(node) if each.endswith(ending)]
+    spaces = [
+        each.removesuffix(ending) or "/" for each in full_names(node) if each.endswith(ending)
+    ]
     if wanted is not None:
         spaces = [each for each in spaces if each == wanted]
     if len(spaces) != 1:
-        there = f"several are there, --namespace says which: {', '.join(spaces)}" if spaces else "there is none"
-        raise LookupError(f"no master of time ({MASTER}){f' in {wanted}' if wanted else ''}: {there}")
+        there = (
+            f"several are there, --namespace says which: {', '.join(spaces)}"
+            if spaces
+            else "there is none"
+        )
+        raise LookupError(
+            f"no master of time ({MASTER}){f' in {wanted}' if wanted else ''}: {there}"
+        )
     return spaces[0]

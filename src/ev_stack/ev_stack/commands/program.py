@@ -34,7 +34,9 @@ def main() -> None:
         let_in()  # scripts/run.sh holds signals back until here, where they are one line
         perform(sys.argv[1:])
     except BaseException as error:  # while a command is loaded as well, which takes half a second
-        made_by_ctrl_c = was_interrupted() and not (isinstance(error, SystemExit) and not error.code)
+        made_by_ctrl_c = was_interrupted() and not (
+            isinstance(error, SystemExit) and not error.code
+        )
         if not (isinstance(error, KeyboardInterrupt) or made_by_ctrl_c):
             raise
         end_stopped()
@@ -48,8 +50,9 @@ def main() -> None:
 def open_closed_streams() -> None:
     """Connect each closed standard stream to /dev/null, so that what is printed there is lost and nothing else.
 
-    The number of a closed stream goes to the next file that is opened: the shell of scripts/run.sh reads its script as
-    number 2 where that was closed. So an output that cannot be written counts as closed.
+    The number of a closed stream goes to the next file that is opened: the shell of scripts/run.sh
+    reads its script as number 2 where that was closed. So an output that cannot be written counts
+    as closed.
     """
     for number, name, mode in ((0, "stdin", "r"), (1, "stdout", "w"), (2, "stderr", "w")):
         try:
@@ -81,8 +84,15 @@ def perform(words: Sequence[str]) -> None:
     if words[0] not in commands:
         with loading():
             from ev_stack.commands.run_scenario import names
-        driven = f"{quoted(words[0])} is no command: ev-stack run {words[0]}" if words[0] in names() else ""
-        print(f"ev-stack: {driven or unknown_name('command', words[0], (*commands, *names()))}", file=sys.stderr)
+        driven = (
+            f"{quoted(words[0])} is no command: ev-stack run {words[0]}"
+            if words[0] in names()
+            else ""
+        )
+        print(
+            f"ev-stack: {driven or unknown_name('command', words[0], (*commands, *names()))}",
+            file=sys.stderr,
+        )
         sys.exit(2)
     try:
         with loading():

@@ -25,8 +25,12 @@ def run_report(argv: Sequence[str]) -> None:
     """Read the folders and write the page; ParameterError if one of them was not left behind by a scenario."""
     about = "one page about what several commands left behind, runs and metrics side by side."
     parser = Parser(prog="run.sh report", description=f"scripts/run.sh report: {about}")
-    parser.add_argument("folders", nargs="+", type=Path, metavar="DIR", help="what --out of a scenario was")
-    parser.add_argument("--out", type=Path, metavar="FILE", help=f"the page; default results/{PAGE}")
+    parser.add_argument(
+        "folders", nargs="+", type=Path, metavar="DIR", help="what --out of a scenario was"
+    )
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE", help=f"the page; default results/{PAGE}"
+    )
     given = parser.parse_args(argv)
     labels = [folder.resolve().name for folder in given.folders]
     if len(set(labels)) < len(labels):
@@ -34,7 +38,9 @@ def run_report(argv: Sequence[str]) -> None:
     summaries, signals = zip(*map(read_folder, labels, given.folders), strict=True)
     page = given.out or Path("results") / PAGE
     with OutputFolder(page.parent, f"report {page.name}", [page.name]):
-        write_page(Page(" and ".join(labels), dict(zip(labels, summaries, strict=True)), signals), page)
+        write_page(
+            Page(" and ".join(labels), dict(zip(labels, summaries, strict=True)), signals), page
+        )
     print(f"page: {page.absolute()}")
 
 
@@ -45,11 +51,15 @@ def read_folder(label: str, folder: Path) -> tuple[Mapping[str, Any], Signals]:
     except (OSError, ValueError, RecursionError) as error:
         raise ParameterError(f"{folder}: summary.json cannot be read: {error}") from None
     if not isinstance(summary, dict) or "scenario" not in summary:
-        raise ParameterError(f"{folder} is that of a study, which keeps no signals; expected that of a scenario")
+        raise ParameterError(
+            f"{folder} is that of a study, which keeps no signals; expected that of a scenario"
+        )
     try:
         return summary, _signals(label, folder, summary)
     except (LookupError, TypeError, AttributeError, ParameterError) as error:
-        raise ParameterError(f"{folder}: summary.json does not say what a run does: {error}") from None
+        raise ParameterError(
+            f"{folder}: summary.json does not say what a run does: {error}"
+        ) from None
     except (OSError, ValueError) as error:
         raise ParameterError(f"{folder}: signals cannot be read: {error}") from None
 
@@ -57,6 +67,8 @@ def read_folder(label: str, folder: Path) -> tuple[Mapping[str, Any], Signals]:
 def _signals(label: str, folder: Path, summary: Mapping[str, Any]) -> Signals:
     names = list(summary["runs"])
     if outside := [name for name in names if not stays_within(name)]:
-        raise ParameterError(f"run {quoted(outside[0])} is refused, expected the name of a folder there")
+        raise ParameterError(
+            f"run {quoted(outside[0])} is refused, expected the name of a folder there"
+        )
     runs = {name: load((folder if len(names) == 1 else folder / name) / SIGNALS) for name in names}
     return Signals(label, runs, build(Vehicle, summary["vehicle"]))

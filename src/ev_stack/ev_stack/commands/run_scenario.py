@@ -23,7 +23,8 @@ from ev_stack.scenarios.about import describe_scenario, is_path
 from ev_stack.scenarios.scenario import scenario_names
 
 _NOT_READ = 141  # the status of a command whose output nobody reads any more
-_OF_A_LIBRARY = 300e6  # bytes, of the largest one, the compiler's, with what it needs while it is loaded
+# bytes, of the largest one, the compiler's, with what it needs while it is loaded
+_OF_A_LIBRARY = 300e6
 
 
 def main(argv: list[str] | None = None) -> None:
@@ -34,7 +35,8 @@ def main(argv: list[str] | None = None) -> None:
             stream.reconfigure(errors="replace")  # a terminal may know ASCII only
     try:
         if words and not words[0].startswith("-"):
-            refuse_unknown(words[0])  # before its options are, which may be those of the command that is meant
+            # before its options are, which may be those of the command that is meant
+            refuse_unknown(words[0])
         if words and words[0] in offered(STUDIES):
             drive_study(words)
             return
@@ -50,7 +52,8 @@ def main(argv: list[str] | None = None) -> None:
             refuse_unknown(given.scenario)
             drive_scenario(given)
         sys.stdout.flush()
-    except BrokenPipeError:  # the reader, such as `head`, has seen enough; at its end Python would write the rest again
+    # the reader, such as `head`, has seen enough; at its end Python would write the rest again
+    except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(_NOT_READ)
     except (ParameterError, SignalError, RunFailed, OSError, MemoryError, ImportError) as error:
@@ -96,7 +99,9 @@ def _lacks_memory(error: BaseException) -> bool:
             return True
         cause = cause.__cause__ or cause.__context__
     # An OSError with a number, such as that of a missing file, has a cause of its own.
-    of_a_library = isinstance(error, ImportError) or (isinstance(error, OSError) and error.errno is None)
+    of_a_library = isinstance(error, ImportError) or (
+        isinstance(error, OSError) and error.errno is None
+    )
     return of_a_library and free_memory() < _OF_A_LIBRARY
 
 

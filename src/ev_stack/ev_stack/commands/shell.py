@@ -27,7 +27,14 @@ from ev_msgs_py.wire import message_class
 from ev_nodes.stepping import ros_parameters
 from ev_stack.command_line.refusal import Parser, refuse
 from ev_stack.commands.parameter_text import parameter_of
-from ev_stack.commands.present_graph import awaited, full_names, in_the_graph, master_namespace, quality_of, type_of
+from ev_stack.commands.present_graph import (
+    awaited,
+    full_names,
+    in_the_graph,
+    master_namespace,
+    quality_of,
+    type_of,
+)
 from ev_stack.recording.outcome import RunFailed
 
 _NAME = "ev_stack_shell"
@@ -90,23 +97,33 @@ class Shell:
 
         return awaited(self.node, look)
 
-    def parameters_of(self, name: str, also: str | None = None) -> tuple[AsyncParameterClient, dict[str, Parameter]]:
+    def parameters_of(
+        self, name: str, also: str | None = None
+    ) -> tuple[AsyncParameterClient, dict[str, Parameter]]:
         """How to ask a node, and its parameters by name; of ROS's own only that one."""
         name = self.present(name)
         client = AsyncParameterClient(self.node, name)
         if not client.wait_for_services(_PATIENCE):
             raise LookupError(f"{name} has no parameters that can be asked for")
         listed = self.answer(name, client.list_parameters()).result.names
-        names = sorted(each for each in listed if each == also or not ros_parameters.is_ros_own(each))
+        names = sorted(
+            each for each in listed if each == also or not ros_parameters.is_ros_own(each)
+        )
         values = self.answer(name, client.get_parameters(names)).values if names else []
         return client, {
-            each: Parameter(each, Parameter.Type(value.type), _plain(parameter_value_to_python(value)))
+            each: Parameter(
+                each, Parameter.Type(value.type), _plain(parameter_value_to_python(value))
+            )
             for each, value in zip(names, values, strict=True)
         }
 
 
 def _plain(value: Any) -> Any:
-    return list(value) if value is not None and not isinstance(value, (str, bool, int, float)) else value
+    return (
+        list(value)
+        if value is not None and not isinstance(value, (str, bool, int, float))
+        else value
+    )
 
 
 @contextmanager
@@ -130,7 +147,9 @@ def parser_of(name: str, about: str) -> Parser:
         description=f"{about} Of the run under way, of several ROS_DOMAIN_ID=N says which; nodes started by hand "
         "are in domain 0 unless that is set.",
     )
-    parser.add_argument("--namespace", metavar="/NAME", help="of the graph, where a domain has several")
+    parser.add_argument(
+        "--namespace", metavar="/NAME", help="of the graph, where a domain has several"
+    )
     return parser
 
 
@@ -145,7 +164,9 @@ def verb_of(verbs: Any, name: str) -> Parser:
 def _control_time(service: str, argv: Sequence[str]) -> None:
     parser = parser_of(service, _ABOUT_TIME[service])
     if service == "step":
-        parser.add_argument("count", nargs="?", type=_positive, default=1, help="of steps, default 1")
+        parser.add_argument(
+            "count", nargs="?", type=_positive, default=1, help="of steps, default 1"
+        )
     given = parser.parse_args(argv)
     with shell_in(given.namespace) as shell:
         for _ in range(getattr(given, "count", 1)):
@@ -172,7 +193,9 @@ pause, resume, step, reset = (partial(_control_time, service) for service in _AB
 def param(argv: Sequence[str]) -> None:
     """ev-stack param list [NODE] | get NODE [NAME] | describe NODE NAME | set NODE NAME VALUE | dump [NODE]"""
     parser = parser_of("param", "Show and set parameters of nodes, as YAML.")
-    what = parser.add_subparsers(dest="what", required=True, metavar="|".join(_VERBS), parser_class=Parser)
+    what = parser.add_subparsers(
+        dest="what", required=True, metavar="|".join(_VERBS), parser_class=Parser
+    )
     listed, get, describe, put, dump = (verb_of(what, name) for name in _VERBS)
     for each in (get, describe, put):
         each.add_argument("node", help="such as plant, or a full name")
@@ -181,7 +204,9 @@ def param(argv: Sequence[str]) -> None:
     put.add_argument("name")
     put.add_argument("value", help="as in YAML")
     for each in (listed, dump):
-        each.add_argument("node", nargs="*", help="default: all nodes of the graph that have parameters")
+        each.add_argument(
+            "node", nargs="*", help="default: all nodes of the graph that have parameters"
+        )
     given = parser.parse_args(argv)
     with shell_in(given.namespace) as shell:
         print(_VERBS[given.what](shell, given), end="")
@@ -206,7 +231,10 @@ def _describe(shell: Shell, given: Any) -> str:
     client, there = shell.parameters_of(given.node, given.name)
     value = _known(given, there).value
     (found,) = shell.answer(given.node, client.describe_parameters([given.name])).descriptors
-    words = {"about": found.description, "expected": found.additional_constraints.removeprefix("allowed: ")}
+    words = {
+        "about": found.description,
+        "expected": found.additional_constraints.removeprefix("allowed: "),
+    }
     return as_yaml({"value": value, **words, "read_only": found.read_only})
 
 
@@ -234,7 +262,10 @@ def _list(shell: Shell, given: Any) -> str:
 
 
 def _dump(shell: Shell, given: Any) -> str:
-    values = {node: {name: each.value for name, each in there.items()} for node, there in _all(shell, given).items()}
+    values = {
+        node: {name: each.value for name, each in there.items()}
+        for node, there in _all(shell, given).items()
+    }
     return as_yaml({node: {"ros__parameters": each} for node, each in values.items()})
 
 
@@ -251,10 +282,16 @@ def messages(node: Node, name: str) -> Iterator[str]:
     try:
         kind = message_class(type_)
     except ImportError:
-        raise LookupError(f"{name} cannot be read: {type_.partition('/')[0]} is not installed") from None
+        raise LookupError(
+            f"{name} cannot be read: {type_.partition('/')[0]} is not installed"
+        ) from None
     quality = quality_of(node, name, depth=10)
-    take = node.create_subscription(kind, name, lambda message: None, quality, raw=True).handle.take_message
-    take_clock = node.create_subscription(Clock, "/clock", lambda message: None, 10, raw=True).handle.take_message
+    take = node.create_subscription(
+        kind, name, lambda message: None, quality, raw=True
+    ).handle.take_message
+    take_clock = node.create_subscription(
+        Clock, "/clock", lambda message: None, 10, raw=True
+    ).handle.take_message
     report_at, times = time.monotonic() + _SILENCE, set[bytes]()
     while True:
         if (taken := take(kind, True)) is not None:
@@ -266,19 +303,33 @@ def messages(node: Node, name: str) -> Iterator[str]:
             times.add(taken[0])
         if time.monotonic() > report_at:
             report_at = math.inf
-            goes_on = "goes on" if len(times) > 1 else "stands still, in a paused run until ev-stack resume or step"
-            print(f"{name}: no message within {_SILENCE:g} s; simulated time {goes_on}", file=sys.stderr)
+            goes_on = (
+                "goes on"
+                if len(times) > 1
+                else "stands still, in a paused run until ev-stack resume or step"
+            )
+            print(
+                f"{name}: no message within {_SILENCE:g} s; simulated time {goes_on}",
+                file=sys.stderr,
+            )
 
 
 def plain_message(message: Any) -> Any:
     """A message as dictionaries, lists and numbers, its fields in their order."""
     if hasattr(message, "get_fields_and_field_types"):
-        return {name: plain_message(getattr(message, name)) for name in message.get_fields_and_field_types()}
+        return {
+            name: plain_message(getattr(message, name))
+            for name in message.get_fields_and_field_types()
+        }
     if isinstance(message, bytes):
         return list(message)
     if isinstance(message, (str, bool, int, float)):
         return message
-    return message.tolist() if hasattr(message, "tolist") else [plain_message(each) for each in message]
+    return (
+        message.tolist()
+        if hasattr(message, "tolist")
+        else [plain_message(each) for each in message]
+    )
 
 
 def as_yaml(content: Any) -> str:

@@ -15,7 +15,11 @@ _SHAPE = 0.62  # of a map: height over width
 
 
 def contours(
-    title: str, x: tuple[str, np.ndarray], y: tuple[str, np.ndarray], values: np.ndarray, levels: Sequence[float]
+    title: str,
+    x: tuple[str, np.ndarray],
+    y: tuple[str, np.ndarray],
+    values: np.ndarray,
+    levels: Sequence[float],
 ) -> Panel:
     """Lines of equal `values` (rows, columns), NaN where there are none; `x` and `y` are label and places of them."""
 
@@ -25,11 +29,16 @@ def contours(
     return Panel(title, y[0], ground=lines, xlabel=x[0], shape=_SHAPE)
 
 
-_FINE, _BEYOND = "#CFE3F0", "#E8A27C"  # below and from the limit on; the number in the cell is the distance
+# below and from the limit on; the number in the cell is the distance
+_FINE, _BEYOND = "#CFE3F0", "#E8A27C"
 
 
 def number_map(
-    title: str, columns: tuple[str, Sequence[str]], rows: tuple[str, Sequence[str]], values: np.ndarray, limit: float
+    title: str,
+    columns: tuple[str, Sequence[str]],
+    rows: tuple[str, Sequence[str]],
+    values: np.ndarray,
+    limit: float,
 ) -> Panel:
     """Values (rows, columns) as numbers in cells; those from the limit on stand out. Label and ticks of both sides."""
 
@@ -37,7 +46,9 @@ def number_map(
         from matplotlib.colors import ListedColormap
 
         colours = ListedColormap([_FINE, _BEYOND])
-        axes.pcolormesh((values >= limit).astype(float), cmap=colours, vmin=0.0, vmax=1.0, edgecolors="white")
+        axes.pcolormesh(
+            (values >= limit).astype(float), cmap=colours, vmin=0.0, vmax=1.0, edgecolors="white"
+        )
         for row, column in np.ndindex(values.shape):
             number = f"{values[row, column]:.1f}"
             axes.text(column + 0.5, row + 0.5, number, ha="center", va="center", fontsize="small")
@@ -60,7 +71,8 @@ def colour_map(
         shown = axes.pcolormesh(values)
         for axis, places, most in ((axes.xaxis, x[1], 24), (axes.yaxis, y[1], 48)):
             names = _apart(places)
-            every = -(-len(names) * max(map(len, names)) // most)  # letters that have room beside or above each other
+            # letters that have room beside or above each other
+            every = -(-len(names) * max(map(len, names)) // most)
             axis.set_ticks((np.arange(len(names)) + 0.5)[::every], names[::every])
         axes.figure.colorbar(shown, ax=axes, label=f"[{unit}]")
         _bare(axes)
@@ -88,7 +100,10 @@ def mean_of_seeds(values: np.ndarray) -> np.ndarray:
     known = ~np.isnan(values)
     count = known.sum(axis=-1)
     return np.divide(
-        np.where(known, values, 0.0).sum(axis=-1), count, out=np.full(count.shape, np.nan), where=count > 0
+        np.where(known, values, 0.0).sum(axis=-1),
+        count,
+        out=np.full(count.shape, np.nan),
+        where=count > 0,
     )
 
 
@@ -106,22 +121,28 @@ def band(title: str, x: tuple[str, np.ndarray], quantity: str, values: np.ndarra
         axes.plot(places, mean_of_seeds(sorted_values), color=HUES[0], marker=".", label=label)
         if seeds > 1:
             ends = np.fmin.reduce(sorted_values, axis=1), np.fmax.reduce(sorted_values, axis=1)
-            axes.fill_between(places, *ends, color=HUES[0], alpha=0.2, linewidth=0.0, label="all seeds")
+            axes.fill_between(
+                places, *ends, color=HUES[0], alpha=0.2, linewidth=0.0, label="all seeds"
+            )
 
     return Panel(title, quantity, ground=lines, xlabel=x[0])
 
 
 _LOWEST, _HIGHEST = 0.19, 0.6  # of a plan view: height over width
-_MAGNIFIED = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # times that a narrow course is drawn across
+# times that a narrow course is drawn across
+_MAGNIFIED = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 
 
 def plan_view(
-    title: str, tracks: Sequence[Curve], cones: np.ndarray | None = None, hit: np.ndarray | None = None
+    title: str,
+    tracks: Sequence[Curve],
+    cones: np.ndarray | None = None,
+    hit: np.ndarray | None = None,
 ) -> Sheet:
     """Tracks, y over x [m], along and across to the same scale.
 
-    A course that would be too narrow to be seen is drawn larger across, and its title gives the factor. `cones` (n, 2)
-    [m] are drawn as rings, filled where `hit` (n,) is true.
+    A course that would be too narrow to be seen is drawn larger across, and its title gives the
+    factor. `cones` (n, 2) [m] are drawn as rings, filled where `hit` (n,) is true.
     """
     places = [np.column_stack((track.time, track.values)) for track in tracks]
     places = np.concatenate([*places, *([] if cones is None else [cones])])
@@ -140,7 +161,9 @@ def plan_view(
 
     larger = f", across {times} times as large as along" if times > 1 else ""
     shape = min(max(ratio * times, _LOWEST), _HIGHEST)
-    return Sheet([Panel(title + larger, "y [m]", tracks, ground=ground, xlabel="x [m]", shape=shape)])
+    return Sheet(
+        [Panel(title + larger, "y [m]", tracks, ground=ground, xlabel="x [m]", shape=shape)]
+    )
 
 
 def timing_sheet(timings: Mapping[str, Mapping[str, Any]]) -> Sheet:
@@ -165,7 +188,9 @@ def histograms(title: str, counted: Mapping[str, Mapping[str, Any]]) -> Panel:
             edges = histogram["edges"]
             colour, dashes = stroke(number)
             ends = [1e3 * end for end in (edges[0] / 2, *edges, 2 * edges[-1])]
-            axes.stairs(histogram["counts"], ends, color=colour, linestyle=dashes, label=label or None)
+            axes.stairs(
+                histogram["counts"], ends, color=colour, linestyle=dashes, label=label or None
+            )
         axes.set_xscale("log")
         axes.set_yscale("symlog", linthresh=1.0)
         axes.set_ylim(0.0, None)

@@ -37,17 +37,19 @@ class Curve:
     values: np.ndarray
     label: str = ""
     published: bool = False
-    spun: bool = False  # of a run in which the car has spun: other curves set the limits of the axes
+    # of a run in which the car has spun: other curves set the limits of the axes
+    spun: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Panel:
     """One pair of axes: `ylabel` gives quantity and unit, `note` the reason why there is nothing to see.
 
-    Panels of a sheet with the same `scale` have the same ordinate. `within`: the ends beyond which a curve may leave
-    the panel, so that the others are seen; `ends`: those of the ordinate, None where the curves give them.
-    `ground` draws what lies below the curves, or all there is; what it labels stands in the legend.
-    `xlabel` is that of the sheet if it is empty. `shape`: height over width, 0 for that of curves over time.
+    Panels of a sheet with the same `scale` have the same ordinate. `within`: the ends beyond which
+    a curve may leave the panel, so that the others are seen; `ends`: those of the ordinate, None
+    where the curves give them. `ground` draws what lies below the curves, or all there is; what it
+    labels stands in the legend. `xlabel` is that of the sheet if it is empty. `shape`: height over
+    width, 0 for that of curves over time.
     """
 
     title: str
@@ -88,7 +90,8 @@ class Panel:
             else:
                 _draw_curve(axes, curve, int(width * DPI), line)
         for number, curve in enumerate(curve for curve in self.curves if curve.published):
-            label = "_" if number else curve.label  # all that is published is one entry of the legend
+            # all that is published is one entry of the legend
+            label = "_" if number else curve.label
             axes.plot(curve.time, curve.values, label=label, **PUBLISHED)
 
 
@@ -118,7 +121,9 @@ def _is_alike(one: Curve, other: Curve) -> bool:
 def _are_close(some: np.ndarray, others: np.ndarray) -> bool:
     finite = some[np.isfinite(some)]
     tolerance = _ALIKE * float(np.ptp(finite)) if len(finite) else 0.0
-    return len(some) == len(others) and np.allclose(some, others, rtol=0.0, atol=tolerance, equal_nan=True)
+    return len(some) == len(others) and np.allclose(
+        some, others, rtol=0.0, atol=tolerance, equal_nan=True
+    )
 
 
 def _draw_curve(axes: Axes, curve: Curve, columns: int, stroke: dict[str, Any]) -> None:
@@ -129,8 +134,15 @@ def _draw_curve(axes: Axes, curve: Curve, columns: int, stroke: dict[str, Any]) 
     if found is None:
         return
     ends = [np.append(each, each[-1]) for each in (found.lowest, found.highest)]
-    axes.fill_between(found.edges, *ends, step="post", color=stroke["color"], alpha=0.3, linewidth=0.0, label=BAND)
-    axes.plot(found.edges, np.append(found.mean, found.mean[-1]), drawstyle="steps-post", **{**stroke, "label": "_"})
+    axes.fill_between(
+        found.edges, *ends, step="post", color=stroke["color"], alpha=0.3, linewidth=0.0, label=BAND
+    )
+    axes.plot(
+        found.edges,
+        np.append(found.mean, found.mean[-1]),
+        drawstyle="steps-post",
+        **{**stroke, "label": "_"},
+    )
 
 
 def panel(
@@ -163,7 +175,10 @@ def degrees(quantity: Quantity) -> Quantity:
 
 # Units of numbers that figures have in others, and by what to multiply.
 IN_FIGURES = {
-    **{unit: (unit.replace("rad", "deg"), float(np.degrees(1.0))) for unit in ("rad", "rad/s", "rad/s^2", "rad s^2/m")},
+    **{
+        unit: (unit.replace("rad", "deg"), float(np.degrees(1.0)))
+        for unit in ("rad", "rad/s", "rad/s^2", "rad s^2/m")
+    },
     **dict.fromkeys(("m/s2", "m/s^2"), ("m/s²", 1.0)),
 }
 
@@ -179,8 +194,16 @@ MOTION: dict[str, tuple[str, str, Quantity]] = {
         "angle [deg]",
         degrees(lambda run: channel(run, motion.ROAD_WHEEL_ANGLE)),
     ),
-    "yaw_rate": ("Yaw rate", "yaw rate [deg/s]", degrees(lambda run: channel(run, motion.YAW_RATE))),
-    "lateral_acceleration": ("Lateral acceleration", "acceleration [m/s²]", motion.lateral_acceleration_on_path),
+    "yaw_rate": (
+        "Yaw rate",
+        "yaw rate [deg/s]",
+        degrees(lambda run: channel(run, motion.YAW_RATE)),
+    ),
+    "lateral_acceleration": (
+        "Lateral acceleration",
+        "acceleration [m/s²]",
+        motion.lateral_acceleration_on_path,
+    ),
     "sideslip_angle": ("Sideslip angle", "angle [deg]", degrees(motion.sideslip_in_motion)),
     "speed": ("Speed", "speed [m/s]", motion.path_speed),
 }
@@ -192,7 +215,11 @@ def readable(run: str) -> str:
 
 
 def over_time(
-    runs: Runs, title: str, ylabel: str, quantity: Quantity, within: tuple[float, float] | None = None
+    runs: Runs,
+    title: str,
+    ylabel: str,
+    quantity: Quantity,
+    within: tuple[float, float] | None = None,
 ) -> Panel:
     """A quantity of every run, labelled with the name of the run if there are several."""
 

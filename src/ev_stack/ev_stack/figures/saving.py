@@ -11,7 +11,8 @@ from ev_stack.recording.recording import atomic_file
 
 FORMATS = ("pdf", "svg")  # for print, beside PNG for the screen
 _SCREEN = ("png",)
-# Two equal figures are equal files; the lightest compression costs some kilobytes and saves half of the time to save.
+# Two equal figures are equal files; the lightest compression costs some kilobytes and saves half of
+# the time to save.
 _HOW = {
     "png": {"pil_kwargs": {"compress_level": 1}},
     "pdf": {"metadata": {"CreationDate": None}},
@@ -27,7 +28,12 @@ class Print:
     width: float = COLUMN
     panels: tuple[str, ...] = ()
 
-    def save(self, sheets: Sheets, folder: Path, claim: Callable[[Sequence[str]], None] = lambda names: None) -> None:
+    def save(
+        self,
+        sheets: Sheets,
+        folder: Path,
+        claim: Callable[[Sequence[str]], None] = lambda names: None,
+    ) -> None:
         """Write them, once `claim` has allowed their names; ParameterError for a pattern that fits no panel."""
         if self.formats:
             figures = printed(sheets, self.width, self.panels)
@@ -40,7 +46,9 @@ def figure_files(figures: Iterable[str], formats: Sequence[str] = _SCREEN) -> li
     return [f"{name}.{kind}" for name in figures for kind in formats]
 
 
-def save_figures(figures: Mapping[str, Figure], folder: Path | str, formats: Sequence[str] = _SCREEN) -> list[Path]:
+def save_figures(
+    figures: Mapping[str, Figure], folder: Path | str, formats: Sequence[str] = _SCREEN
+) -> list[Path]:
     """Write each figure as NAME.FORMAT; return the paths."""
     if not figures:
         return []

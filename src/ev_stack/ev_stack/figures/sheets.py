@@ -26,7 +26,8 @@ COLUMN, WIDE, TALLEST = 3.5, 7.2, 9.0  # of a column and a page, and the height 
 _NARROWEST = 2.3  # of a panel that stands beside others [inch]
 _HIGH, _FLAT = 1.15, 0.3  # of the axes of a panel [inch], and of one that is alone, over its width
 _TICKS = 5.0  # of an ordinate, at most [1/inch]
-_BESIDE, _ABOVE, _BELOW = 0.72, 0.22, 0.36  # of axes: ordinate, title, abscissa with its label [inch]
+# of axes: ordinate, title, abscissa with its label [inch]
+_BESIDE, _ABOVE, _BELOW = 0.72, 0.22, 0.36
 _LINE = 0.13  # of a title [inch]
 
 
@@ -45,7 +46,9 @@ class Sheet:
     @property
     def labels(self) -> list[str]:
         """The names of its curves."""
-        return [curve.label for panel in self.panels for curve in panel.curves if not curve.published]
+        return [
+            curve.label for panel in self.panels for curve in panel.curves if not curve.published
+        ]
 
     def figure(self, width: float = WIDE) -> Figure:
         """The figure [inch], however tall."""
@@ -65,7 +68,8 @@ def drawn(sheets: Sheets, width: float = WIDE) -> dict[str, Figure]:
 def printed(sheets: Sheets, width: float = COLUMN, panels: Sequence[str] = ()) -> dict[str, Figure]:
     """The same for print, at most TALLEST, each figure in as many pages as it needs: NAME, NAME_2, ...
 
-    `panels`: patterns of NAME, PANEL or NAME.PANEL; empty for all. ParameterError for one that fits none.
+    `panels`: patterns of NAME, PANEL or NAME.PANEL; empty for all. ParameterError for one that fits
+    none.
     """
     strokes = _strokes(sheets)
     return {
@@ -95,16 +99,24 @@ def _chosen(sheets: Sheets, patterns: Sequence[str]) -> dict[str, Sheet]:
     for pattern in patterns:
         if not any(fits(pattern, name, panel) for name, found in names.items() for panel in found):
             raise unknown_name(
-                "panel", pattern, [f"{name}.{panel}" for name, found in names.items() for panel in found]
+                "panel",
+                pattern,
+                [f"{name}.{panel}" for name, found in names.items() for panel in found],
             )
     kept = {
-        name: [panel for panel in sheet.panels if any(fits(each, name, panel_name(panel)) for each in patterns)]
+        name: [
+            panel
+            for panel in sheet.panels
+            if any(fits(each, name, panel_name(panel)) for each in patterns)
+        ]
         for name, sheet in sheets.items()
     }
     return {name: replace(sheets[name], panels=panels) for name, panels in kept.items() if panels}
 
 
-def _pages(sheet: Sheet, width: float, tallest: float, strokes: Mapping[str, Stroke]) -> Iterator[Figure]:
+def _pages(
+    sheet: Sheet, width: float, tallest: float, strokes: Mapping[str, Stroke]
+) -> Iterator[Figure]:
     """The figures of a sheet, none if it would show nothing."""
     panels = [panel for panel in sheet.panels if not panel.is_empty]
     columns = max(1, min(sheet.columns, len(panels), int(width / _NARROWEST)))
@@ -114,7 +126,8 @@ def _pages(sheet: Sheet, width: float, tallest: float, strokes: Mapping[str, Str
         count = page.fitting(rows, tallest)
         figure = page.drawn(rows[:count])
         if figure.get_figheight() > tallest:
-            others = figure.get_figheight() - sum(map(page.height, rows[:count]))  # legend and shared abscissa
+            # legend and shared abscissa
+            others = figure.get_figheight() - sum(map(page.height, rows[:count]))
             count = page.fitting(rows[:count], tallest - others)
             figure = page.drawn(rows[:count])
         yield figure
@@ -171,7 +184,9 @@ class _Page:
 
         figure = Figure(figsize=(self.width, 1.0), dpi=DPI)
         FigureCanvasAgg(figure)  # measures texts
-        grid = figure.add_gridspec(len(rows), self.columns, height_ratios=[self.height(row) for row in rows])
+        grid = figure.add_gridspec(
+            len(rows), self.columns, height_ratios=[self.height(row) for row in rows]
+        )
         panels = [panel for row in rows for panel in row]
         limits = _time_limits(self.sheet.panels, self.sheet.start)
         lines = [0] * len(rows)  # of the longest title beyond its first one
@@ -200,19 +215,34 @@ class _Page:
         _wrap(axes.xaxis.label, self._across)
         if (span := self.spans[id(panel)]) and not panel.xlabel:
             low, high = span
-            margin = max(0.06 * (high - low), 1e-3 * max(abs(low), abs(high)), 1e-6)  # a constant is no noise
+            # a constant is no noise
+            margin = max(0.06 * (high - low), 1e-3 * max(abs(low), abs(high)), 1e-6)
             axes.set_ylim(low - margin, high + margin)
         if panel.curves:
             axes.locator_params(axis="y", nbins=max(2, int(_TICKS * self._axes_height(panel))))
         if panel.ends != (None, None):
             axes.set_ylim(*panel.ends)
         if panel.note:
-            note = axes.text(0.5, 0.5, panel.note, transform=axes.transAxes, ha="center", va="center", color="0.4")
+            note = axes.text(
+                0.5,
+                0.5,
+                panel.note,
+                transform=axes.transAxes,
+                ha="center",
+                va="center",
+                color="0.4",
+            )
             _wrap(note, self._across)
 
 
 def _time_limits(panels: Sequence[Panel], start: float | None) -> tuple[float, float]:
-    times = [curve.time for panel in panels if not panel.xlabel for curve in panel.curves if len(curve.time)]
+    times = [
+        curve.time
+        for panel in panels
+        if not panel.xlabel
+        for curve in panel.curves
+        if len(curve.time)
+    ]
     begin = min((float(time[0]) for time in times), default=0.0) if start is None else start
     end = max((float(time[-1]) for time in times), default=begin)
     return begin, end if end > begin else begin + 1.0
@@ -221,12 +251,16 @@ def _time_limits(panels: Sequence[Panel], start: float | None) -> tuple[float, f
 def _legend(figure: Figure, width: float, strokes: Mapping[str, Stroke]) -> float:
     """One legend for all panels, names in the order of the report and in as few rows as fit; its height [inch]."""
     entries = {
-        label: handle for axes in figure.axes for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
+        label: handle
+        for axes in figure.axes
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
     }
     if not entries:
         return 0.0
     places = {name: place for place, name in enumerate(strokes)}
-    entries = dict(sorted(entries.items(), key=lambda entry: places.get(readable(entry[0]), len(places))))
+    entries = dict(
+        sorted(entries.items(), key=lambda entry: places.get(readable(entry[0]), len(places)))
+    )
 
     for rows in range(1, len(entries) + 1):
         columns = -(-len(entries) // rows)

@@ -7,11 +7,22 @@ from typing import Any, NamedTuple
 
 from ev_core.methods.register import methods_of
 
-# Okabe and Ito's colours, then those of Tol's muted scheme that are unlike them: both can be distinguished with every
-# kind of colour vision. The dashes differ in grey, too, and let a curve be seen under another one.
+# Okabe and Ito's colours, then those of Tol's muted scheme that are unlike them: both can be
+# distinguished with every kind of colour vision. The dashes differ in grey, too, and let a curve be
+# seen under another one.
 HUES = (
     *("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#7F7F7F"),
-    *("#332288", "#882255", "#999933", "#117733", "#AA4499", "#CC6677", "#44AA99", "#DDCC77", "#661100"),
+    *(
+        "#332288",
+        "#882255",
+        "#999933",
+        "#117733",
+        "#AA4499",
+        "#CC6677",
+        "#44AA99",
+        "#DDCC77",
+        "#661100",
+    ),
 )
 DASHES = ("-", "--", ":", "-.")
 PUBLISHED: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.4, "zorder": 3}
@@ -34,11 +45,15 @@ def stroke(number: int) -> Stroke:
 def strokes_of(labels: Iterable[str]) -> dict[str, Stroke]:
     """A stroke for each name, which labels have with blanks or underscores.
 
-    A law has that of its place among the laws of its role, others have the first free ones. So a law looks the same in
-    every figure, unless two roles meet in one report. Names beyond the number of strokes have the same once more. What
-    has no name has the first stroke.
+    A law has that of its place among the laws of its role, others have the first free ones. So a
+    law looks the same in every figure, unless two roles meet in one report. Names beyond the number
+    of strokes have the same once more. What has no name has the first stroke.
     """
-    places = {name.replace("_", " "): place for role in _ROLES for place, name in enumerate(methods_of(role))}
+    places = {
+        name.replace("_", " "): place
+        for role in _ROLES
+        for place, name in enumerate(methods_of(role))
+    }
     names = dict.fromkeys(label.replace("_", " ") for label in labels if label)
     found: dict[str, Stroke] = {}
     for name in sorted(names, key=lambda name: _law(name) not in places):

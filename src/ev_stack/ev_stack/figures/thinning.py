@@ -65,5 +65,7 @@ def thinned(time: np.ndarray, values: np.ndarray, columns: int) -> tuple[np.ndar
     bins = values[:whole].reshape(-1, size)
     lowest, highest = first + bins.argmin(axis=1), first + bins.argmax(axis=1)
     # The rest behind the last whole bin is shorter than one bin: keep all of it.
-    kept = np.unique(np.concatenate(([0], lowest, highest, np.arange(whole, len(values)), [len(values) - 1])))
+    kept = np.unique(
+        np.concatenate(([0], lowest, highest, np.arange(whole, len(values)), [len(values) - 1]))
+    )
     return time[kept], values[kept]

@@ -38,8 +38,9 @@ def run(
 ) -> Result:
     """Drive a scenario and give its signals, metrics, hash and figures: `ev_stack.run("shchur2019")`.
 
-    `scenario` is a name or the path of a YAML file; of its runs those in `runs` are driven, all if it is empty.
-    `metrics` are measured besides those of the scenario (docs/metrics.md). What differs from the scenario's file:
+    `scenario` is a name or the path of a YAML file; of its runs those in `runs` are driven, all if
+    it is empty. `metrics` are measured besides those of the scenario (docs/metrics.md). What
+    differs from the scenario's file:
 
     - `method`: {"asr": "pi_slip"}, by node,
     - `set`: {"electronic_differential.gamma": 10.0}, by NODE.PARAMETER, where the node `*` is every node; a method that
@@ -51,7 +52,9 @@ def run(
 
     ParameterError, in one line, if something is refused; SignalError if a number is not finite.
     """
-    changed = replace(overrides(method, set, seed, duration, vehicle, params, cycle), metrics=tuple(metrics))
+    changed = replace(
+        overrides(method, set, seed, duration, vehicle, params, cycle), metrics=tuple(metrics)
+    )
     loaded = load_scenario(fspath(scenario), changed, only=runs)
     compile_for(loaded.runs, in_nodes=False)
     return Result(loaded, {each.name: drive_offline(each) for each in loaded.runs})
@@ -77,8 +80,9 @@ def batch(
 ) -> BatchResult:
     """Many runs of a scenario in one call, compiled and on all cores.
 
-    `vary` has by ROLE.PARAMETER one value for each run; `run` names which run of the scenario is meant if it has
-    several. From `method` on the arguments are those of `run`, the rest is that of `ev_stack.batches.batch.batch`.
+    `vary` has by ROLE.PARAMETER one value for each run; `run` names which run of the scenario is
+    meant if it has several. From `method` on the arguments are those of `run`, the rest is that of
+    `ev_stack.batches.batch.batch`.
     """
     of = only_run(scenario, run, overrides(method, set, seed, duration, vehicle, params, cycle))
     if metrics and not isinstance(metrics, Mapping):
@@ -89,7 +93,9 @@ def batch(
                     f"metric {name} is one of the report {of.report}, expected in a batch are those of any run "
                     "(docs/metrics.md) and expressions; ev_stack.run and a sweep measure those of reports"
                 )
-    return batch_of(of.configurations, of.duration, vary, initial_states, signals, every, metrics, threads)
+    return batch_of(
+        of.configurations, of.duration, vary, initial_states, signals, every, metrics, threads
+    )
 
 
 def overrides(
@@ -102,7 +108,9 @@ def overrides(
     cycle: Name | None = None,
 ) -> Overrides:
     """What differs from a scenario's file; ParameterError for a name in `set` without a dot, and for no duration."""
-    values: list[tuple[str, str, Any]] = [(node, "method", name) for node, name in (method or {}).items()]
+    values: list[tuple[str, str, Any]] = [
+        (node, "method", name) for node, name in (method or {}).items()
+    ]
     for place, value in (set or {}).items():
         node, _, parameter = place.partition(".")
         if not parameter:
@@ -110,7 +118,9 @@ def overrides(
         values.append((node, parameter, value))
     seconds = number_of(duration, "s") if isinstance(duration, str) else duration
     if duration is not None and (isinstance(seconds, bool) or not isinstance(seconds, int | float)):
-        raise ParameterError(f"duration: {quoted(duration)} is refused, expected a number of seconds or such as '5 s'")
+        raise ParameterError(
+            f"duration: {quoted(duration)} is refused, expected a number of seconds or such as '5 s'"
+        )
     car, of_cycle = fspath(vehicle) if vehicle else None, None if cycle is None else fspath(cycle)
     return Overrides.of(values, seed, seconds, car, [Path(path) for path in params], of_cycle)
 

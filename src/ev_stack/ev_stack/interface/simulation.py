@@ -32,14 +32,16 @@ from ev_stack.scenarios.scenario import Run
 class SteppedLaw:
     """A configured role that answers at once, with its sensors and faults, at rest.
 
-    `inputs` and `outputs` are the channels that it reads and writes, such as imu.yaw_rate. ParameterError for a role
-    that integrates.
+    `inputs` and `outputs` are the channels that it reads and writes, such as imu.yaw_rate.
+    ParameterError for a role that integrates.
     """
 
     def __init__(self, configuration: Configuration) -> None:
         if ROLES[configuration.role].kind is not RoleKind.ANSWERS:
             answering = [role.name for role in ROLES.values() if role.kind is RoleKind.ANSWERS]
-            raise ParameterError(f"{configuration.role} integrates, expected one of {', '.join(answering)}")
+            raise ParameterError(
+                f"{configuration.role} integrates, expected one of {', '.join(answering)}"
+            )
         self._configuration = configuration
         self._part = part_of(configuration, compiled=True)
         self._here = np.zeros(frame.SIZE)
@@ -50,7 +52,9 @@ class SteppedLaw:
 
     def __getstate__(self) -> dict[str, Any]:
         """For pickle and deepcopy: the part is compiled code, so it is made anew and goes on from its state."""
-        return {name: value for name, value in vars(self).items() if name != "_part"} | {"state": self.state}
+        return {name: value for name, value in vars(self).items() if name != "_part"} | {
+            "state": self.state
+        }
 
     def __setstate__(self, saved: dict[str, Any]) -> None:
         state = saved.pop("state")
@@ -89,7 +93,8 @@ def _channels(signals: Iterable[type]) -> list[str]:
 class SimulationState:
     """All that lasts between steps: number of the instant, its frame, and by role the seed and the states of its parts.
 
-    `of` names what it is the state of: control period [ns], numbers of a frame, and by role method, sensors and faults.
+    `of` names what it is the state of: control period [ns], numbers of a frame, and by role method,
+    sensors and faults.
     """
 
     instant: int
@@ -104,12 +109,14 @@ class Simulation:
 
     `scenario` is a name, a path, or a run that is configured already.
 
-    After `reset` and after each `step` the frame shows an instant as far as it goes without them: all that integrates,
-    and the answers of the roles in front of the first one that is left out. `step` puts in what is given, lets the
-    others answer, and integrates to the next instant. `run` names which run is meant if there are several; the
-    arguments from `method` on are those of `ev_stack.run`. With `record` the frames are kept for `recording`.
+    After `reset` and after each `step` the frame shows an instant as far as it goes without them:
+    all that integrates, and the answers of the roles in front of the first one that is left out.
+    `step` puts in what is given, lets the others answer, and integrates to the next instant. `run`
+    names which run is meant if there are several; the arguments from `method` on are those of
+    `ev_stack.run`. With `record` the frames are kept for `recording`.
 
-    ParameterError, in one line, if something is refused; SignalError if a number becomes not finite.
+    ParameterError, in one line, if something is refused; SignalError if a number becomes not
+    finite.
     """
 
     def __init__(
@@ -129,7 +136,9 @@ class Simulation:
     ) -> None:
         changed = overrides(method, set, seed, duration, vehicle, params, cycle)
         if isinstance(scenario, Run) and (run or changed != overrides()):
-            raise ParameterError(f"run {scenario.name} is configured already, expected a name or path with changes")
+            raise ParameterError(
+                f"run {scenario.name} is configured already, expected a name or path with changes"
+            )
         of = scenario if isinstance(scenario, Run) else only_run(scenario, run, changed)
         for role in without:
             if role not in of.configurations:
@@ -137,12 +146,16 @@ class Simulation:
         self.configurations, self._without, self._record = of.configurations, tuple(without), record
         self._writes = {role: each.method.writes for role, each in of.configurations.items()}
         answering, integrating = roles_in_order(self.configurations)
-        first = min((answering.index(role) for role in without if role in answering), default=len(answering))
+        first = min(
+            (answering.index(role) for role in without if role in answering), default=len(answering)
+        )
         if any(role in integrating for role in without):
             first = 0
         self._before, self._behind = self._kept(answering[:first]), self._kept(answering[first:])
         self._integrating = self._kept(integrating)
-        given = dict.fromkeys(signal for role in without for signal in (*ROLES[role].writes, *self._writes[role]))
+        given = dict.fromkeys(
+            signal for role in without for signal in (*ROLES[role].writes, *self._writes[role])
+        )
         places = frame.channels()
         self.kept = (*self._before, *self._behind, *self._integrating)
         self.inputs = tuple(name for signal in given for name in TOPICS[signal].channels)
@@ -157,12 +170,16 @@ class Simulation:
         self.reset()
 
     def _kept(self, roles: Sequence[str]) -> tuple[str, ...]:
-        return tuple(role for role in roles if role in self.configurations and role not in self._without)
+        return tuple(
+            role for role in roles if role in self.configurations and role not in self._without
+        )
 
     def reset(self, seed: int | None = None) -> Mapping[str, float]:
         """Begin again, at rest, with another seed of everything random if one is given; the first frame comes back."""
         if seed is not None:
-            self.configurations = {role: each.changed({"seed": seed}) for role, each in self.configurations.items()}
+            self.configurations = {
+                role: each.changed({"seed": seed}) for role, each in self.configurations.items()
+            }
         self._make_parts()
         self._here, self._next = np.zeros(frame.SIZE), np.zeros(frame.SIZE)
         self._instant, self._frames = 0, list[np.ndarray]()
@@ -175,7 +192,9 @@ class Simulation:
 
     def __getstate__(self) -> dict[str, Any]:
         """For pickle and deepcopy: parts are compiled code, so they are made anew and go on from their state."""
-        return {name: value for name, value in vars(self).items() if name != "_parts"} | {"state": self.state}
+        return {name: value for name, value in vars(self).items() if name != "_parts"} | {
+            "state": self.state
+        }
 
     def __setstate__(self, saved: dict[str, Any]) -> None:
         state = saved.pop("state")
@@ -186,8 +205,9 @@ class Simulation:
     def step(self, inputs: Mapping[str, float] | None = None) -> Mapping[str, float]:
         """Go on by one control period and give the frame that is shown then.
 
-        `inputs` are by channel what the roles that are left out write at this instant, in SI units; a channel that is
-        not named keeps its last value, which is 0 at the start. ParameterError for another channel or no finite number.
+        `inputs` are by channel what the roles that are left out write at this instant, in SI units;
+        a channel that is not named keeps its last value, which is 0 at the start. ParameterError
+        for another channel or no finite number.
         """
         taken: dict[int, float] = {}
         for name, value in (inputs or {}).items():
@@ -199,7 +219,8 @@ class Simulation:
             self._here[place] = value
         self._answer(self._behind)
         self._next[:] = self._here
-        self._next[frame.TIME] = self._time_of(self._instant + 1)  # by which faults know when they strike
+        # by which faults know when they strike
+        self._next[frame.TIME] = self._time_of(self._instant + 1)
         for role in self._integrating:
             self._call(role, self._here, self._next)
         if self._record:
@@ -242,28 +263,38 @@ class Simulation:
         written = {signal for role in self.configurations for signal in self._writes[role]}
         written |= {signal for role in self._without for signal in ROLES[role].writes}
         frames = np.array(self._frames).reshape(-1, frame.SIZE)
-        return recording_of(frames, [topic for signal, topic in TOPICS.items() if signal in written])
+        return recording_of(
+            frames, [topic for signal, topic in TOPICS.items() if signal in written]
+        )
 
     @property
     def state(self) -> SimulationState:
         """All that lasts, as a copy, which can be pickled; may be set to go on from there. The recording goes on.
 
-        It may be that of other parameters of the same methods. ParameterError, and nothing changes, if it is of another
-        period, of other roles, methods, sensors or faults of signals, or if its numbers are not as many.
+        It may be that of other parameters of the same methods. ParameterError, and nothing changes,
+        if it is of another period, of other roles, methods, sensors or faults of signals, or if its
+        numbers are not as many.
         """
         seeds = {role: self.configurations[role].common.seed for role in self.kept}
-        parts = {role: tuple(copy.deepcopy(part.state) for part in self._parts[role]) for role in self.kept}
+        parts = {
+            role: tuple(copy.deepcopy(part.state) for part in self._parts[role])
+            for role in self.kept
+        }
         return SimulationState(self._instant, self._here.copy(), seeds, parts, self._of())
 
     @state.setter
     def state(self, saved: SimulationState) -> None:
         if not isinstance(saved, SimulationState):
-            raise ParameterError(f"state: {quoted(saved)} is refused, expected the state of a Simulation")
+            raise ParameterError(
+                f"state: {quoted(saved)} is refused, expected the state of a Simulation"
+            )
         here = self._of()
         for what in {**here, **saved.of}:
             if here.get(what) != saved.of.get(what):
                 was, there_is = quoted(saved.of.get(what, "none")), quoted(here.get(what, "none"))
-                raise ParameterError(f"state: {what} was {was}, here it is {there_is}; expected the same")
+                raise ParameterError(
+                    f"state: {what} was {was}, here it is {there_is}; expected the same"
+                )
         configurations, parts = {**self.configurations}, {**self._parts}
         for role, seed in saved.seeds.items():
             if configurations[role].common.seed != seed:
@@ -277,7 +308,9 @@ class Simulation:
         for role, part, state in states:
             size, fits = np.size(state), np.size(part.state)
             if size != fits:
-                raise ParameterError(f"state: {role} had {size} numbers, here it has {fits}; expected as many")
+                raise ParameterError(
+                    f"state: {role} had {size} numbers, here it has {fits}; expected as many"
+                )
         for _, part, state in states:
             part.state = copy.deepcopy(state)
         self.configurations, self._parts = configurations, parts
@@ -286,11 +319,20 @@ class Simulation:
 
     def _of(self) -> dict[str, Any]:
         """What a state is a state of, by name."""
-        found: dict[str, Any] = {"control period [ns]": self.period, "roles": self.kept, "numbers": frame.SIZE}
+        found: dict[str, Any] = {
+            "control period [ns]": self.period,
+            "roles": self.kept,
+            "numbers": frame.SIZE,
+        }
         for role in self.kept:
             configuration = self.configurations[role]
-            errors = {quantity.name: each.delay for quantity, each in imperfect(configuration.sensors)}
+            errors = {
+                quantity.name: each.delay for quantity, each in imperfect(configuration.sensors)
+            }
             faults = [fault.text for fault in of_signals(configuration.faults)]
-            found |= {f"{role}.method": configuration.method.name, f"{role}.faults of signals": faults}
+            found |= {
+                f"{role}.method": configuration.method.name,
+                f"{role}.faults of signals": faults,
+            }
             found[f"delays of sensors of {role}"] = errors
         return found

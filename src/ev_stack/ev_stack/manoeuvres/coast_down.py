@@ -1,7 +1,7 @@
 """Report on a coast-down: rolling resistance and drag from the deceleration (after SAE J1263 and UN R154).
 
-Road load: (m + sum J/r^2) dV/dt = -m g f_0 - rho c_d A V^2/2, fitted by least squares to the mean decelerations of
-intervals of one second.
+Road load: (m + sum J/r^2) dV/dt = -m g f_0 - rho c_d A V^2/2, fitted by least squares to the mean
+decelerations of intervals of one second.
 """
 
 from __future__ import annotations
@@ -17,7 +17,16 @@ from ev_msgs_py.contract.roles import MASTER
 from ev_stack.figures.panels import Curve, motion_panels, panel
 from ev_stack.figures.sheets import Sheet
 from ev_stack.measures import motion
-from ev_stack.measures.metric import Metric, NotMeasured, Parameters, Reference, Runs, channel, metric, within
+from ev_stack.measures.metric import (
+    Metric,
+    NotMeasured,
+    Parameters,
+    Reference,
+    Runs,
+    channel,
+    metric,
+    within,
+)
 from ev_stack.recording.recording import Recording
 
 INTERVAL = 1.0  # [s]
@@ -29,7 +38,10 @@ UPPER, LOWER = 100 / 3.6, 80 / 3.6  # [m/s], between which the coast-down is tim
 def effective_mass(vehicle: Vehicle) -> float:
     """Mass and rotating inertias, m + sum (J_w + J_m n^2)/r^2, of each wheel with its own radius [kg]."""
     of_wheels = zip(wheel_inertias(vehicle), vehicle.wheel_radius_ratio, strict=True)
-    return vehicle.mass + sum(inertia / ratio**2 for inertia, ratio in of_wheels) / vehicle.wheel_radius**2
+    return (
+        vehicle.mass
+        + sum(inertia / ratio**2 for inertia, ratio in of_wheels) / vehicle.wheel_radius**2
+    )
 
 
 def decelerations(run: Recording) -> tuple[np.ndarray, np.ndarray]:
@@ -56,8 +68,12 @@ def coasting_speed(run: Recording) -> np.ndarray:
 def road_load(run: Recording, vehicle: Vehicle) -> tuple[float, float]:
     """Rolling resistance coefficient f_0 [1] and drag area c_d A [m^2] that fit best."""
     speed, deceleration = decelerations(run)
-    columns = np.column_stack((np.full_like(speed, vehicle.mass * GRAVITY), 0.5 * vehicle.air_density * speed**2))
-    (rolling, area), *_ = np.linalg.lstsq(columns, effective_mass(vehicle) * deceleration, rcond=None)
+    columns = np.column_stack(
+        (np.full_like(speed, vehicle.mass * GRAVITY), 0.5 * vehicle.air_density * speed**2)
+    )
+    (rolling, area), *_ = np.linalg.lstsq(
+        columns, effective_mass(vehicle) * deceleration, rcond=None
+    )
     return float(rolling), float(area)
 
 
@@ -68,16 +84,21 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     def level(measure: Callable[[], float]) -> Callable[[], float]:
         def measured() -> float:
             if any((*road.get("road.grade", ()), *road.get("road.side_slope", ()))):
-                raise NotMeasured("the road is not level, and what its slope gives would count as road load")
+                raise NotMeasured(
+                    "the road is not level, and what its slope gives would count as road load"
+                )
             if vehicle.road_load.linear != 0.0:
-                raise NotMeasured("f_0 and c_d A do not describe a road load with a part in proportion to the speed")
+                raise NotMeasured(
+                    "f_0 and c_d A do not describe a road load with a part in proportion to the speed"
+                )
             return measure()
 
         return measured
 
     rolling = vehicle.rolling_resistance + vehicle.road_load.constant / (vehicle.mass * GRAVITY)
     area = vehicle.drag_coefficient * vehicle.frontal_area
-    if vehicle.air_density > 0.0:  # the part of the rolling resistance that grows with V^2 looks like drag
+    # the part of the rolling resistance that grows with V^2 looks like drag
+    if vehicle.air_density > 0.0:
         area += 2 * vehicle.road_load.quadratic / vehicle.air_density
         area += 2 * vehicle.mass * GRAVITY * vehicle.rolling_resistance_growth / vehicle.air_density
     return motion.of_each_run(
@@ -98,7 +119,9 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
             "initial_deceleration": metric(
                 level(lambda: decelerations(run)[1][0]), "m/s^2", "mean of the first second"
             ),
-            "time_from_100_to_80_km_h": metric(level(lambda: _time_between(run)), "s", "time from 100 to 80 km/h"),
+            "time_from_100_to_80_km_h": metric(
+                level(lambda: _time_between(run)), "s", "time from 100 to 80 km/h"
+            ),
         },
     )
 
@@ -112,7 +135,10 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Sheet]:
         rolling, area = road_load(run, vehicle)
         force = vehicle.mass * GRAVITY * rolling + 0.5 * vehicle.air_density * area * speed**2
         fitted = force / effective_mass(vehicle)
-        return [Curve(speed[::-1], each[::-1], name) for name, each in (("measured", deceleration), ("fitted", fitted))]
+        return [
+            Curve(speed[::-1], each[::-1], name)
+            for name, each in (("measured", deceleration), ("fitted", fitted))
+        ]
 
     deceleration = panel("Deceleration", "deceleration [m/s²]", loads)
     return {
@@ -123,7 +149,9 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Sheet]:
 
 def _described(value: float, symbol: str) -> Reference | None:
     return (
-        Reference(value, within(value, relative=ROAD_LOAD_BAND), f"{symbol} of the vehicle description")
+        Reference(
+            value, within(value, relative=ROAD_LOAD_BAND), f"{symbol} of the vehicle description"
+        )
         if value
         else None
     )

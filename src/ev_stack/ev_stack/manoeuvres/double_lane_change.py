@@ -14,14 +14,33 @@ from ev_stack.figures.other_axes import plan_view
 from ev_stack.figures.panels import Curve, motion_panels, readable
 from ev_stack.figures.sheets import Sheet
 from ev_stack.measures import motion
-from ev_stack.measures.course import Course, Lane, cones, edges, hit_cones, lanes_driven, outside_lanes
-from ev_stack.measures.metric import HIGHER, LOWER, Metric, NotMeasured, Parameters, Runs, channel, metric
+from ev_stack.measures.course import (
+    Course,
+    Lane,
+    cones,
+    edges,
+    hit_cones,
+    lanes_driven,
+    outside_lanes,
+)
+from ev_stack.measures.metric import (
+    HIGHER,
+    LOWER,
+    Metric,
+    NotMeasured,
+    Parameters,
+    Runs,
+    channel,
+    metric,
+)
 from ev_stack.recording.recording import Recording
 
 _PATH = "path."
 
 
-def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters, course: Course) -> dict[str, Metric]:
+def metrics(
+    runs: Runs, vehicle: Vehicle, parameters: Parameters, course: Course
+) -> dict[str, Metric]:
     """Whether the course is passed, cones hit, speeds, and largest values between the first and the last cone.
 
     Without a course in the scenario the values are those of the whole run.
@@ -51,7 +70,10 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters, course: Course
 
         return {
             "course_passed": metric(
-                in_lanes, "1", "1: in the lanes and on the road to the end, no cone hit; else 0", HIGHER
+                in_lanes,
+                "1",
+                "1: in the lanes and on the road to the end, no cone hit; else 0",
+                HIGHER,
             ),
             "cones_hit": metric(hit, "1", "cones that came to lie under the body", LOWER),
             "entry_speed": metric(lambda: at(0), "m/s", "V at the first cone"),
@@ -62,14 +84,21 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters, course: Course
                 "largest magnitude across the path, on the course",
             ),
             "peak_sideslip_angle": metric(
-                lambda: largest(lambda run: np.where(motion.moving(run), motion.sideslip_angle(run), 0.0)),
+                lambda: largest(
+                    lambda run: np.where(motion.moving(run), motion.sideslip_angle(run), 0.0)
+                ),
                 "rad",
                 "max |beta| on the course while the car moves",
                 LOWER,
             ),
-            "peak_yaw_rate": metric(lambda: of_channel(motion.YAW_RATE), "rad/s", "max |r| on the course", LOWER),
+            "peak_yaw_rate": metric(
+                lambda: of_channel(motion.YAW_RATE), "rad/s", "max |r| on the course", LOWER
+            ),
             "peak_steering_wheel_angle": metric(
-                lambda: of_channel(motion.STEERING_WHEEL_ANGLE), "rad", "largest magnitude on the course", LOWER
+                lambda: of_channel(motion.STEERING_WHEEL_ANGLE),
+                "rad",
+                "largest magnitude on the course",
+                LOWER,
             ),
         }
 
@@ -78,7 +107,11 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters, course: Course
 
 def _road_of(parameters: Parameters) -> PathParameters | None:
     """The path of the driver, in the middle of the road; None if he has none."""
-    path = {name: value for name, value in parameters.get("driver", {}).items() if name.startswith(_PATH)}
+    path = {
+        name: value
+        for name, value in parameters.get("driver", {}).items()
+        if name.startswith(_PATH)
+    }
     return build(PathParameters, path, _PATH) if path else None
 
 
@@ -95,16 +128,22 @@ def passed(run: Recording, vehicle: Vehicle, road: PathParameters | None, course
     return True
 
 
-def is_over(run: Recording, since: int, vehicle: Vehicle, road: PathParameters | None, course: Course) -> bool:
+def is_over(
+    run: Recording, since: int, vehicle: Vehicle, road: PathParameters | None, course: Course
+) -> bool:
     """Whether a car has left lanes or road, or is whole behind the last cone; it had not at the sample `since`.
 
-    To which side its lanes go is known in the first lane aside: before, it has to have left those of both.
+    To which side its lanes go is known in the first lane aside: before, it has to have left those
+    of both.
     """
     if not course.begin:
         return bool(_left(run.part(since), road, course, ()))
     behind = course.end[-1] + vehicle.centre_of_mass_to_rear_axle + course.overhang
     is_behind = channel(run, "pose.x")[-1] >= behind
-    return bool(is_behind or all(_left(run, road, course, course.lanes(vehicle, side)) for side in (1.0, -1.0)))
+    return bool(
+        is_behind
+        or all(_left(run, road, course, course.lanes(vehicle, side)) for side in (1.0, -1.0))
+    )
 
 
 def figures(runs: Runs, vehicle: Vehicle, course: Course) -> dict[str, Sheet]:
@@ -135,7 +174,9 @@ def _on_course(run: Recording, vehicle: Vehicle, course: Course) -> np.ndarray:
     return (x >= course.begin[0]) & (np.arange(len(x)) <= _end_of_course(run, vehicle, course))
 
 
-def _left(run: Recording, road: PathParameters | None, course: Course, lanes: Sequence[Lane]) -> str:
+def _left(
+    run: Recording, road: PathParameters | None, course: Course, lanes: Sequence[Lane]
+) -> str:
     """Where the car left the course up to its end, in a line: a lane, or the road of the driver's path; empty if not.
 
     That of the driver's path is as wide as `driver.path.width`.
@@ -146,5 +187,7 @@ def _left(run: Recording, road: PathParameters | None, course: Course, lanes: Se
     outside = {"its lane": outside_lanes(run, lanes)}
     if road:
         outside["the road"] = distances_from(path_of(road), x, y) > road.width / 2
-    first = sorted((int(where.argmax()), what) for what, where in outside.items() if where[:until].any())
+    first = sorted(
+        (int(where.argmax()), what) for what, where in outside.items() if where[:until].any()
+    )
     return f"the car left {first[0][1]} at {run.time[first[0][0]]:.2f} s" if first else ""

@@ -11,7 +11,8 @@ from ev_stack.measures import motion
 from ev_stack.measures.metric import LOWER, Metric, NotMeasured, Runs, channel, metric
 from ev_stack.recording.recording import Recording
 
-ROLLING_SPEED = 0.1  # [m/s], above it the car has pulled away and slip is more than the first turn of a wheel
+# [m/s], above it the car has pulled away and slip is more than the first turn of a wheel
+ROLLING_SPEED = 0.1
 PULL_AWAY = 1.0  # [m], the pull-away is timed over it
 
 
@@ -25,16 +26,22 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
 
         def first_metre() -> float:
             start = run.time[_release(run)]
-            return motion.crossing_time(run.time, _uphill(run), PULL_AWAY, "the first metre") - float(start)
+            return motion.crossing_time(
+                run.time, _uphill(run), PULL_AWAY, "the first metre"
+            ) - float(start)
 
         def sign_changes() -> float:
             return float(np.count_nonzero(np.diff(np.sign(_slips(run, vehicle)), axis=-1)))
 
         return {
             "holding_time": metric(
-                lambda: run.time[_release(run)] - run.time[0], "s", "from the start to the first release of the brake"
+                lambda: run.time[_release(run)] - run.time[0],
+                "s",
+                "from the start to the first release of the brake",
             ),
-            "movement_while_holding": metric(moved, "m", "largest distance from the start until then", LOWER),
+            "movement_while_holding": metric(
+                moved, "m", "largest distance from the start until then", LOWER
+            ),
             "roll_back": metric(
                 lambda: max(0.0, float(-_uphill(run)[_release(run) :].min())),
                 "m",
@@ -42,7 +49,10 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
                 LOWER,
             ),
             "time_for_one_metre": metric(
-                first_metre, "s", "from the release to 1 m in the direction of the drive torque", LOWER
+                first_metre,
+                "s",
+                "from the release to 1 m in the direction of the drive torque",
+                LOWER,
             ),
             "pull_away_peak_slip": metric(
                 lambda: np.abs(_slips(run, vehicle)).max(),
@@ -50,7 +60,9 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
                 "max |slip ratio| of the driven wheels from 0.1 m/s on",
                 LOWER,
             ),
-            "slip_sign_changes": metric(sign_changes, "1", "changes of the sign of their slip ratios", LOWER),
+            "slip_sign_changes": metric(
+                sign_changes, "1", "changes of the sign of their slip ratios", LOWER
+            ),
         }
 
     return motion.of_each_run(runs, of)
@@ -111,4 +123,6 @@ def _slips(run: Recording, vehicle: Vehicle) -> np.ndarray:
     start = _release(run)
     start += motion.first(channel(run, motion.BRAKE_TORQUE)[start:] == 0.0, "the end of braking")
     start += motion.first(np.abs(motion.path_speed(run)[start:]) > ROLLING_SPEED, "the pull-away")
-    return np.array([channel(run, f"tire_forces.slip_ratio.{wheel}")[start:] for wheel in vehicle.driven_wheels])
+    return np.array(
+        [channel(run, f"tire_forces.slip_ratio.{wheel}")[start:] for wheel in vehicle.driven_wheels]
+    )

@@ -26,7 +26,11 @@ _OF_A_LAP = (
 
 def course_of(parameters: Parameters) -> CourseParameters | None:
     """The closed course of a driver who has one."""
-    own = {name: value for name, value in parameters.get("driver", {}).items() if name.startswith(_COURSE)}
+    own = {
+        name: value
+        for name, value in parameters.get("driver", {}).items()
+        if name.startswith(_COURSE)
+    }
     return build(CourseParameters, own, _COURSE) if own else None
 
 
@@ -43,12 +47,18 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
 def figures(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Sheet]:
     """The course with its edges, the racing line and the car's path, and the motion over time."""
     course = course_of(parameters)
-    tracks = [Curve(channel(run, "pose.x"), channel(run, "pose.y"), name) for name, run in runs.items()]
+    tracks = [
+        Curve(channel(run, "pose.x"), channel(run, "pose.y"), name) for name, run in runs.items()
+    ]
     if course is not None:
         lines = (*edges(course), line_of(course, vehicle).points)
         closed = (np.vstack((line, line[:1])).T for line in lines)
         tracks += [
-            Curve(x, y, of) for of, (x, y) in zip(("left edge", "right edge", "racing line"), closed, strict=True)
+            Curve(x, y, of)
+            for of, (x, y) in zip(("left edge", "right edge", "racing line"), closed, strict=True)
         ]
     names = ("speed", "lateral_acceleration", "yaw_rate", "sideslip_angle")
-    return {"course": plan_view("Closed course", tracks), "motion": Sheet(motion_panels(runs, *names))}
+    return {
+        "course": plan_view("Closed course", tracks),
+        "motion": Sheet(motion_panels(runs, *names)),
+    }

@@ -15,7 +15,9 @@ from ev_stack.measures.metric import LOWER, Metric, NotMeasured, Runs, channel, 
 from ev_stack.recording.recording import Recording
 
 
-def split_friction_figures(name: str, runs: Runs, vehicle: Vehicle, wheels: Sequence[str]) -> dict[str, Sheet]:
+def split_friction_figures(
+    name: str, runs: Runs, vehicle: Vehicle, wheels: Sequence[str]
+) -> dict[str, Sheet]:
     """Speed, heading, steering-wheel angle and path of all runs, and the rim speeds of some wheels of each.
 
     The sheet is called `name`, the plan view `path`.
@@ -23,16 +25,27 @@ def split_friction_figures(name: str, runs: Runs, vehicle: Vehicle, wheels: Sequ
 
     def rims(name: str) -> list[Curve]:
         run = run_named(runs, name)
-        return [Curve(run.time, motion.rim_speed(run, vehicle, wheel), readable(wheel)) for wheel in wheels]
+        return [
+            Curve(run.time, motion.rim_speed(run, vehicle, wheel), readable(wheel))
+            for wheel in wheels
+        ]
 
     panels = [
         # Without a sign, which would jump where a car that turns round goes across.
-        over_time(runs, "Speed over ground", "speed [m/s]", lambda run: np.abs(motion.path_speed(run))),
+        over_time(
+            runs, "Speed over ground", "speed [m/s]", lambda run: np.abs(motion.path_speed(run))
+        ),
         over_time(runs, "Heading", "heading [deg]", degrees(motion.heading)),
         *motion_panels(runs, "steering_wheel_angle"),
-        *(panel(f"Rim speeds, {readable(run)}", "speed [m/s]", lambda run=run: rims(run)) for run in runs),
+        *(
+            panel(f"Rim speeds, {readable(run)}", "speed [m/s]", lambda run=run: rims(run))
+            for run in runs
+        ),
     ]
-    tracks = [Curve(channel(run, "pose.x"), channel(run, "pose.y"), readable(key)) for key, run in runs.items()]
+    tracks = [
+        Curve(channel(run, "pose.x"), channel(run, "pose.y"), readable(key))
+        for key, run in runs.items()
+    ]
     return {name: Sheet(panels), "path": plan_view("Path of the centre of mass", tracks)}
 
 
@@ -53,14 +66,23 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
 
         return {
             "time_to_5_m_s": metric(
-                lambda: _reached(run) - run.time[_launch(run).start], "s", "from the first drive torque to 5 m/s", LOWER
+                lambda: _reached(run) - run.time[_launch(run).start],
+                "s",
+                "from the first drive torque to 5 m/s",
+                LOWER,
             ),
             "distance_to_5_m_s": metric(way, "m", "way of the centre of mass by then", LOWER),
             "peak_yaw_rate": metric(
-                lambda: np.abs(channel(run, motion.YAW_RATE)[_launch(run)]).max(), "rad/s", "max |r| by then", LOWER
+                lambda: np.abs(channel(run, motion.YAW_RATE)[_launch(run)]).max(),
+                "rad/s",
+                "max |r| by then",
+                LOWER,
             ),
             "peak_yaw_deviation": metric(
-                lambda: by_then(motion.heading(run)), "rad", "max |change of the heading| by then", LOWER
+                lambda: by_then(motion.heading(run)),
+                "rad",
+                "max |change of the heading| by then",
+                LOWER,
             ),
             "peak_lateral_deviation": metric(
                 lambda: by_then(motion.way_aside(run, _launch(run).start)),
@@ -76,7 +98,10 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
             ),
             **{
                 f"{wheel}_peak_slip": metric(
-                    lambda wheel=wheel: _slip(run, wheel), "1", "max |slip ratio| by then, above 0.1 m/s", LOWER
+                    lambda wheel=wheel: _slip(run, wheel),
+                    "1",
+                    "max |slip ratio| by then, above 0.1 m/s",
+                    LOWER,
                 )
                 for wheel in vehicle.driven_wheels
             },
@@ -92,7 +117,9 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Sheet]:
 
 def _launch(run: Recording) -> slice:
     """The samples from the first drive torque to LAUNCH_SPEED."""
-    start = max(motion.first(np.abs(channel(run, motion.DRIVE_TORQUE)) > 0.0, "drive torque") - 1, 0)
+    start = max(
+        motion.first(np.abs(channel(run, motion.DRIVE_TORQUE)) > 0.0, "drive torque") - 1, 0
+    )
     end = motion.first(motion.speed(run) >= LAUNCH_SPEED, f"{LAUNCH_SPEED:g} m/s")
     if end < start:
         raise NotMeasured(f"the car has {LAUNCH_SPEED:g} m/s before it is driven")

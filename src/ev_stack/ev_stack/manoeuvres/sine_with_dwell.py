@@ -1,9 +1,10 @@
 """Report on the sine with dwell, by the measures of UN R140 and FMVSS 126.
 
-Run `slowly_increasing_steer` gives the steering-wheel angle A at 0.3 g; the others are sines with dwell, to the left or
-to the right first, for the regulation asks for both. A sine is what was driven, whatever the run is called. The
-beginning of steer is where the angle passes 5 deg, as the regulation has it, its completion the first instant at zero
-after the sine. From the last instant at zero before the sine the displacement is less: that reading stands beside it.
+Run `slowly_increasing_steer` gives the steering-wheel angle A at 0.3 g; the others are sines with
+dwell, to the left or to the right first, for the regulation asks for both. A sine is what was
+driven, whatever the run is called. The beginning of steer is where the angle passes 5 deg, as the
+regulation has it, its completion the first instant at zero after the sine. From the last instant at
+zero before the sine the displacement is less: that reading stands beside it.
 """
 
 from __future__ import annotations
@@ -17,33 +18,51 @@ from ev_stack.figures.panels import Curve, motion_panels, over_time, panel, read
 from ev_stack.figures.sheets import Sheet
 from ev_stack.measures import motion
 from ev_stack.measures.handling import peak_sideslip
-from ev_stack.measures.metric import HIGHER, LOWER, Metric, NotJudged, NotMeasured, Runs, channel, metric, run_named
+from ev_stack.measures.metric import (
+    HIGHER,
+    LOWER,
+    Metric,
+    NotJudged,
+    NotMeasured,
+    Runs,
+    channel,
+    metric,
+    run_named,
+)
 from ev_stack.recording.recording import Recording
 from ev_stack.scenarios.slow_ramp import angle_at
 
 SLOW_RUN = "slowly_increasing_steer"
 SHOWN_SIDESLIP = 30.0  # [deg], beyond which a car has spun and would flatten the others' curves
 REFERENCE_ACCELERATION = 0.3 * GRAVITY  # [m/s^2]
-BEGINNING_OF_STEER = np.radians(5.0)  # of the steering wheel, the beginning of steer (FMVSS 126, S7.11)
+# of the steering wheel, the beginning of steer (FMVSS 126, S7.11)
+BEGINNING_OF_STEER = np.radians(5.0)
 DISPLACEMENT_TIME = 1.07  # [s] after the beginning of steer
 DISPLACEMENT = 1.83  # [m], at least, for cars up to 3500 kg and amplitudes of 5 A and more
 FULL = 5.0  # [A]
 ROUNDING = 0.01  # of an amplitude: A counts to a tenth of a degree
-YAW_LIMITS = ((1.0, 35.0), (1.75, 20.0))  # [s] after the completion of steer, [%] of the peak yaw rate at most
+# [s] after the completion of steer, [%] of the peak yaw rate at most
+YAW_LIMITS = ((1.0, 35.0), (1.75, 20.0))
 
 
 def metrics(runs: Runs) -> dict[str, Metric]:
     """The angle A, and for each sine its amplitude over A, yaw rate ratios, lateral displacement and verdict."""
     result = {
         "steering_wheel_angle_at_0_3_g": metric(
-            lambda: _reference_angle(runs), "rad", "A: angle at 0.3 g on a slow ramp (FMVSS 126, S7.6)"
+            lambda: _reference_angle(runs),
+            "rad",
+            "A: angle at 0.3 g on a slow ramp (FMVSS 126, S7.6)",
         )
     }
     for name, run in _sines(runs).items():
         result[f"{name}_amplitude"] = metric(
-            lambda run=run: np.abs(channel(run, motion.STEERING_WHEEL_ANGLE)).max(), "rad", "max |steering-wheel angle|"
+            lambda run=run: np.abs(channel(run, motion.STEERING_WHEEL_ANGLE)).max(),
+            "rad",
+            "max |steering-wheel angle|",
         )
-        result[f"{name}_amplitude_over_a"] = metric(lambda run=run: _multiple(run, runs), "1", "the same over A")
+        result[f"{name}_amplitude_over_a"] = metric(
+            lambda run=run: _multiple(run, runs), "1", "the same over A"
+        )
         for delay, _ in YAW_LIMITS:
             key = f"{delay:.2f}".replace(".", "_")
             result[f"{name}_yaw_rate_ratio_{key}_s"] = metric(
@@ -53,7 +72,10 @@ def metrics(runs: Runs) -> dict[str, Metric]:
                 LOWER,
             )
         result[f"{name}_lateral_displacement"] = metric(
-            lambda run=run: _displacement(run, _beginning(run)), "m", "way aside 1.07 s after 5 deg", HIGHER
+            lambda run=run: _displacement(run, _beginning(run)),
+            "m",
+            "way aside 1.07 s after 5 deg",
+            HIGHER,
         )
         result[f"{name}_lateral_displacement_from_zero"] = metric(
             lambda run=run: _displacement(run, float(run.time[_steering(run)[0]])),
@@ -65,7 +87,10 @@ def metrics(runs: Runs) -> dict[str, Metric]:
             lambda run=run: peak_sideslip(run), "rad", "max |beta| while the car moves", LOWER
         )
         result[f"{name}_passed"] = metric(
-            lambda name=name: _passes(name, runs), "1", "1: within the limits of FMVSS 126; else 0", HIGHER
+            lambda name=name: _passes(name, runs),
+            "1",
+            "1: within the limits of FMVSS 126; else 0",
+            HIGHER,
         )
     return result
 
@@ -133,9 +158,17 @@ def _peak_yaw_rate(run: Recording) -> float:
     """First local peak of the yaw rate after the steering-wheel angle has changed its sign [rad/s]."""
     begin, end = _steering(run)
     angle, yaw_rate = channel(run, motion.STEERING_WHEEL_ANGLE), channel(run, motion.YAW_RATE)
-    reversal = begin + 1 + motion.first(angle[begin + 1 : end] * angle[begin + 1] < 0.0, "the second half of the sine")
+    reversal = (
+        begin
+        + 1
+        + motion.first(
+            angle[begin + 1 : end] * angle[begin + 1] < 0.0, "the second half of the sine"
+        )
+    )
     towards = np.sign(angle[reversal]) * yaw_rate[reversal:]
-    falling = (towards[1:-1] > 0.0) & (towards[1:-1] >= towards[:-2]) & (towards[1:-1] > towards[2:])
+    falling = (
+        (towards[1:-1] > 0.0) & (towards[1:-1] >= towards[:-2]) & (towards[1:-1] > towards[2:])
+    )
     return float(yaw_rate[reversal + 1 + motion.first(falling, "the second peak of the yaw rate")])
 
 
@@ -169,5 +202,7 @@ def _passes(name: str, runs: Runs) -> float:
     if named and abs(multiple / named - 1.0) > ROUNDING:
         raise NotJudged(f"{multiple:.2f} A was driven, the run is about {named:g} A")
     stable = all(_yaw_rate_ratio(run, delay) <= limit for delay, limit in YAW_LIMITS)
-    responsive = multiple < FULL * (1.0 - ROUNDING) or _displacement(run, _beginning(run)) >= DISPLACEMENT
+    responsive = (
+        multiple < FULL * (1.0 - ROUNDING) or _displacement(run, _beginning(run)) >= DISPLACEMENT
+    )
     return float(stable and responsive)

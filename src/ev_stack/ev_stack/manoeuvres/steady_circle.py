@@ -1,9 +1,10 @@
 """Report on steady circular driving with slowly rising speed, in the terms of ISO 4138.
 
-Runs: `linear`, tyres with constant cornering stiffness, judged by the closed form, and `friction`, real tyres up to
-their limit, both with a fixed steering wheel, and the same as `constant_radius_linear` and `constant_radius_friction`,
-with a driver who stays on a circle. Curvature is the acceleration across the path over the squared speed, the reference
-for the angle is that of rolling at this curvature; so both methods give one understeer gradient. All angles,
+Runs: `linear`, tyres with constant cornering stiffness, judged by the closed form, and `friction`,
+real tyres up to their limit, both with a fixed steering wheel, and the same as
+`constant_radius_linear` and `constant_radius_friction`, with a driver who stays on a circle.
+Curvature is the acceleration across the path over the squared speed, the reference for the angle is
+that of rolling at this curvature; so both methods give one understeer gradient. All angles,
 accelerations and radii count inwards: the circle may lead to either side.
 """
 
@@ -20,13 +21,23 @@ from ev_stack.figures.panels import Curve, Panel, panel, readable
 from ev_stack.figures.sheets import Sheet
 from ev_stack.measures import motion
 from ev_stack.measures.handling import GRADIENT_RANGE
-from ev_stack.measures.metric import HIGHER, Metric, NotMeasured, Reference, Runs, channel, metric, within
+from ev_stack.measures.metric import (
+    HIGHER,
+    Metric,
+    NotMeasured,
+    Reference,
+    Runs,
+    channel,
+    metric,
+    within,
+)
 from ev_stack.recording.recording import Recording
 
 CONSTANT_RADIUS = "constant_radius_"  # how the names of the runs on a circle begin
 LINEAR_RUNS = ("linear", "constant_radius_linear")
 SETTLING = 1.0  # [s], after which the car follows a steering wheel that is held
-CLOSED_FORM_BAND = 0.05  # the closed form has neither drive forces across the car nor a car that accelerates
+# the closed form has neither drive forces across the car nor a car that accelerates
+CLOSED_FORM_BAND = 0.05
 STANDARD = "ISO 4138"
 
 
@@ -40,7 +51,8 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
     result = {}
     for name, run in runs.items():
         closed = (understeer_gradient(vehicle), sideslip_gradient(vehicle))
-        # The closed forms are about cars with cornering stiffnesses of their own, and loads that stay.
+        # The closed forms are about cars with cornering stiffnesses of their own, and loads that
+        # stay.
         has_closed = vehicle.tyre.lateral_curve == "linear" and vehicle.load_transfer == "none"
         closed = closed if name in LINEAR_RUNS and has_closed else None
         result |= {
@@ -57,10 +69,15 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
                 reference=_reference(closed[1], "-m a/(C_r L)") if closed else None,
             ),
             f"{name}_maximum_lateral_acceleration": metric(
-                lambda run=run: _inward_acceleration(run).max(), "m/s^2", "max a_y across the path", HIGHER
+                lambda run=run: _inward_acceleration(run).max(),
+                "m/s^2",
+                "max a_y across the path",
+                HIGHER,
             ),
             f"{name}_lowest_speed_radius": metric(
-                lambda run=run: 1 / float(_curvature(run)[steady(run).start]), "m", "V^2/a_y once it is steady"
+                lambda run=run: 1 / float(_curvature(run)[steady(run).start]),
+                "m",
+                "V^2/a_y once it is steady",
             ),
         }
     return result
@@ -71,14 +88,19 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Sheet]:
     at_radius = {name: run for name, run in runs.items() if name.startswith(CONSTANT_RADIUS)}
     methods = {
         "steady_circle": {name: run for name, run in runs.items() if name not in at_radius},
-        "constant_radius": {name.removeprefix(CONSTANT_RADIUS): run for name, run in at_radius.items()},
+        "constant_radius": {
+            name.removeprefix(CONSTANT_RADIUS): run for name, run in at_radius.items()
+        },
     }
     sheets = {
         name: Sheet(_panels(chosen, vehicle), "lateral acceleration [m/s²]", start=0.0)
         for name, chosen in methods.items()
         if chosen
     }
-    tracks = [Curve(channel(run, "pose.x"), channel(run, "pose.y"), readable(name)) for name, run in runs.items()]
+    tracks = [
+        Curve(channel(run, "pose.x"), channel(run, "pose.y"), readable(name))
+        for name, run in runs.items()
+    ]
     return {**sheets, "path": plan_view("Path of the centre of mass", tracks)}
 
 
@@ -96,7 +118,11 @@ def _panels(runs: Runs, vehicle: Vehicle) -> list[Panel]:
             over_acceleration(lambda run: np.degrees(_excess_angle(run, vehicle))),
         ),
         panel("Sideslip angle", "angle [deg]", over_acceleration(inward(motion.sideslip_angle))),
-        panel("Yaw rate", "yaw rate [deg/s]", over_acceleration(inward(lambda run: channel(run, motion.YAW_RATE)))),
+        panel(
+            "Yaw rate",
+            "yaw rate [deg/s]",
+            over_acceleration(inward(lambda run: channel(run, motion.YAW_RATE))),
+        ),
         panel("Speed", "speed [m/s]", over_acceleration(motion.path_speed)),
     ]
 
@@ -104,21 +130,26 @@ def _panels(runs: Runs, vehicle: Vehicle) -> list[Panel]:
 def steady(run: Recording) -> slice:
     """The samples from the end of steering in to the largest lateral acceleration, before the car loses the circle.
 
-    A driver who stays on a circle never ends steering; with him the car is on it, at this slowly rising speed, long
-    before the lowest acceleration that gradients are taken from.
+    A driver who stays on a circle never ends steering; with him the car is on it, at this slowly
+    rising speed, long before the lowest acceleration that gradients are taken from.
     """
     angle, acceleration = channel(run, motion.STEERING_WHEEL_ANGLE), _inward_acceleration(run)
     settled = run.time >= run.time[-1] - SETTLING
     if (angle[settled] == angle[-1]).all():
         held = run.time[motion.first(angle == angle[-1], "the fixed steering-wheel angle")]
-        start = motion.first(run.time >= held + SETTLING - 1e-9, f"{SETTLING:g} s with a fixed steering wheel")
+        start = motion.first(
+            run.time >= held + SETTLING - 1e-9, f"{SETTLING:g} s with a fixed steering wheel"
+        )
     else:
         start = motion.first(acceleration >= GRADIENT_RANGE[0], f"{GRADIENT_RANGE[0]:g} m/s^2")
     beyond = np.maximum.accumulate(acceleration > GRADIENT_RANGE[1])
-    lost = np.flatnonzero(beyond & (acceleration < 0.9 * GRADIENT_RANGE[1]))  # it slides off, slows down and grips anew
+    # it slides off, slows down and grips anew
+    lost = np.flatnonzero(beyond & (acceleration < 0.9 * GRADIENT_RANGE[1]))
     part = slice(start, int(acceleration[: lost[0] if lost.size else None].argmax()) + 1)
     if not acceleration[part].size:
-        raise NotMeasured("the lateral acceleration does not rise once the car follows the steering wheel")
+        raise NotMeasured(
+            "the lateral acceleration does not rise once the car follows the steering wheel"
+        )
     return part
 
 
@@ -149,7 +180,9 @@ def _excess_angle(run: Recording, vehicle: Vehicle) -> np.ndarray:
 
 def _excess_sideslip(run: Recording, vehicle: Vehicle) -> np.ndarray:
     """Sideslip angle beyond that of rolling on the circle, (n,) [rad]."""
-    return _side(run) * motion.sideslip_angle(run) - vehicle.centre_of_mass_to_rear_axle * _curvature(run)
+    return _side(run) * motion.sideslip_angle(
+        run
+    ) - vehicle.centre_of_mass_to_rear_axle * _curvature(run)
 
 
 def _gradient(run: Recording, values: np.ndarray) -> float:
@@ -160,11 +193,15 @@ def _gradient(run: Recording, values: np.ndarray) -> float:
     if acceleration.max() < GRADIENT_RANGE[1]:
         raise NotMeasured(f"the lateral acceleration stays below {GRADIENT_RANGE[1]:g} m/s^2")
     if np.count_nonzero(inside) < 2:
-        raise NotMeasured(f"the lateral acceleration jumps over {GRADIENT_RANGE[0]:g} to {GRADIENT_RANGE[1]:g} m/s^2")
+        raise NotMeasured(
+            f"the lateral acceleration jumps over {GRADIENT_RANGE[0]:g} to {GRADIENT_RANGE[1]:g} m/s^2"
+        )
     return float(np.polyfit(acceleration[inside], values[inside], 1)[0])
 
 
 def _reference(value: float, formula: str) -> Reference | None:
     return Reference(
-        value, within(value, relative=CLOSED_FORM_BAND), f"closed form {formula}, defined as in {STANDARD}"
+        value,
+        within(value, relative=CLOSED_FORM_BAND),
+        f"closed form {formula}, defined as in {STANDARD}",
     )

@@ -1,7 +1,7 @@
 """Report on a step input of the steering wheel, in the terms of ISO 7401.
 
-Times count from the instant at which the steering-wheel angle passes half of its step; steady values are the mean
-over the last second of the run.
+Times count from the instant at which the steering-wheel angle passes half of its step; steady
+values are the mean over the last second of the run.
 """
 
 from __future__ import annotations
@@ -13,7 +13,16 @@ import numpy as np
 from ev_stack.figures.panels import motion_panels
 from ev_stack.figures.sheets import Sheet
 from ev_stack.measures import motion
-from ev_stack.measures.metric import LOWER, Metric, NotMeasured, Runs, channel, last, mean_between, metric
+from ev_stack.measures.metric import (
+    LOWER,
+    Metric,
+    NotMeasured,
+    Runs,
+    channel,
+    last,
+    mean_between,
+    metric,
+)
 from ev_stack.recording.recording import Recording
 
 STEADY_WINDOW = 1.0  # [s]
@@ -38,7 +47,8 @@ class Response:
 def response(run: Recording, values: np.ndarray) -> Response:
     """The response of a quantity (n,); the response time ends at 90 % of the steady value.
 
-    NotMeasured if the steering wheel is not turned, or if in the end the car stands or the quantity is not steady.
+    NotMeasured if the steering wheel is not turned, or if in the end the car stands or the quantity
+    is not steady.
     """
     angle = channel(run, motion.STEERING_WHEEL_ANGLE)
     final = mean_between(run, angle, *last(run, STEADY_WINDOW))
@@ -51,7 +61,10 @@ def response(run: Recording, values: np.ndarray) -> Response:
     steady = mean_between(run, values, end - STEADY_WINDOW, end)
     if not steady:
         raise NotMeasured("the car does not respond")
-    if abs(mean_between(run, values, end - 2 * STEADY_WINDOW, end - STEADY_WINDOW) / steady - 1) > STEADY_BAND:
+    if (
+        abs(mean_between(run, values, end - 2 * STEADY_WINDOW, end - STEADY_WINDOW) / steady - 1)
+        > STEADY_BAND
+    ):
         raise NotMeasured("the response is not steady in the end")
     relative = values / steady
     peak = int(relative.argmax())
@@ -82,29 +95,47 @@ def _metrics(run: Recording) -> dict[str, Metric]:
         return response(run, motion.lateral_acceleration_on_path(run))
 
     def steering() -> float:
-        return mean_between(run, channel(run, motion.STEERING_WHEEL_ANGLE), *last(run, STEADY_WINDOW))
+        return mean_between(
+            run, channel(run, motion.STEERING_WHEEL_ANGLE), *last(run, STEADY_WINDOW)
+        )
 
     def sideslip() -> float:
         return response(run, motion.sideslip_angle(run)).steady
 
     return {
         "steering_wheel_angle": metric(steering, "rad", "mean of the last second"),
-        "lateral_acceleration": metric(lambda: lateral().steady, "m/s^2", "mean of the last second"),
+        "lateral_acceleration": metric(
+            lambda: lateral().steady, "m/s^2", "mean of the last second"
+        ),
         "yaw_rate_response_time": metric(
-            lambda: yaw().response_time, "s", "from half of the step to 90 % of the steady r (ISO 7401)", LOWER
+            lambda: yaw().response_time,
+            "s",
+            "from half of the step to 90 % of the steady r (ISO 7401)",
+            LOWER,
         ),
         "yaw_rate_peak_response_time": metric(
             lambda: yaw().peak_time, "s", "from half of the step to the peak of r", LOWER
         ),
-        "yaw_rate_overshoot": metric(lambda: yaw().overshoot, "%", "100 (peak/steady r - 1)", LOWER),
-        "yaw_rate_gain": metric(lambda: yaw().steady / steering(), "1/s", "steady r over steering-wheel angle"),
+        "yaw_rate_overshoot": metric(
+            lambda: yaw().overshoot, "%", "100 (peak/steady r - 1)", LOWER
+        ),
+        "yaw_rate_gain": metric(
+            lambda: yaw().steady / steering(), "1/s", "steady r over steering-wheel angle"
+        ),
         "lateral_acceleration_response_time": metric(
-            lambda: lateral().response_time, "s", "from half of the step to 90 % of the steady a_y", LOWER
+            lambda: lateral().response_time,
+            "s",
+            "from half of the step to 90 % of the steady a_y",
+            LOWER,
         ),
         "lateral_acceleration_gain": metric(
-            lambda: lateral().steady / steering(), "m/(s^2 rad)", "steady a_y over steering-wheel angle"
+            lambda: lateral().steady / steering(),
+            "m/(s^2 rad)",
+            "steady a_y over steering-wheel angle",
         ),
-        "sideslip_angle_gain": metric(lambda: sideslip() / steering(), "1", "steady beta over steering-wheel angle"),
+        "sideslip_angle_gain": metric(
+            lambda: sideslip() / steering(), "1", "steady beta over steering-wheel angle"
+        ),
         "tb_factor": metric(
             lambda: yaw().peak_time * abs(np.degrees(sideslip())),
             "deg s",

@@ -31,7 +31,10 @@ def metrics(runs: Runs) -> dict[str, Metric]:
         return {
             "initial_speed": metric(lambda: initial_speed(run), "m/s", "V at the onset of braking"),
             "stopping_distance": metric(
-                lambda: stopping_distance(run), "m", "way from the onset of braking to 0.1 m/s", LOWER
+                lambda: stopping_distance(run),
+                "m",
+                "way from the onset of braking to 0.1 m/s",
+                LOWER,
             ),
             "mean_deceleration": metric(
                 lambda: initial_speed(run) ** 2 / (2 * stopping_distance(run)),
@@ -51,7 +54,9 @@ def metrics(runs: Runs) -> dict[str, Metric]:
                 LOWER,
             ),
             "yaw_deviation_after_1_s": metric(
-                lambda: _after_a_second(run, motion.heading(run)), "rad", "change of the heading in 1 s (ISO 14512)"
+                lambda: _after_a_second(run, motion.heading(run)),
+                "rad",
+                "change of the heading in 1 s (ISO 14512)",
             ),
             "peak_yaw_deviation": metric(
                 lambda: _largest_deviation(run, motion.heading(run)),
@@ -98,7 +103,10 @@ def _onset(run: Recording) -> int:
 def _braking(run: Recording) -> slice:
     """The samples from the onset of braking to the stop."""
     start = _onset(run)
-    return slice(start, start + motion.first(np.abs(motion.path_speed(run)[start:]) < STANDING, "the stop") + 1)
+    return slice(
+        start,
+        start + motion.first(np.abs(motion.path_speed(run)[start:]) < STANDING, "the stop") + 1,
+    )
 
 
 def _after_a_second(run: Recording, values: np.ndarray) -> float:
@@ -115,6 +123,7 @@ def _locked(run: Recording, wheel: str) -> float:
     """Share of the braking time above LOCKED_SPEED during which a wheel is locked [%]."""
     part = _braking(run)
     fast = np.abs(motion.path_speed(run)[part]) > LOCKED_SPEED
-    towards = np.copysign(1.0, motion.path_speed(run)[part])  # in reverse a braked wheel slips forwards
+    # in reverse a braked wheel slips forwards
+    towards = np.copysign(1.0, motion.path_speed(run)[part])
     locked = towards * channel(run, f"tire_forces.slip_ratio.{wheel}")[part] < LOCKED_SLIP
     return 100 * np.count_nonzero(locked & fast) / max(np.count_nonzero(fast), 1)

@@ -20,16 +20,26 @@ from ev_stack.recording.recording import Recording
 class Course:
     """Lanes along x in odom, each a value of every list; `width_*` make the width of a lane of that of the car.
 
-    A course is symmetric: a car that goes to the other side in the first lane that lies aside drives its mirror image.
+    A course is symmetric: a car that goes to the other side in the first lane that lies aside
+    drives its mirror image.
     """
 
     title: str = setting("", about="title of its figure; empty for the name of the run")
     begin: tuple[float, ...] = setting(
-        (), unit="m", low=-1e6, high=1e6, about="where each lane begins, rising; none: there is no course"
+        (),
+        unit="m",
+        low=-1e6,
+        high=1e6,
+        about="where each lane begins, rising; none: there is no course",
     )
     end: tuple[float, ...] = setting((), unit="m", low=-1e6, high=1e6, about="where each lane ends")
     middle: tuple[float, ...] = setting(
-        (), unit="m", low=-1e3, high=1e3, about="middle of each lane, from that of the first; none: all 0", lateral=True
+        (),
+        unit="m",
+        low=-1e3,
+        high=1e3,
+        about="middle of each lane, from that of the first; none: all 0",
+        lateral=True,
     )
     gap: tuple[float, ...] = setting(
         (), unit="m", low=-1e3, high=1e3, lateral=True,
@@ -38,26 +48,46 @@ class Course:
     width_factor: tuple[float, ...] = setting(
         (), unit="1", low=0.0, high=10.0, about="times the width of the car; none: all 0"
     )
-    width_margin: tuple[float, ...] = setting((), unit="m", low=0.0, high=1e3, about="added to that; none: all 0")
-    least_width: tuple[float, ...] = setting((), unit="m", low=0.0, high=1e3, about="at least; none: all 0")
+    width_margin: tuple[float, ...] = setting(
+        (), unit="m", low=0.0, high=1e3, about="added to that; none: all 0"
+    )
+    least_width: tuple[float, ...] = setting(
+        (), unit="m", low=0.0, high=1e3, about="at least; none: all 0"
+    )
     cones: int = setting(4, low=2, high=1000, about="on each side of a lane, its ends included")
     body_beside_track: float = parameter(
-        0.21, unit="m", low=0.0, high=1.0, about="width of the body beyond the larger track: one tyre's width"
+        0.21,
+        unit="m",
+        low=0.0,
+        high=1.0,
+        about="width of the body beyond the larger track: one tyre's width",
     )
-    overhang: float = parameter(0.7, unit="m", low=0.0, high=3.0, about="of the body beyond each axle")
+    overhang: float = parameter(
+        0.7, unit="m", low=0.0, high=3.0, about="of the body beyond each axle"
+    )
 
     def __post_init__(self) -> None:
         """ParameterError if the lists do not describe the same lanes, one behind the other, that have a width."""
         for each in fields(self):
             values = getattr(self, each.name)
-            if isinstance(values, tuple) and len(values) != len(self.begin) and (values or each.name == "end"):
-                raise ParameterError(f"{each.name} has {len(values)} values, expected {len(self.begin)} as begin has")
+            if (
+                isinstance(values, tuple)
+                and len(values) != len(self.begin)
+                and (values or each.name == "end")
+            ):
+                raise ParameterError(
+                    f"{each.name} has {len(values)} values, expected {len(self.begin)} as begin has"
+                )
         ends = [place for lane in zip(self.begin, self.end, strict=True) for place in lane]
         if any(b <= a if n % 2 == 0 else b < a for n, (a, b) in enumerate(pairwise(ends))):
             raise ParameterError("begin and end do not rise, expected lanes one behind the other")
-        widths = zip(self._of("width_factor"), self._of("width_margin"), self._of("least_width"), strict=True)
+        widths = zip(
+            self._of("width_factor"), self._of("width_margin"), self._of("least_width"), strict=True
+        )
         if any(not any(width) for width in widths):
-            raise ParameterError("a lane has no width, expected a width_factor, width_margin or least_width")
+            raise ParameterError(
+                "a lane has no width, expected a width_factor, width_margin or least_width"
+            )
 
     def _of(self, name: str) -> tuple[float, ...]:
         return getattr(self, name) or (0.0,) * len(self.begin)
@@ -69,7 +99,9 @@ class Course:
     def lanes(self, vehicle: Vehicle, side: float = 1.0) -> tuple[Lane, ...]:
         """The lanes for a car; `side` is -1 for the mirror image."""
         body = self.body_width(vehicle)
-        sizes = zip(self._of("width_factor"), self._of("width_margin"), self._of("least_width"), strict=True)
+        sizes = zip(
+            self._of("width_factor"), self._of("width_margin"), self._of("least_width"), strict=True
+        )
         widths = [max(factor * body + margin, least) for factor, margin, least in sizes]
         found = []
         for n, (middle, gap) in enumerate(zip(self._of("middle"), self._of("gap"), strict=True)):
@@ -94,7 +126,9 @@ class Lane:
 def lanes_driven(run: Recording, vehicle: Vehicle, course: Course) -> tuple[Lane, ...]:
     """The lanes on the side to which the car goes in the first lane aside; NotMeasured if there is no course."""
     if not course.begin:
-        raise NotMeasured("the scenario has no course: course.begin, course.end and so on describe one")
+        raise NotMeasured(
+            "the scenario has no course: course.begin, course.end and so on describe one"
+        )
     lanes = course.lanes(vehicle)
     aside = next((lane for lane in lanes if lane.middle), lanes[0])
     x, y = channel(run, "pose.x"), channel(run, "pose.y")
@@ -137,7 +171,9 @@ def outside_lanes(run: Recording, lanes: Iterable[Lane]) -> np.ndarray:
     return found
 
 
-def edges(run: Recording, vehicle: Vehicle, course: Course) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
+def edges(
+    run: Recording, vehicle: Vehicle, course: Course
+) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
     """Paths of the left and of the right end of the body beside the centre of mass, x and y (n,) each [m]."""
     x, y, heading = channel(run, "pose.x"), channel(run, "pose.y"), motion.heading(run)
     half, offset = course.body_width(vehicle) / 2, vehicle.centre_of_mass_offset

@@ -32,7 +32,10 @@ class Derived(NamedTuple):
 
 SERIES: Mapping[str, Derived] = {
     "path_speed": Derived(
-        "m/s", "V along the path, negative backwards", lambda run: motion.path_speed(run.signals), (_TWIST,)
+        "m/s",
+        "V along the path, negative backwards",
+        lambda run: motion.path_speed(run.signals),
+        (_TWIST,),
     ),
     "path_acceleration": Derived(
         "m/s^2",
@@ -41,9 +44,14 @@ SERIES: Mapping[str, Derived] = {
         _ON_PATH,
     ),
     "path_radius": Derived(
-        "m", "V^2 over that, infinite straight ahead", lambda run: motion.radius_of_path(run.signals), _ON_PATH
+        "m",
+        "V^2 over that, infinite straight ahead",
+        lambda run: motion.radius_of_path(run.signals),
+        _ON_PATH,
     ),
-    "sideslip_angle": Derived("rad", "beta", lambda run: motion.sideslip_angle(run.signals), (_TWIST,)),
+    "sideslip_angle": Derived(
+        "rad", "beta", lambda run: motion.sideslip_angle(run.signals), (_TWIST,)
+    ),
     "total_drive_torque": Derived(
         "N m",
         "sum of the drive torques at the wheels",
@@ -56,16 +64,21 @@ SERIES: Mapping[str, Derived] = {
 def of_vehicle(name: str, place: int | None) -> Callable[[DrivenRun], float]:
     """The function that reads a number of the car by its dotted name, or the one at a place of a list.
 
-    ParameterError if no car has it, or if it is a list and no place is given, or the other way round.
+    ParameterError if no car has it, or if it is a list and no place is given, or the other way
+    round.
     """
     known = _parameters()
     if name not in known:
         raise unknown_name("vehicle parameter", name, known)
     is_list = isinstance(known[name], tuple)
     if is_list and place is None:
-        raise ParameterError(f"{VEHICLE}{name} is a list, expected one of its numbers, such as {VEHICLE}{name}[0]")
+        raise ParameterError(
+            f"{VEHICLE}{name} is a list, expected one of its numbers, such as {VEHICLE}{name}[0]"
+        )
     if isinstance(known[name], str) or (place is not None and not is_list):
-        raise ParameterError(f"{VEHICLE}{name} is refused, expected a number, or a list with the place of one, as [0]")
+        raise ParameterError(
+            f"{VEHICLE}{name} is refused, expected a number, or a list with the place of one, as [0]"
+        )
     read = operator.attrgetter(name)
 
     def number(run: DrivenRun) -> float:
@@ -84,5 +97,7 @@ def of_vehicle(name: str, place: int | None) -> Callable[[DrivenRun], float]:
 def _parameters() -> Mapping[str, Any]:
     """The parameters of a car by name, and what its description computes from them."""
     car = Vehicle()
-    computed = {name: getattr(car, name) for name, of in vars(Vehicle).items() if isinstance(of, property)}
+    computed = {
+        name: getattr(car, name) for name, of in vars(Vehicle).items() if isinstance(of, property)
+    }
     return {**flatten(car), **computed}

@@ -1,6 +1,7 @@
 """Expressions over channels, metrics and the car, such as `maximum(abs(imu.yaw_rate[time > 2])) / vehicle.mass`.
 
-They are read as Python's syntax and never run as Python: of the tree only what stands here has a meaning.
+They are read as Python's syntax and never run as Python: of the tree only what stands here has a
+meaning.
 """
 
 from __future__ import annotations
@@ -22,7 +23,8 @@ from ev_stack.measures.metric import NotMeasured, between, channel
 from ev_stack.measures.named import DrivenRun
 from ev_stack.measures.registry import METRICS
 
-_LONGEST, _MOST = 500, 200  # characters, and parts of an expression: its tree is walked by recursion
+# characters, and parts of an expression: its tree is walked by recursion
+_LONGEST, _MOST = 500, 200
 
 
 class Kind(NamedTuple):
@@ -59,18 +61,39 @@ REDUCTIONS: Mapping[str, Callable[[np.ndarray], float]] = {
     "root_mean_square": lambda values: np.sqrt(np.mean(values * values)),
     "standard_deviation": np.std,
 }
-OVER_TIME: Mapping[str, tuple[Kind, Callable[[np.ndarray, np.ndarray], Any]]] = {  # of values and time
+# of values and time
+OVER_TIME: Mapping[str, tuple[Kind, Callable[[np.ndarray, np.ndarray], Any]]] = {
     "integral": (_NUMBER, np.trapezoid),
-    "derivative": (_SERIES, lambda values, time: np.gradient(values, time) if len(time) > 1 else 0.0 * values),
+    "derivative": (
+        _SERIES,
+        lambda values, time: np.gradient(values, time) if len(time) > 1 else 0.0 * values,
+    ),
     "unwrap": (_SERIES, lambda values, time: np.unwrap(values)),
 }
 ELEMENTWISE: Mapping[str, tuple[int, Callable[..., Any]]] = {  # number of arguments, and function
     **{
         name: (1, getattr(np, name))
-        for name in ("abs", "sqrt", "exp", "log", "sin", "cos", "tan", "arcsin", "arccos", "arctan", "sign")
+        for name in (
+            "abs",
+            "sqrt",
+            "exp",
+            "log",
+            "sin",
+            "cos",
+            "tan",
+            "arcsin",
+            "arccos",
+            "arctan",
+            "sign",
+        )
     },
     **{name: (2, getattr(np, name)) for name in ("arctan2", "hypot", "minimum", "maximum")},
-    **{"degrees": (1, np.degrees), "radians": (1, np.radians), "clip": (3, np.clip), "where": (3, np.where)},
+    **{
+        "degrees": (1, np.degrees),
+        "radians": (1, np.radians),
+        "clip": (3, np.clip),
+        "where": (3, np.where),
+    },
 }
 _ARITHMETIC: Mapping[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: np.true_divide, ast.Pow: np.power
@@ -79,7 +102,10 @@ _COMPARISONS: Mapping[type, Callable[[Any, Any], Any]] = {
     ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt, ast.GtE: operator.ge,
     ast.Eq: operator.eq, ast.NotEq: operator.ne,
 }  # fmt: skip
-_LOGIC: Mapping[type, Callable[[Any, Any], Any]] = {ast.BitAnd: np.logical_and, ast.BitOr: np.logical_or}
+_LOGIC: Mapping[type, Callable[[Any, Any], Any]] = {
+    ast.BitAnd: np.logical_and,
+    ast.BitOr: np.logical_or,
+}
 AT = "at"  # at(VALUES, TIME)
 FUNCTIONS = sorted({*REDUCTIONS, *OVER_TIME, *ELEMENTWISE, AT})
 
@@ -88,7 +114,9 @@ def number_of(tree: ast.expr) -> Callable[[DrivenRun], float]:
     """The function that computes a tree; ParameterError, in one line, for what has no meaning or is not one number."""
     term = term_of(tree)
     if term.kind.is_series:
-        raise ParameterError("it has a value at each sample, expected one number, such as maximum(...) of it")
+        raise ParameterError(
+            "it has a value at each sample, expected one number, such as maximum(...) of it"
+        )
 
     def of(run: DrivenRun) -> float:
         # What is not finite is refused where the number is used, with the number.
@@ -135,12 +163,16 @@ def term_of(node: ast.expr) -> Term:
     if isinstance(node, ast.BinOp) and type(node.op) in _LOGIC:
         return _logical(_LOGIC[type(node.op)], term_of(node.left), term_of(node.right))
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd):
-        return _each(operator.neg if isinstance(node.op, ast.USub) else operator.pos, term_of(node.operand))
+        return _each(
+            operator.neg if isinstance(node.op, ast.USub) else operator.pos, term_of(node.operand)
+        )
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Invert):
         return _logical(np.logical_not, term_of(node.operand))
     if isinstance(node, ast.Compare) and all(type(each) in _COMPARISONS for each in node.ops):
         return _compared(node)
-    hint = "; and, or, not are written &, |, ~" if isinstance(node, ast.BoolOp | ast.UnaryOp) else ""
+    hint = (
+        "; and, or, not are written &, |, ~" if isinstance(node, ast.BoolOp | ast.UnaryOp) else ""
+    )
     raise ParameterError(
         f"{quoted(ast.unparse(node))} has no meaning, expected numbers, channels, time, metrics, vehicle.NAME, "
         f"+ - * / **, comparisons, & | ~, [condition] and functions{hint}"
@@ -185,13 +217,17 @@ def _each(function: Callable[..., Any], *terms: Term) -> Term:
     """A function of terms, sample by sample."""
     series = [term.kind for term in terms if term.kind.is_series]
     if any(kind.is_part for kind in series) and len(series) > 1:
-        raise ParameterError("values at some samples meet others, expected (A * B)[condition] for A[...] * B[...]")
+        raise ParameterError(
+            "values at some samples meet others, expected (A * B)[condition] for A[...] * B[...]"
+        )
     kind = _NUMBER if not series else _PART if series[0].is_part else _SERIES
     return Term(kind, lambda run: function(*(_as_numbers(term.of(run)) for term in terms)))
 
 
 def _as_numbers(values: Any) -> Any:
-    return values.astype(float) if isinstance(values, np.ndarray) and values.dtype == bool else values
+    return (
+        values.astype(float) if isinstance(values, np.ndarray) and values.dtype == bool else values
+    )
 
 
 def _logical(function: Callable[..., Any], *terms: Term) -> Term:
@@ -208,7 +244,10 @@ def _compared(node: ast.Compare) -> Term:
 
     def holds(run: DrivenRun) -> np.ndarray:
         values = [term.of(run) for term in terms]
-        return reduce(np.logical_and, (f(a, b) for f, a, b in zip(functions, values, values[1:], strict=False)))
+        return reduce(
+            np.logical_and,
+            (f(a, b) for f, a, b in zip(functions, values, values[1:], strict=False)),
+        )
 
     return Term(_CONDITION, holds)
 
@@ -218,7 +257,9 @@ def _subscript(node: ast.Subscript) -> Term:
     name = name_of(node.value) or ""
     if name.startswith(VEHICLE):
         place = node.slice.value if isinstance(node.slice, ast.Constant) else None
-        return Term(_NUMBER, of_vehicle(name.removeprefix(VEHICLE), place if type(place) is int else None))
+        return Term(
+            _NUMBER, of_vehicle(name.removeprefix(VEHICLE), place if type(place) is int else None)
+        )
     if isinstance(node.slice, ast.Slice):
         return _window(node, node.slice)
     values, condition = term_of(node.value), term_of(node.slice)
@@ -232,10 +273,19 @@ def _subscript(node: ast.Subscript) -> Term:
 def _window(node: ast.Subscript, ends: ast.Slice) -> Term:
     """The samples from a start to before an end [s], which the run has to cover."""
     if ends.lower is None or ends.upper is None or ends.step is not None:
-        raise ParameterError(f"{quoted(ast.unparse(node))} is refused, expected [START:END], or [time > START]")
+        raise ParameterError(
+            f"{quoted(ast.unparse(node))} is refused, expected [START:END], or [time > START]"
+        )
     values, start, end = term_of(node.value), term_of(ends.lower), term_of(ends.upper)
-    if not values.kind.is_series or values.kind.is_part or start.kind.is_series or end.kind.is_series:
-        raise ParameterError(f"{quoted(ast.unparse(node))} is refused, expected CHANNEL[START:END] with two numbers")
+    if (
+        not values.kind.is_series
+        or values.kind.is_part
+        or start.kind.is_series
+        or end.kind.is_series
+    ):
+        raise ParameterError(
+            f"{quoted(ast.unparse(node))} is refused, expected CHANNEL[START:END] with two numbers"
+        )
 
     def of(run: DrivenRun) -> np.ndarray:
         inside = between(run.signals, float(start.of(run)), float(end.of(run)))
@@ -250,7 +300,9 @@ def _at(values: Term, instant: Term) -> Term:
         raise ParameterError(f"{AT} is {AT}(CHANNEL, TIME)")
     return Term(
         _NUMBER,
-        lambda run: motion.value_at(run.signals, _as_numbers(values.of(run)), float(instant.of(run))),
+        lambda run: motion.value_at(
+            run.signals, _as_numbers(values.of(run)), float(instant.of(run))
+        ),
     )
 
 
@@ -264,7 +316,9 @@ def _called(node: ast.Call) -> Term:
     if name in REDUCTIONS and count == 1:
         (term,) = terms
         if not term.kind.is_series:
-            raise ParameterError(f"{name} is of a channel, {quoted(ast.unparse(node.args[0]))} is one number")
+            raise ParameterError(
+                f"{name} is of a channel, {quoted(ast.unparse(node.args[0]))} is one number"
+            )
         return Term(_NUMBER, lambda run: REDUCTIONS[name](_as_numbers(term.of(run))))
     if name in OVER_TIME and count == 1:
         (term,), (kind, function) = terms, OVER_TIME[name]
@@ -275,9 +329,13 @@ def _called(node: ast.Call) -> Term:
         return _at(*terms)
     wanted, elementwise = ELEMENTWISE.get(name, (2 if name == AT else 1, None))
     if elementwise is None or count != wanted:
-        raise ParameterError(f"{name} takes {wanted} {'value' if wanted == 1 else 'values'}, here are {count}")
+        raise ParameterError(
+            f"{name} takes {wanted} {'value' if wanted == 1 else 'values'}, here are {count}"
+        )
     if name == "where":
         if not terms[0].kind.is_condition:
             raise ParameterError("where is where(condition, A, B)")
-        return Term(_each(np.where, *terms).kind, lambda run: np.where(*(term.of(run) for term in terms)))
+        return Term(
+            _each(np.where, *terms).kind, lambda run: np.where(*(term.of(run) for term in terms))
+        )
     return _each(elementwise, *terms)

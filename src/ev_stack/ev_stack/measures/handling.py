@@ -21,7 +21,8 @@ from ev_stack.recording.recording import Recording
 
 _LEAST_LENGTH = 0.1  # of the wheelbase: ten times the yaw rate of a neutral car
 GRADIENT_RANGE = (0.5, 4.0)  # [m/s^2], lateral accelerations over which gradients are taken
-# The ramp of FMVSS 126, S7.6, has 0.4 m/s^2 of V beta' and 2 to 5.4 m/s^3, lane changes 2 m/s^2 or 8 m/s^3 and more.
+# The ramp of FMVSS 126, S7.6, has 0.4 m/s^2 of V beta' and 2 to 5.4 m/s^3, lane changes 2 m/s^2 or
+# 8 m/s^3 and more.
 UNSTEADY = 0.5  # [m/s^2], of V beta' and V'
 FASTEST_CHANGE, WHILE = 6.0, 0.5  # [m/s^3] of the lateral acceleration, over [s]
 _AXLES_OF_WHEELS = [name.partition("_")[0] for name in WHEEL_NAMES]
@@ -45,14 +46,22 @@ class Force(NamedTuple):
 def wheel_directions(run: Recording, vehicle: Vehicle) -> Mapping[str, Direction]:
     """Where each wheel points: by the steering geometry, what turns the rear wheels, and compliance steer.
 
-    The side force of an axle turns its wheels, those in front out of the bend (`plant.planar.contact.point`).
+    The side force of an axle turns its wheels, those in front out of the bend
+    (`plant.planar.contact.point`).
     """
     mean = channel(run, motion.ROAD_WHEEL_ANGLE)
     apart = run.channels.get("rear_steering.state.angle", 0.0)
     angle, rear = np.tan(mean), np.tan(vehicle.rear_steering_ratio * mean + apart)
     parallel = float(vehicle.steering_geometry == "parallel")
-    tangents = (*front_wheel_tangents(angle, vehicle.wheelbase, vehicle.front_track, parallel), rear, rear)
-    tangents = [_bent(run, vehicle, axle, tangent) for axle, tangent in zip(_AXLES_OF_WHEELS, tangents, strict=True)]
+    tangents = (
+        *front_wheel_tangents(angle, vehicle.wheelbase, vehicle.front_track, parallel),
+        rear,
+        rear,
+    )
+    tangents = [
+        _bent(run, vehicle, axle, tangent)
+        for axle, tangent in zip(_AXLES_OF_WHEELS, tangents, strict=True)
+    ]
     cosines = (1 / np.hypot(1.0, tangent) for tangent in tangents)
     return {
         wheel: Direction(cosine, tangent * cosine)
@@ -63,17 +72,25 @@ def wheel_directions(run: Recording, vehicle: Vehicle) -> Mapping[str, Direction
 def _bent(run: Recording, vehicle: Vehicle, axle: str, tangent: np.ndarray) -> np.ndarray:
     """The tangent of the angle of a wheel as the side force on its axle bends it, (n,)."""
     suspension = vehicle.suspension
-    compliance = suspension.rear_compliance_steer if axle == "rear" else -suspension.front_compliance_steer
-    if compliance == 0.0 or not any(name.startswith("tire_forces.lateral_force.") for name in run.channels):
+    compliance = (
+        suspension.rear_compliance_steer if axle == "rear" else -suspension.front_compliance_steer
+    )
+    if compliance == 0.0 or not any(
+        name.startswith("tire_forces.lateral_force.") for name in run.channels
+    ):
         return tangent
-    held = sum(channel(run, f"tire_forces.lateral_force.{axle}_{side}") for side in ("left", "right"))
+    held = sum(
+        channel(run, f"tire_forces.lateral_force.{axle}_{side}") for side in ("left", "right")
+    )
     turned: np.ndarray = np.tan(np.arctan(tangent) + np.arctan(compliance * held))
     return turned
 
 
 def tyre_force(run: Recording, wheel: str, vehicle: Vehicle) -> Force:
     """F_x = F_p cos d - F_b sin d, F_y = F_p sin d + F_b cos d of a wheel (Tatar & Chudzik, eq 4)."""
-    along, across = (channel(run, f"tire_forces.{kind}_force.{wheel}") for kind in ("longitudinal", "lateral"))
+    along, across = (
+        channel(run, f"tire_forces.{kind}_force.{wheel}") for kind in ("longitudinal", "lateral")
+    )
     cosine, sine = wheel_directions(run, vehicle)[wheel]
     return Force(along * cosine - across * sine, along * sine + across * cosine)
 
@@ -95,13 +112,16 @@ def yaw_rate_error(run: Recording, vehicle: Vehicle) -> float:
     """Root mean square of the yaw rate less that of the linear car, while the car moves [rad/s].
 
     r = u delta/(L + K_us u |u|) with the understeer gradient at small slip, ahead or in reverse, within +-mu g/u by the
-    mean available friction; without tyres there is no such limit. After Rajamani, Vehicle Dynamics and Control, 2012,
-    chapter 8.
+    mean available friction; without tyres there is no such limit. After Rajamani, Vehicle Dynamics
+    and Control, 2012, chapter 8.
     """
     _refuse_slip_speed(vehicle)
     speed, turned = channel(run, "twist.longitudinal"), _turning_angle(run, vehicle)
-    gradient = np.where(speed < 0.0, -understeer_gradient(vehicle, ahead=-1.0), understeer_gradient(vehicle))
-    # Beyond its critical speed the linear car has no steady turn: only friction limits what it would do.
+    gradient = np.where(
+        speed < 0.0, -understeer_gradient(vehicle, ahead=-1.0), understeer_gradient(vehicle)
+    )
+    # Beyond its critical speed the linear car has no steady turn: only friction limits what it
+    # would do.
     length = np.maximum(vehicle.wheelbase + gradient * speed**2, _LEAST_LENGTH * vehicle.wheelbase)
     wanted = speed * turned / length
     if f"tire_forces.friction_coefficient.{WHEEL_NAMES[0]}" in run.channels:
@@ -117,16 +137,19 @@ def yaw_rate_error(run: Recording, vehicle: Vehicle) -> float:
 def _turning_angle(run: Recording, vehicle: Vehicle) -> np.ndarray:
     """Angle of the front wheels less that of the rear ones, by which a car turns, (n,) [rad]."""
     angle = channel(run, motion.ROAD_WHEEL_ANGLE)
-    return angle * (1.0 - vehicle.rear_steering_ratio) - run.channels.get("rear_steering.state.angle", 0.0)
+    return angle * (1.0 - vehicle.rear_steering_ratio) - run.channels.get(
+        "rear_steering.state.angle", 0.0
+    )
 
 
 def measured_understeer_gradient(run: Recording, vehicle: Vehicle) -> float:
     """Slope of delta - L a_y/V^2 over a_y, before it is first beyond GRADIENT_RANGE [rad s^2/m].
 
-    Both count into the bend: delta, the angle of the front wheels less that of the rear ones, is below zero where an
-    oversteering car beyond its critical speed is steered against it. NotMeasured unless the car turns steadily all the
-    while, as on a slow ramp of the steering wheel or a circle (ISO 4138): elsewhere the angle also turns the car, and
-    the slope is no property of it.
+    Both count into the bend: delta, the angle of the front wheels less that of the rear ones, is
+    below zero where an oversteering car beyond its critical speed is steered against it.
+    NotMeasured unless the car turns steadily all the while, as on a slow ramp of the steering wheel
+    or a circle (ISO 4138): elsewhere the angle also turns the car, and the slope is no property of
+    it.
     """
     to_left = motion.lateral_acceleration_on_path(run)
     across = np.abs(to_left)
@@ -174,14 +197,20 @@ def slip_energy(run: Recording, vehicle: Vehicle) -> float:
 
 def slip_powers(run: Recording, vehicle: Vehicle, wheel: str) -> tuple[np.ndarray, np.ndarray]:
     """Force of a tyre times the speed at which it slips over the road, along and across the wheel, (n,) each [W]."""
-    vx, vy, yaw_rate = (channel(run, f"twist.{name}") for name in ("longitudinal", "lateral", "yaw_rate"))
+    vx, vy, yaw_rate = (
+        channel(run, f"twist.{name}") for name in ("longitudinal", "lateral", "yaw_rate")
+    )
     number, (cosine, sine) = WHEEL_NAMES.index(wheel), wheel_directions(run, vehicle)[wheel]
     x, y = (places[number] for places in wheel_places(vehicle))
     ground_x, ground_y = vx - y * yaw_rate, vy + x * yaw_rate
     radius = vehicle.wheel_radius_ratio[number] * vehicle.wheel_radius
-    slip_x = radius * channel(run, f"wheel_states.velocity.{wheel}") - (ground_x * cosine + ground_y * sine)
+    slip_x = radius * channel(run, f"wheel_states.velocity.{wheel}") - (
+        ground_x * cosine + ground_y * sine
+    )
     slip_y = ground_x * sine - ground_y * cosine
-    along, across = (channel(run, f"tire_forces.{kind}_force.{wheel}") for kind in ("longitudinal", "lateral"))
+    along, across = (
+        channel(run, f"tire_forces.{kind}_force.{wheel}") for kind in ("longitudinal", "lateral")
+    )
     return along * slip_x, across * slip_y
 
 
@@ -197,8 +226,9 @@ def drive_work(run: Recording) -> np.ndarray:
 def time_over_limit(run: Recording, vehicle: Vehicle, surfaces: Iterable[Surface]) -> float:
     """Time in which any wheel of the moving car slips beyond the peak of its friction curve [s].
 
-    The slip is the resultant of slip ratio and sine of the slip angle; `surfaces` are those of the road, of which that
-    one lies under a wheel whose friction is closest to the one that is available there.
+    The slip is the resultant of slip ratio and sine of the slip angle; `surfaces` are those of the
+    road, of which that one lies under a wheel whose friction is closest to the one that is
+    available there.
     """
     friction = of_wheels(run, "tire_forces.friction_coefficient")
     known = _peak_slips(vehicle, surfaces)
@@ -207,7 +237,9 @@ def time_over_limit(run: Recording, vehicle: Vehicle, surfaces: Iterable[Surface
     available, peaks = np.array(list(known.items())).T
     limit = peaks[np.abs(friction[..., None] - available).argmin(axis=-1)]
     across = np.sin(of_wheels(run, "tire_forces.slip_angle"))
-    over = (np.hypot(of_wheels(run, "tire_forces.slip_ratio"), across) > limit).any(axis=0) & motion.moving(run)
+    over = (np.hypot(of_wheels(run, "tire_forces.slip_ratio"), across) > limit).any(
+        axis=0
+    ) & motion.moving(run)
     return float(np.diff(run.time)[over[1:]].sum())
 
 
@@ -215,7 +247,9 @@ def _peak_slips(vehicle: Vehicle, surfaces: Iterable[Surface]) -> Mapping[float,
     """Available friction [1] -> slip of the peak [1], of each surface."""
     _refuse_slip_speed(vehicle)
     return {
-        tyre_on_road(vehicle.tyre, surface).friction: peak_slip(*curve_on_road(vehicle.tyre, surface))
+        tyre_on_road(vehicle.tyre, surface).friction: peak_slip(
+            *curve_on_road(vehicle.tyre, surface)
+        )
         for surface in surfaces
     }
 
@@ -246,7 +280,9 @@ def when_passing(run: Recording, speed: float, values: np.ndarray) -> float:
 
 def total_force(run: Recording) -> np.ndarray:
     """Sum of the magnitudes of the four tyre forces in the plane of the road, (n,) [N]."""
-    along, across = (of_wheels(run, f"tire_forces.{kind}_force") for kind in ("longitudinal", "lateral"))
+    along, across = (
+        of_wheels(run, f"tire_forces.{kind}_force") for kind in ("longitudinal", "lateral")
+    )
     return np.hypot(along, across).sum(axis=0)
 
 
@@ -264,8 +300,8 @@ def time_since_turning_in(run: Recording) -> np.ndarray:
 def surfaces_under(run: Recording, vehicle: Vehicle, wheel: str) -> np.ndarray:
     """The surface of the table whose friction comes closest to that under the wheel, at each sample, (n,) str.
 
-    The closest one, for a sensor may add noise. Surfaces with the same friction for the tyre are not distinguished,
-    and those of one's own are not known here.
+    The closest one, for a sensor may add noise. Surfaces with the same friction for the tyre are
+    not distinguished, and those of one's own are not known here.
     """
     friction = channel(run, f"tire_forces.friction_coefficient.{wheel}")
     available = np.array([tyre_on_road(vehicle.tyre, name).friction for name in SURFACES])

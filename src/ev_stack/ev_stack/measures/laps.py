@@ -14,8 +14,12 @@ from ev_stack.measures import motion
 from ev_stack.measures.metric import NotMeasured, channel
 from ev_stack.recording.recording import Recording
 
-_ALIGNED = 0.7  # cosine of 45 deg, between the car and its part of a course: one across at right angles is farther off
-_JUMP = 10.0  # [m] along the course between two samples: the nearest point is on another part of it, as at a crossing
+# cosine of 45 deg, between the car and its part of a course: one across at right angles is farther
+# off
+_ALIGNED = 0.7
+# [m] along the course between two samples: the nearest point is on another part of it, as at a
+# crossing
+_JUMP = 10.0
 
 
 def line_of(course: CourseParameters | None, vehicle: Vehicle) -> RacingLine:
@@ -57,7 +61,8 @@ def path_error(run: Recording, vehicle: Vehicle, course: CourseParameters | None
 def leaves(run: Recording, vehicle: Vehicle, course: CourseParameters | None) -> float | None:
     """When the outer wheels beside the centre of mass are first beyond an edge [s]; or None.
 
-    The edges are those of the part of the course that the car has come to, so a car that cuts across leaves it.
+    The edges are those of the part of the course that the car has come to, so a car that cuts
+    across leaves it.
     """
     line, half = line_of(course, vehicle), 0.5 * max(vehicle.front_track, vehicle.rear_track)
     at, off = _beside(run, line)
@@ -86,7 +91,8 @@ def _progress(line: RacingLine, place: np.ndarray, heading: np.ndarray) -> np.nd
     nearest = _tree(line.points.tobytes()).query(place)[1]
     at = nearest.copy()
     ways = np.roll(line.points, -1, axis=0) - line.points
-    # At the start, which is anywhere in a part of a run, any part may be near: the one that leads where the car points.
+    # At the start, which is anywhere in a part of a run, any part may be near: the one that leads
+    # where the car points.
     far = np.hypot(*(line.points - place[0]).T)
     ahead = ways @ np.array((np.cos(heading[0]), np.sin(heading[0]))) > _ALIGNED * np.hypot(*ways.T)
     near_by = far < far.min() + max(line.left.max(), line.right.max())

@@ -33,9 +33,10 @@ class NotJudged(NotMeasured):
 class Reference:
     """A published number, the band (both ends included) in which a run reproduces it, and where it comes from.
 
-    `source` states whether the number itself is printed or follows from printed equations and parameters.
-    `assumption` names what had to be added to the source; empty if nothing. `inputs` says why a run cannot miss the
-    number by physics, because it is among what the run is given; empty if it can.
+    `source` states whether the number itself is printed or follows from printed equations and
+    parameters. `assumption` names what had to be added to the source; empty if nothing. `inputs`
+    says why a run cannot miss the number by physics, because it is among what the run is given;
+    empty if it can.
     """
 
     value: float
@@ -49,10 +50,10 @@ class Reference:
 class Metric:
     """A number with its unit; `value` is None if it could not be computed, `reason` then says why.
 
-    `unjudged` says why the reference does not bind it, such as another law than that of the source, or why there is no
-    value to a verdict of its own.
-    Of several seeds `value` is the mean, `per_seed` holds the single values in the order of the seeds.
-    `formula` says in one line what is computed, `better` which values are better: LOWER, HIGHER or "" for neither.
+    `unjudged` says why the reference does not bind it, such as another law than that of the source,
+    or why there is no value to a verdict of its own. Of several seeds `value` is the mean,
+    `per_seed` holds the single values in the order of the seeds. `formula` says in one line what is
+    computed, `better` which values are better: LOWER, HIGHER or "" for neither.
     """
 
     value: float | None
@@ -109,9 +110,15 @@ class Metric:
             "value": self.value,
             "unit": self.unit,
             **{name: text for name in ("formula", "better") if (text := getattr(self, name))},
-            **({"std": self.standard_deviation, "per_seed": list(self.per_seed)} if self.per_seed else {}),
+            **(
+                {"std": self.standard_deviation, "per_seed": list(self.per_seed)}
+                if self.per_seed
+                else {}
+            ),
             "reference": reference.value if reference else None,
-            "band": [end if math.isfinite(end) else None for end in reference.band] if reference else None,
+            "band": [end if math.isfinite(end) else None for end in reference.band]
+            if reference
+            else None,
             "verdict": self.verdict,
             "source": reference.source if reference else None,
             "assumption": (reference.assumption or None) if reference else None,
@@ -119,12 +126,18 @@ class Metric:
 
 
 def metric(
-    measure: Callable[[], float], unit: str, formula: str = "", better: str = "", reference: Reference | None = None
+    measure: Callable[[], float],
+    unit: str,
+    formula: str = "",
+    better: str = "",
+    reference: Reference | None = None,
 ) -> Metric:
     """The metric that `measure` returns; what raises NotMeasured or is not finite becomes a metric without value."""
 
     def without_value(reason: str = "", unjudged: str = "") -> Metric:
-        return Metric(None, unit, reference, reason, unjudged=unjudged, formula=formula, better=better)
+        return Metric(
+            None, unit, reference, reason, unjudged=unjudged, formula=formula, better=better
+        )
 
     try:
         value = float(measure())
@@ -137,7 +150,9 @@ def metric(
     return Metric(value, unit, reference, formula=formula, better=better)
 
 
-def mean_over_seeds(values: Sequence[float], unit: str, reference: Reference | None = None) -> Metric:
+def mean_over_seeds(
+    values: Sequence[float], unit: str, reference: Reference | None = None
+) -> Metric:
     """The mean of the values of all seeds, which are finite and at least one."""
     return Metric(statistics.fmean(values), unit, reference, per_seed=tuple(values))
 
@@ -163,9 +178,13 @@ def run_named(runs: Runs, name: str) -> Recording:
 def channel(recording: Recording, name: str) -> np.ndarray:
     """The samples of a channel, (n,); NotMeasured if the channel is missing, empty, not finite or not the truth."""
     if name in recording.unknown:
-        raise NotMeasured(f"{name} was recorded as its sensor shows it, and what is true is not known")
+        raise NotMeasured(
+            f"{name} was recorded as its sensor shows it, and what is true is not known"
+        )
     if name not in recording.channels:
-        raise NotMeasured("the plant has no tyres" if name.startswith(TYRES) else f"{name} was not recorded")
+        raise NotMeasured(
+            "the plant has no tyres" if name.startswith(TYRES) else f"{name} was not recorded"
+        )
     values = recording.channels[name]
     if not len(values):
         raise NotMeasured("the run has no samples")
@@ -182,7 +201,8 @@ def between(recording: Recording, start: float, end: float) -> np.ndarray:
     time = recording.time
     if not len(time):
         raise NotMeasured("the run has no samples")
-    # Stamps are multiples of the period: rounding must not move a sample over the edge of the window.
+    # Stamps are multiples of the period: rounding must not move a sample over the edge of the
+    # window.
     rounding = 1e-9
     if time[0] > start + rounding or time[-1] < end - rounding:
         raise NotMeasured(

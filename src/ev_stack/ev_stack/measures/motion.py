@@ -19,7 +19,9 @@ DRIVER_HAND_TORQUE = "driver.command.hand_torque"
 
 def right_minus_left(recording: Recording, quantity: str) -> np.ndarray:
     """Difference of the front wheels, right minus left, (n,), in the unit of the quantity (`wheel_states.effort`)."""
-    return channel(recording, f"{quantity}.front_right") - channel(recording, f"{quantity}.front_left")
+    return channel(recording, f"{quantity}.front_right") - channel(
+        recording, f"{quantity}.front_left"
+    )
 
 
 def differential_torque(recording: Recording) -> np.ndarray:
@@ -41,7 +43,9 @@ def total_drive_torque(recording: Recording) -> np.ndarray:
 def speed_difference(recording: Recording, vehicle: Vehicle) -> np.ndarray:
     """Right minus left linear speed of the front wheels, (n,) [m/s]; Shchur (2019), eq. 12."""
     left, right, _, _ = vehicle.wheel_radius_ratio
-    of_left, of_right = (channel(recording, f"wheel_states.velocity.front_{side}") for side in ("left", "right"))
+    of_left, of_right = (
+        channel(recording, f"wheel_states.velocity.front_{side}") for side in ("left", "right")
+    )
     return vehicle.wheel_radius * (right * of_right - left * of_left)
 
 
@@ -59,14 +63,18 @@ def hand_torque_step_time(recording: Recording) -> float:
     return float(recording.time[pushing[0]])
 
 
-def mean_while_held(recording: Recording, values: np.ndarray, angle: float, start: float, end: float) -> float:
+def mean_while_held(
+    recording: Recording, values: np.ndarray, angle: float, start: float, end: float
+) -> float:
     """Mean over start <= time < end [s]; NotMeasured if the road-wheel angle is not held within 1 deg of `angle` [rad].
 
     A torque at another angle than the named one would be a different quantity.
     """
     held = mean_between(recording, channel(recording, ROAD_WHEEL_ANGLE), start, end)
     if abs(held - angle) > math.radians(1.0):
-        raise NotMeasured(f"{math.degrees(held):.2f} deg are held instead of {math.degrees(angle):g} deg")
+        raise NotMeasured(
+            f"{math.degrees(held):.2f} deg are held instead of {math.degrees(angle):g} deg"
+        )
     return mean_between(recording, values, start, end)
 
 
@@ -81,7 +89,9 @@ SLOWEST = 1.0  # [m/s], below which the direction of travel and slip ratios have
 
 def heading(run: Recording) -> np.ndarray:
     """Heading without jumps, counter-clockwise, (n,) [rad]."""
-    return np.unwrap(2 * np.arctan2(channel(run, "pose.orientation_z"), channel(run, "pose.orientation_w")))
+    return np.unwrap(
+        2 * np.arctan2(channel(run, "pose.orientation_z"), channel(run, "pose.orientation_w"))
+    )
 
 
 def speed(run: Recording) -> np.ndarray:
@@ -111,10 +121,13 @@ def driving_direction(run: Recording) -> np.ndarray:
 def sideslip_angle(run: Recording) -> np.ndarray:
     """Angle of the velocity of the centre of mass against the body's axis, in reverse against its rear, (n,) [rad].
 
-    Left of the velocity positive forwards (ISO 8855), and on a circle of one steering angle the same in reverse.
+    Left of the velocity positive forwards (ISO 8855), and on a circle of one steering angle the
+    same in reverse.
     """
     direction = driving_direction(run)
-    along, across = (direction * channel(run, f"twist.{name}") + 0.0 for name in ("longitudinal", "lateral"))
+    along, across = (
+        direction * channel(run, f"twist.{name}") + 0.0 for name in ("longitudinal", "lateral")
+    )
     return np.arctan2(across, along)
 
 
@@ -130,7 +143,10 @@ def sideslip_in_motion(run: Recording, continuous: bool = False) -> np.ndarray:
 def lateral_acceleration_on_path(run: Recording) -> np.ndarray:
     """Acceleration of the centre of mass across its path, level, left positive, (n,) [m/s^2]; ISO 8855 centripetal."""
     sideslip = sideslip_angle(run)
-    along, across = channel(run, "imu.longitudinal_acceleration"), channel(run, LATERAL_ACCELERATION)
+    along, across = (
+        channel(run, "imu.longitudinal_acceleration"),
+        channel(run, LATERAL_ACCELERATION),
+    )
     return across * np.cos(sideslip) - along * np.sin(sideslip)
 
 
@@ -193,10 +209,13 @@ def of_each_run(runs: Runs, measure: Callable[[Recording], dict[str, Metric]]) -
     }
 
 
-def line_over(across: np.ndarray, values: np.ndarray, low: float, high: float) -> tuple[float, float]:
+def line_over(
+    across: np.ndarray, values: np.ndarray, low: float, high: float
+) -> tuple[float, float]:
     """Slope and offset of values (n,) over a lateral acceleration (n,) within bounds [m/s^2], by least squares.
 
-    It is that before the acceleration is first above them; NotMeasured if it never is, or jumps over them.
+    It is that before the acceleration is first above them; NotMeasured if it never is, or jumps
+    over them.
     """
     end = first(across > high, f"a lateral acceleration of {high:.2f} m/s^2")
     inside = across[:end] >= low

@@ -41,7 +41,12 @@ def surfaces_of(road: RoadParameters | None) -> tuple[Surface, ...]:
     """The surfaces that lie on a road; none of a plant that has none."""
     if road is None:
         return ()
-    return tuple(map(road.surface, dict.fromkeys(name for side in left_and_right(road) for name in side.surface)))
+    return tuple(
+        map(
+            road.surface,
+            dict.fromkeys(name for side in left_and_right(road) for name in side.surface),
+        )
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,13 +69,21 @@ class NamedMetric:
 
     def lacking(self, channels: Collection[str]) -> str:
         """The first of its needs that is not among some channels; empty if all are."""
-        return next((need for need in self.needs if not any(name.startswith(need) for name in channels)), "")
+        return next(
+            (need for need in self.needs if not any(name.startswith(need) for name in channels)), ""
+        )
 
 
-def refuse_unmeasurable(metrics: Iterable[NamedMetric], configurations: Mapping[str, Configuration]) -> None:
+def refuse_unmeasurable(
+    metrics: Iterable[NamedMetric], configurations: Mapping[str, Configuration]
+) -> None:
     """ParameterError for a metric of channels that no method of a graph writes."""
     channels = [name for topic in written_topics(configurations) for name in topic.channels]
     for each in metrics:
         if need := each.lacking(channels):
-            methods = ", ".join(f"{role} {configured.method.name}" for role, configured in configurations.items())
-            raise ParameterError(f"metric {each.name} needs {need.rstrip('.')}, which none of these writes: {methods}")
+            methods = ", ".join(
+                f"{role} {configured.method.name}" for role, configured in configurations.items()
+            )
+            raise ParameterError(
+                f"metric {each.name} needs {need.rstrip('.')}, which none of these writes: {methods}"
+            )

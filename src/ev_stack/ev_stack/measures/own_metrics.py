@@ -14,23 +14,30 @@ from ev_stack.measures.metric import Metric
 from ev_stack.measures.named import DrivenRun, NamedMetric
 from ev_stack.measures.registry import METRICS
 
-FORM = "NAME [UNIT] = EXPRESSION, such as rms_ay [m/s^2] = root_mean_square(imu.lateral_acceleration)"
+FORM = (
+    "NAME [UNIT] = EXPRESSION, such as rms_ay [m/s^2] = root_mean_square(imu.lateral_acceleration)"
+)
 
 
 def named_metric(text: str | NamedMetric) -> NamedMetric:
     """A registered metric by its name, or the one that an expression declares; ParameterError, in one line, if neither.
 
-    The unit may be left out of a reduction of a channel, which has that of the channel. A metric is itself.
+    The unit may be left out of a reduction of a channel, which has that of the channel. A metric is
+    itself.
     """
     if isinstance(text, NamedMetric):
         return text
     if text.strip() in METRICS:
         return METRICS[text.strip()]
-    found = re.fullmatch(r"\s*(\w{1,100})\s*(?:\[([^\[\]]{1,20})\])?\s*=(?!=)\s*(.+?)\s*", text, re.DOTALL)
+    found = re.fullmatch(
+        r"\s*(\w{1,100})\s*(?:\[([^\[\]]{1,20})\])?\s*=(?!=)\s*(.+?)\s*", text, re.DOTALL
+    )
     if found is None:
         if re.fullmatch(r"\s*\w+\s*", text):
             raise unknown_name("metric", text.strip(), METRICS)
-        raise ParameterError(f"metric {quoted(text)} is refused, expected a name of docs/metrics.md, or {FORM}")
+        raise ParameterError(
+            f"metric {quoted(text)} is refused, expected a name of docs/metrics.md, or {FORM}"
+        )
     name, unit, expression = found.groups()
     try:
         if name in METRICS:

@@ -1,7 +1,8 @@
 """Metrics of any run by name, each with its unit, its formula, the channels that it needs and which way is better.
 
-A metric is a pure function of a driven run. An entry in METRICS is all that a new one takes: runs, comparisons, sweeps,
-batches, the files of scenarios and docs/metrics.md know it then. Another package offers its own by an entry point.
+A metric is a pure function of a driven run. An entry in METRICS is all that a new one takes: runs,
+comparisons, sweeps, batches, the files of scenarios and docs/metrics.md know it then. Another
+package offers its own by an entry point.
 """
 
 from __future__ import annotations
@@ -18,7 +19,8 @@ from ev_stack.measures.metric import HIGHER, LOWER, Metric, NotMeasured, channel
 from ev_stack.measures.named import DrivenRun, NamedMetric
 from ev_stack.recording.recording import Recording
 
-OFFERED = "ev_stack.metrics"  # of entry points: the name of a package, and its module with METRICS, a tuple
+# of entry points: the name of a package, and its module with METRICS, a tuple
+OFFERED = "ev_stack.metrics"
 
 
 def _largest(values: np.ndarray) -> float:
@@ -167,9 +169,13 @@ def _offered() -> dict[str, NamedMetric]:
     found: dict[str, NamedMetric] = {}
     for package in sorted(offered(OFFERED)):
         try:
-            own = {each.name: each for each in offered_module(OFFERED, "metrics of", package).METRICS}
+            own = {
+                each.name: each for each in offered_module(OFFERED, "metrics of", package).METRICS
+            }
             if twice := sorted(own.keys() & (taken | found.keys())):
-                raise ParameterError(f"metrics of {package}: {quoted(twice[0])} is taken, expected another name")
+                raise ParameterError(
+                    f"metrics of {package}: {quoted(twice[0])} is taken, expected another name"
+                )
         except (AttributeError, TypeError, ParameterError) as error:
             warnings.warn(f"not loaded: {error}", stacklevel=1)
         else:
@@ -183,4 +189,8 @@ METRICS: Mapping[str, NamedMetric] = {each.name: each for each in _OF_ANY_RUN} |
 
 def metrics_of_others(run: DrivenRun) -> dict[str, Metric]:
     """Those that other packages offer and whose channels a run has, such as of a CAN bus."""
-    return {name: each.measured(run) for name, each in _OF_OTHERS.items() if not each.lacking(run.signals.channels)}
+    return {
+        name: each.measured(run)
+        for name, each in _OF_OTHERS.items()
+        if not each.lacking(run.signals.channels)
+    }

@@ -1,11 +1,12 @@
 """A rosbag2 MCAP bag that is complete on disk at every instant, even when the process is killed.
 
-An MCAP file is readable only with its trailer (index and footer) behind the data, and no system call can exchange a
-trailer of several pages in one piece: a signal may stop a long write between two pages. So the recording is kept in
-two files. Each checkpoint extends the one that metadata.yaml does not name, the spare, gives it a name that ends in
+An MCAP file is readable only with its trailer (index and footer) behind the data, and no system
+call can exchange a trailer of several pages in one piece: a signal may stop a long write between
+two pages. So the recording is kept in two files. Each checkpoint extends the one that metadata.yaml
+does not name, the spare, gives it a name that ends in
 .mcap, and then replaces metadata.yaml, which names the file to read and counts its messages: that rename is the commit.
-Every byte is written twice; compressed that is little, and there is no need to trust anything but rename.
-The data survives the end of the process, not a loss of power: nothing waits for the disk.
+Every byte is written twice; compressed that is little, and there is no need to trust anything but
+rename. The data survives the end of the process, not a loss of power: nothing waits for the disk.
 """
 
 from __future__ import annotations
@@ -18,7 +19,15 @@ from io import BytesIO
 from pathlib import Path
 from typing import ClassVar
 
-from rosbags.interfaces import Connection, Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
+from rosbags.interfaces import (
+    Connection,
+    Qos,
+    QosDurability,
+    QosHistory,
+    QosLiveliness,
+    QosReliability,
+    QosTime,
+)
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.rosbag2.storage_mcap import McapWriter
 from rosbags.typesys import Stores, get_typestore
@@ -42,7 +51,8 @@ class _PositionedBuffer(BytesIO):
 class TwinStorage(McapWriter):
     """The library's MCAP storage, closed as often as one likes, each time into the spare one of two files.
 
-    `bio` collects the chunks since the last commit; `path` is the name that the spare gets when it is complete.
+    `bio` collects the chunks since the last commit; `path` is the name that the spare gets when it
+    is complete.
     """
 
     def __init__(self, directory: Path, compression: CompressionMode) -> None:
@@ -120,19 +130,24 @@ UNLIMITED = QosTime(sec=9223372036, nsec=854775807)
 class DurableBag:
     """Record serialized messages into a new bag; at most `checkpoint_period` seconds of them are not yet on disk.
 
-    FileExistsError if the directory exists; OSError, and no directory, if there is no room to begin. Use it from one
-    thread. An OSError out of `write` or `checkpoint` (a full disk) leaves the last checkpoint as it was, and the next
-    checkpoint tries again with everything since.
+    FileExistsError if the directory exists; OSError, and no directory, if there is no room to
+    begin. Use it from one thread. An OSError out of `write` or `checkpoint` (a full disk) leaves
+    the last checkpoint as it was, and the next checkpoint tries again with everything since.
     """
 
     def __init__(
-        self, directory: Path, checkpoint_period: float = 0.8, clock: Callable[[], float] = time.monotonic
+        self,
+        directory: Path,
+        checkpoint_period: float = 0.8,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         if directory.exists():
             raise FileExistsError(f"{directory} exists already: a recording needs a new directory")
         self._checkpoint_period = checkpoint_period
         self._clock = clock
-        self._writer = TwinWriter(directory, version=Writer.VERSION_LATEST, storage_plugin=StoragePlugin.MCAP)
+        self._writer = TwinWriter(
+            directory, version=Writer.VERSION_LATEST, storage_plugin=StoragePlugin.MCAP
+        )
         self._writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
         try:
             self._writer.open()
@@ -141,7 +156,9 @@ class DurableBag:
             shutil.rmtree(directory, ignore_errors=True)
             raise
 
-    def add_topic(self, name: str, message_type: str, depth: int = 10, lasts: bool = False) -> Connection:
+    def add_topic(
+        self, name: str, message_type: str, depth: int = 10, lasts: bool = False
+    ) -> Connection:
         """Announce a topic with the quality of service of its publisher; the answer is the handle for `write`.
 
         What `lasts` is kept for subscribers that come later.
@@ -158,7 +175,9 @@ class DurableBag:
             avoid_ros_namespace_conventions=False,
         )
         self._pending = True
-        return self._writer.add_connection(name, message_type, typestore=ros_types(), offered_qos_profiles=[quality])
+        return self._writer.add_connection(
+            name, message_type, typestore=ros_types(), offered_qos_profiles=[quality]
+        )
 
     def write(self, handle: Connection, stamp_ns: int, data: bytes) -> None:
         """Record one message, CDR with its encapsulation header as a raw subscription delivers it."""
@@ -191,7 +210,8 @@ class DurableBag:
         self.close()
 
     def _commit(self) -> None:
-        # The time for the next attempt is set first: after a failure every single write would try again.
+        # The time for the next attempt is set first: after a failure every single write would try
+        # again.
         self._next_checkpoint = self._clock() + self._checkpoint_period
         self._writer.commit()
         self._pending = False

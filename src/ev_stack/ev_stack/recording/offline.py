@@ -25,8 +25,9 @@ def run_offline(
 ) -> Recording:
     """The recording of all roles from rest to `duration` seconds, both ends included.
 
-    `progress` is called with the simulated time now and then, `note` with each note of the object of a role. Raises
-    ParameterError if the roles do not fit together, and SignalError if one of them gives a number that is not finite.
+    `progress` is called with the simulated time now and then, `note` with each note of the object
+    of a role. Raises ParameterError if the roles do not fit together, and SignalError if one of
+    them gives a number that is not finite.
     """
     from ev_core.lockstep.run import GraphRun  # numba is slow to import, here and below
 
@@ -38,7 +39,11 @@ def run_offline(
 
 def written_topics(configurations: Mapping[str, Configuration]) -> list[Topic]:
     """The topics that the methods of a graph write, in the order of the topic table."""
-    written = {signal for configuration in configurations.values() for signal in configuration.method.writes}
+    written = {
+        signal
+        for configuration in configurations.values()
+        for signal in configuration.method.writes
+    }
     return [topic for signal, topic in TOPICS.items() if signal in written]
 
 
@@ -56,10 +61,13 @@ OF_THE_CAR = ("plant", "steering_column", "rear_steering")
 def true_motion(recording: Recording, configurations: Mapping[str, Configuration]) -> Recording:
     """The recording of a run of these configurations with the truth in the place of what was shown.
 
-    Where a part gives other numbers than were recorded even of what nothing has changed, something else has driven the
-    run (another node, the wall clock, parameters set live): then the changed channels are `unknown`.
+    Where a part gives other numbers than were recorded even of what nothing has changed, something
+    else has driven the run (another node, the wall clock, parameters set live): then the changed
+    channels are `unknown`.
     """
-    struck = {role: struck_channels(configurations[role]) for role in OF_THE_CAR if role in configurations}
+    struck = {
+        role: struck_channels(configurations[role]) for role in OF_THE_CAR if role in configurations
+    }
     if not any(struck.values()) or len(recording.time) < 2:
         return recording
     series, channels, unknown = _series(recording), dict(recording.channels), set[str]()
@@ -73,11 +81,16 @@ def true_motion(recording: Recording, configurations: Mapping[str, Configuration
 
 def struck_channels(configuration: Configuration) -> set[str]:
     """The channels that sensors and faults of a role change."""
-    of_faults = (channels_of(fault, configuration.method.writes) for fault in of_signals(configuration.faults))
+    of_faults = (
+        channels_of(fault, configuration.method.writes)
+        for fault in of_signals(configuration.faults)
+    )
     of_sensors = {
         name
         for quantity, _ in imperfect(configuration.sensors)
-        for name, field in zip(TOPICS[quantity.signal].channels, shape_of(quantity.signal).channels, strict=True)
+        for name, field in zip(
+            TOPICS[quantity.signal].channels, shape_of(quantity.signal).channels, strict=True
+        )
         if field.partition(".")[0] in quantity.fields
     }
     return of_sensors | {name for struck in of_faults for name, *_ in struck}
@@ -92,7 +105,9 @@ def _series(recording: Recording) -> np.ndarray:
     return series
 
 
-def _output_again(configuration: Configuration, series: np.ndarray, struck: set[str]) -> dict[str, np.ndarray]:
+def _output_again(
+    configuration: Configuration, series: np.ndarray, struck: set[str]
+) -> dict[str, np.ndarray]:
     """The truth of the channels that were struck; nothing of them if the others are not those of the recording."""
     from ev_core.lockstep.run import output_again
 
@@ -106,4 +121,8 @@ def _output_again(configuration: Configuration, series: np.ndarray, struck: set[
         for name, place in zip(TOPICS[signal].channels, frame.places(signal), strict=True)
     }
     untouched = [place for name, place in places.items() if name not in struck]
-    return {name: again[places[name]] for name in struck} if (again[untouched] == series[untouched]).all() else {}
+    return (
+        {name: again[places[name]] for name in struck}
+        if (again[untouched] == series[untouched]).all()
+        else {}
+    )

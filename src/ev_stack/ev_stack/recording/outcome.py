@@ -24,7 +24,8 @@ class RunFailed(RuntimeError):
 class Outcome:
     """The signals of a run, the wall time of driving [s], why it may not be reproducible, and what nodes noted.
 
-    `timing` is how well real time was kept (`nodes/master/real_time.py`), empty of a run in lockstep.
+    `timing` is how well real time was kept (`nodes/master/real_time.py`), empty of a run in
+    lockstep.
     """
 
     recording: Recording
@@ -58,7 +59,8 @@ def progress_bar(name: str, duration: float) -> Iterator[Progress]:
         leave=True,
         ascii=not interactive,
     )
-    begun: list[tuple[float, float]] = []  # wall and simulated time of the first look at a car under way
+    # wall and simulated time of the first look at a car under way
+    begun: list[tuple[float, float]] = []
 
     def progress(simulated: float) -> None:
         now = time.monotonic()
@@ -82,7 +84,12 @@ def bar_of_code(total: int) -> tqdm:
     """A bar on standard error that counts what is compiled."""
     tqdm.monitor_interval = 0  # else it starts a thread, and workers are forked off this process
     ascii = not sys.stderr.isatty()
-    return tqdm(total=total, bar_format=_COUNTING, ascii=ascii, mininterval=0.0 if sys.stderr.isatty() else 5.0)
+    return tqdm(
+        total=total,
+        bar_format=_COUNTING,
+        ascii=ascii,
+        mininterval=0.0 if sys.stderr.isatty() else 5.0,
+    )
 
 
 def bar_of_runs(name: str, total: int, before: int = 0) -> tqdm:

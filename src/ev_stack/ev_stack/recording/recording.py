@@ -25,7 +25,8 @@ from ev_msgs_py.contract.topics import Topic
 def atomic_file(path: Path | str, replaces: bool = False) -> Iterator[IO[bytes]]:
     """A binary file that takes its name only when everything is written; a failure leaves what was there before.
 
-    FileExistsError if something has this name by then, unless it `replaces` that; OSError names the file.
+    FileExistsError if something has this name by then, unless it `replaces` that; OSError names the
+    file.
     """
     path = Path(path)
     unfinished = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
@@ -44,13 +45,15 @@ def atomic_file(path: Path | str, replaces: bool = False) -> Iterator[IO[bytes]]
         raise OSError(error.errno, error.strerror, str(path)) from None
 
 
-_NO_LINKS = (errno.EPERM, errno.ENOTSUP, errno.ENOSYS)  # of a file system without hard links, such as FAT
+# of a file system without hard links, such as FAT
+_NO_LINKS = (errno.EPERM, errno.ENOTSUP, errno.ENOSYS)
 
 
 def _linked(unfinished: Path, path: Path) -> bool:
     """Give a file its name if nothing has it, else FileExistsError; a process that is killed leaves no empty one.
 
-    False where the file system has no links: the name is then taken by an empty file, to be replaced.
+    False where the file system has no links: the name is then taken by an empty file, to be
+    replaced.
     """
     try:
         os.link(unfinished, path)
@@ -64,7 +67,11 @@ def _linked(unfinished: Path, path: Path) -> bool:
 
 def free_path(path: Path) -> Path:
     """The first one of PATH1, PATH2, ... that is free."""
-    return next(each for each in (Path(f"{path}{number}") for number in count(1)) if not os.path.lexists(each))
+    return next(
+        each
+        for each in (Path(f"{path}{number}") for number in count(1))
+        if not os.path.lexists(each)
+    )
 
 
 BAG = "bag"
@@ -74,23 +81,31 @@ LOG = "log"
 SUMMARY, PAGE = OF_ALL_RUNS = ("summary.json", "report.html")
 
 # A bag has two files while it grows (`durable_bag`), and keeps its name before a reset.
-_OF_A_BAG = ("metadata.yaml", "metadata.yaml.tmp", f"{BAG}.mcap", f"{BAG}_[01].mcap", f"{BAG}.mcap.spare")
+_OF_A_BAG = (
+    "metadata.yaml",
+    "metadata.yaml.tmp",
+    f"{BAG}.mcap",
+    f"{BAG}_[01].mcap",
+    f"{BAG}.mcap.spare",
+)
 RECORDED = (SIGNALS, *(f"{BAG}/{name}" for name in _OF_A_BAG))
 BEFORE_RESET = tuple(f"{BAG}_before_reset_[0-9]*/{name}" for name in _OF_A_BAG)
 
 
 _LITTLE_ENDIAN = np.dtype("<f8")
-_BLOCK = 256  # instants that are turned over at once: they fit into the cache, as frames and as series
+# instants that are turned over at once: they fit into the cache, as frames and as series
+_BLOCK = 256
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Recording:
     """Everything that was sent in one run, sampled at the instants of the steps.
 
-    `time`: (n,) float64 [s]. `channels`: TOPIC.FIELD.NAME -> (n,) float64 in the unit of the field, where the
-    slashes of a topic are dots (`steering_column.state.angle`).
+    `time`: (n,) float64 [s]. `channels`: TOPIC.FIELD.NAME -> (n,) float64 in the unit of the field,
+    where the slashes of a topic are dots (`steering_column.state.angle`).
 
-    In a true motion (`truth.true_motion`), `shown` is what was sent, and `unknown` are channels without a known truth.
+    In a true motion (`truth.true_motion`), `shown` is what was sent, and `unknown` are channels
+    without a known truth.
     """
 
     time: np.ndarray
@@ -148,11 +163,13 @@ def save(recording: Recording, path: Path | str, replaces: bool = False) -> None
     write_signals(path, chain([(TIME, recording.time)], recording.channels.items()), replaces)
 
 
-def write_signals(path: Path | str, series: Iterable[tuple[str, np.ndarray]], replaces: bool = False) -> None:
+def write_signals(
+    path: Path | str, series: Iterable[tuple[str, np.ndarray]], replaces: bool = False
+) -> None:
     """The same from names and arrays that come one by one: the bytes of `numpy.savez`, which would need all at once.
 
-    `replaces` is that of `atomic_file`. Not compressed: deflating takes five times as long and saves half of a few
-    megabytes.
+    `replaces` is that of `atomic_file`. Not compressed: deflating takes five times as long and
+    saves half of a few megabytes.
     """
     with atomic_file(path, replaces) as file, ZipFile(file, "w") as archive:
         for name, values in series:
@@ -172,8 +189,8 @@ def load(path: Path | str) -> Recording:
 def signal_hash(recording: Recording) -> str:
     """SHA-256 over `time` and all channels by sorted name, as hexadecimal digits.
 
-    Each array counts with its name, its length and its little-endian float64 bytes, so one flipped bit (also the
-    sign of a zero) changes the hash and the order of the channels does not.
+    Each array counts with its name, its length and its little-endian float64 bytes, so one flipped
+    bit (also the sign of a zero) changes the hash and the order of the channels does not.
     """
     digest = hashlib.sha256()
     _add(digest, TIME, recording.time)

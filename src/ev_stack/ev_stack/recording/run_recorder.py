@@ -31,9 +31,14 @@ _ALL_TOPICS = tuple(TOPICS[signal].name for signal in RECORDED)
 class RecorderParameters:
     """What is recorded and where it goes."""
 
-    directory: str = setting("recording", about="folder for bag/ and signals.npz, made if need be", read_only=True)
+    directory: str = setting(
+        "recording", about="folder for bag/ and signals.npz, made if need be", read_only=True
+    )
     topics: tuple[str, ...] = setting(
-        _ALL_TOPICS, choices=_ALL_TOPICS, about="topics that belong to every step of this run", read_only=True
+        _ALL_TOPICS,
+        choices=_ALL_TOPICS,
+        about="topics that belong to every step of this run",
+        read_only=True,
     )
     bag: bool = setting(True, about="write a bag besides signals.npz", read_only=True)
     parameter_file: str = setting(
@@ -43,7 +48,12 @@ class RecorderParameters:
         read_only=True,
     )
     control_period: float = setting(
-        0.01, unit="s", low=1e-4, high=1.0, about="step of the graph, the same for all nodes", read_only=True
+        0.01,
+        unit="s",
+        low=1e-4,
+        high=1.0,
+        about="step of the graph, the same for all nodes",
+        read_only=True,
     )
     mode: str = setting(
         "lockstep",
@@ -52,28 +62,41 @@ class RecorderParameters:
         read_only=True,
     )
     duration: float = setting(
-        0.0, unit="s", low=0.0, high=LONGEST, about="the node ends when it holds this time; 0: never", read_only=True
+        0.0,
+        unit="s",
+        low=0.0,
+        high=LONGEST,
+        about="the node ends when it holds this time; 0: never",
+        read_only=True,
     )
 
 
 class RunRecorder:
     """Collects the serialized messages of the recorded topics, one per topic and step, in memory that does not grow.
 
-    `names` are the full topic names by which the bag knows the topics. Its folder is made, and ParameterError if there
-    is a recording already; a file without a name has the numbers there meanwhile. In real time a step that never comes
-    holds the one before, and the run is as far as its master; in lockstep it is as far as its slowest topic, and a
-    missing step is a loss. Nothing behind the end is kept: an integrating node is one step ahead of it.
-    Nor is what comes after `close`: other nodes of the process may end later.
+    `names` are the full topic names by which the bag knows the topics. Its folder is made, and
+    ParameterError if there is a recording already; a file without a name has the numbers there
+    meanwhile. In real time a step that never comes holds the one before, and the run is as far as
+    its master; in lockstep it is as far as its slowest topic, and a missing step is a loss. Nothing
+    behind the end is kept: an integrating node is one step ahead of it. Nor is what comes after
+    `close`: other nodes of the process may end later.
 
-    When the master begins the next run (reset), or is another one that counts from zero, the arrays begin anew, and so
-    does the bag; the one before is kept beside it. What comes of another run than the present one is not kept.
+    When the master begins the next run (reset), or is another one that counts from zero, the arrays
+    begin anew, and so does the bag; the one before is kept beside it. What comes of another run
+    than the present one is not kept.
     """
 
     def __init__(
-        self, p: RecorderParameters, topics: Sequence[Topic], names: Sequence[str], shown: Shown | None = None
+        self,
+        p: RecorderParameters,
+        topics: Sequence[Topic],
+        names: Sequence[str],
+        shown: Shown | None = None,
     ) -> None:
         folder = Path(p.directory)
-        if any(os.path.lexists(folder / name) for name in ((BAG, SIGNALS) if p.bag else (SIGNALS,))):
+        if any(
+            os.path.lexists(folder / name) for name in ((BAG, SIGNALS) if p.bag else (SIGNALS,))
+        ):
             raise ParameterError(
                 f"parameter directory: {quoted(p.directory)} is refused, expected one without a recording"
             )
@@ -89,11 +112,16 @@ class RunRecorder:
         self._spool = Spool(folder)
         self._tables = [MessageTable(topic) for topic in topics]
         self._messages = [SpooledTopic(topic, self._spool) for topic in topics]
-        self._masters = {i for i, topic in enumerate(topics) if topic.signal in ROLES[MASTER].writes}
-        self._pacing = [self._messages[i] for i in self._masters] if self._may_skip else self._messages
+        self._masters = {
+            i for i, topic in enumerate(topics) if topic.signal in ROLES[MASTER].writes
+        }
+        self._pacing = (
+            [self._messages[i] for i in self._masters] if self._may_skip else self._messages
+        )
         self._directory = folder / BAG if p.bag else None
         self._run = 0  # what stamps are above the instants that they mean [ns]
-        self._before: int | None = None  # the same of the run before a reset, while messages of it may still come
+        # the same of the run before a reset, while messages of it may still come
+        self._before: int | None = None
         self._begin_bag()
         self.loss = ""
         self.asked = False  # whether the master has repeated itself: it may wait for the recorder
@@ -101,21 +129,30 @@ class RunRecorder:
     def _begin_bag(self) -> None:
         self._bag = DurableBag(self._directory) if self._directory is not None else None
         self._handles = [
-            self._bag.add_topic(name, topic.message_type, depth=QUEUE_DEPTH) if self._bag is not None else None
+            self._bag.add_topic(name, topic.message_type, depth=QUEUE_DEPTH)
+            if self._bag is not None
+            else None
             for topic, name in zip(self._topics, self._names, strict=True)
         ]
         self._beside: dict[str, object] = {}
         self._views = (
-            ViewsInBag(self._bag, self._shown, self._topics, self._period) if self._bag and self._shown else None
+            ViewsInBag(self._bag, self._shown, self._topics, self._period)
+            if self._bag and self._shown
+            else None
         )
 
     def add(
-        self, index: int, messages: Sequence[bytes], came: Sequence[int], refuse: Callable[[MessageError], None]
+        self,
+        index: int,
+        messages: Sequence[bytes],
+        came: Sequence[int],
+        refuse: Callable[[MessageError], None],
     ) -> None:
         """Keep messages of the topic with this index; one that repeats an earlier stamp adds nothing.
 
-        In real time the bag has them under the wall times at which they came [ns], in lockstep under their stamps.
-        `refuse` is given the reason of each that the topic table does not allow.
+        In real time the bag has them under the wall times at which they came [ns], in lockstep
+        under their stamps. `refuse` is given the reason of each that the topic table does not
+        allow.
         """
         if self._is_written:
             return
@@ -137,7 +174,11 @@ class RunRecorder:
             self._begin_anew(run)
         if run != self._run:
             return
-        if step >= self._steps or step < kept.count or (run == self._before and index not in self._masters):
+        if (
+            step >= self._steps
+            or step < kept.count
+            or (run == self._before and index not in self._masters)
+        ):
             self.asked = self.asked or index in self._masters
             return
         if self._may_skip and index not in self._masters and step > self._paced() + 1:
@@ -147,7 +188,8 @@ class RunRecorder:
                 for _ in range(kept.count, step):
                     kept.hold(message, numbers)
             else:
-                if kept.count:  # before its first a topic is not connected yet; the master repeats the first step
+                # before its first a topic is not connected yet; the master repeats the first step
+                if kept.count:
                     self._note_loss(index, kept.count, step)
                 return
         kept.append(message, numbers)
@@ -188,7 +230,9 @@ class RunRecorder:
         first, last = (stamps.to_seconds(step * self._period) for step in (due, came))
         self.loss = f"{self._topics[index].name} at {first} s did not come, but {last} s did"
 
-    def add_beside(self, name: str, message_type: str, stamp: int, message: bytes, came: int) -> bool:
+    def add_beside(
+        self, name: str, message_type: str, stamp: int, message: bytes, came: int
+    ) -> bool:
         """Put a message that is no signal of the contract, such as /clock, into the bag only; False if it is too early.
 
         It is for a run that has yet to begin. One of a run before is not kept.
@@ -199,7 +243,9 @@ class RunRecorder:
             return False
         if name not in self._beside:
             self._beside[name] = self._bag.add_topic(name, message_type)
-        self._bag.write(self._beside[name], came if self._may_skip else max(stamp - self._run, 0), message)
+        self._bag.write(
+            self._beside[name], came if self._may_skip else max(stamp - self._run, 0), message
+        )
         return True
 
     @property
@@ -219,7 +265,11 @@ class RunRecorder:
     @property
     def silent(self) -> list[str]:
         """The topics on which nothing has come yet; real time begins when there is none."""
-        return [topic.name for topic, kept in zip(self._topics, self._messages, strict=True) if not kept.count]
+        return [
+            topic.name
+            for topic, kept in zip(self._topics, self._messages, strict=True)
+            if not kept.count
+        ]
 
     def checkpoint(self) -> None:
         """Bring what was written so far to the disk, for times when no message comes."""
@@ -268,9 +318,13 @@ def write_bag(
 ) -> None:
     """The bag of a run that had no messages: the same bytes that the nodes would have sent.
 
-    KeyboardInterrupt, when the message that is being written is there as a whole, if Ctrl-C or SIGTERM came.
+    KeyboardInterrupt, when the message that is being written is there as a whole, if Ctrl-C or
+    SIGTERM came.
     """
-    with StopRequest(patient=True) as stop, DurableBag(bag, checkpoint_period=float("inf")) as written:
+    with (
+        StopRequest(patient=True) as stop,
+        DurableBag(bag, checkpoint_period=float("inf")) as written,
+    ):
         handles = [
             written.add_topic(name, topic.message_type, depth=QUEUE_DEPTH)
             for topic, name in zip(topics, names, strict=True)
@@ -286,7 +340,9 @@ def write_bag(
         raise KeyboardInterrupt
 
 
-def _messages_of(recording: Recording, topics: Sequence[Topic], period: int) -> Iterator[tuple[bytes, ...]]:
+def _messages_of(
+    recording: Recording, topics: Sequence[Topic], period: int
+) -> Iterator[tuple[bytes, ...]]:
     """Those of each step, made in blocks."""
     tables = [MessageTable(topic) for topic in topics]
     for begin in range(0, len(recording.time), BLOCK):

@@ -14,7 +14,8 @@ from ev_msgs_py.contract.topics import Topic
 from ev_stack.recording.durable_bag import DurableBag
 from ev_stack.recording.recording import Recording, recording_of
 
-# A wheel turns by less than half a turn between two up to 157 rad/s: viewers turn it the right way between them.
+# A wheel turns by less than half a turn between two up to 157 rad/s: viewers turn it the right way
+# between them.
 VIEW_PERIOD = 0.02  # s
 _AT_ONCE = 25  # instants, which cost hardly more than one
 
@@ -29,7 +30,11 @@ class View:
 
     def within(self, namespace: str) -> View:
         """The same with its full name."""
-        return self if self.name.startswith("/") else replace(self, name=f"{namespace.rstrip('/')}/{self.name}")
+        return (
+            self
+            if self.name.startswith("/")
+            else replace(self, name=f"{namespace.rstrip('/')}/{self.name}")
+        )
 
 
 class Message(NamedTuple):
@@ -56,7 +61,8 @@ class ViewsInBag:
         self._bag, self._shown, self._topics, self._period = bag, shown, topics, period
         self._every = max(round(VIEW_PERIOD / stamps.to_seconds(period)), 1)
         self._handles: dict[View, Connection] = {}
-        self._waiting: dict[int, tuple[int, np.ndarray]] = {}  # by step: when it came, and its frame
+        # by step: when it came, and its frame
+        self._waiting: dict[int, tuple[int, np.ndarray]] = {}
         self._newest = np.zeros(frame.SIZE)
 
     def take(self, step: int, place: slice, numbers: Sequence[float], came: int) -> None:
@@ -80,7 +86,9 @@ class ViewsInBag:
         """Write all steps of a run that is over."""
         steps = np.arange(0, len(run.time), self._every)
         channels = {name: values[:: self._every] for name, values in run.channels.items()}
-        self._write(steps, (steps * self._period).tolist(), Recording(run.time[:: self._every], channels))
+        self._write(
+            steps, (steps * self._period).tolist(), Recording(run.time[:: self._every], channels)
+        )
 
     def _write(self, steps: np.ndarray, came: Sequence[int], run: Recording) -> None:
         if not self._handles:
@@ -93,5 +101,7 @@ class ViewsInBag:
 
     def _handle(self, view: View) -> Connection:
         if view not in self._handles:
-            self._handles[view] = self._bag.add_topic(view.name, view.message_type, lasts=view.lasts)
+            self._handles[view] = self._bag.add_topic(
+                view.name, view.message_type, lasts=view.lasts
+            )
         return self._handles[view]

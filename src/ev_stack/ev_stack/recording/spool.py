@@ -45,14 +45,18 @@ class MessageTable:
 
         frames[:, self._where] = self.numbers(messages, refuse)
 
-    def numbers(self, messages: Sequence[bytes], refuse: Callable[[int, MessageError], None]) -> np.ndarray:
+    def numbers(
+        self, messages: Sequence[bytes], refuse: Callable[[int, MessageError], None]
+    ) -> np.ndarray:
         """The numbers of messages (n, channels); `refuse` is given place and reason of each that is refused.
 
         Messages of another layout (such as joints in another order) are read one by one.
         """
         found = np.zeros((len(messages), self._where.stop - self._where.start))
         regular = [i for i, message in enumerate(messages) if len(message) == len(self._bytes)]
-        table = np.frombuffer(b"".join(messages[i] for i in regular), np.uint8).reshape(-1, len(self._bytes))
+        table = np.frombuffer(b"".join(messages[i] for i in regular), np.uint8).reshape(
+            -1, len(self._bytes)
+        )
         alike = (table[:, self._constant] == self._bytes[self._constant]).all(axis=1)
         size = self._number.itemsize
         for run in self._format.runs:
@@ -88,8 +92,9 @@ BLOCK = 1024  # steps
 class Spool:
     """A file without a name, gone with its process, in which the numbers of a run stand in blocks of some steps.
 
-    Within a block each number of the frame has its place for all steps: a topic writes its own in one piece, and a
-    channel is read in one piece per block. What nobody writes takes no room on the disk.
+    Within a block each number of the frame has its place for all steps: a topic writes its own in
+    one piece, and a channel is read in one piece per block. What nobody writes takes no room on the
+    disk.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -148,7 +153,9 @@ class SpooledTopic:
 
     def hold(self, message: bytes, numbers: np.ndarray) -> None:
         """Repeat the last step, or take these where there is none."""
-        self.append(self.last or message, self._newest[self.count % BLOCK - 1] if self.count else numbers)
+        self.append(
+            self.last or message, self._newest[self.count % BLOCK - 1] if self.count else numbers
+        )
 
     def series(self, steps: int) -> Iterator[np.ndarray]:
         """The numbers of so many steps (steps,), channel by channel; what has not come holds the last one."""

@@ -27,7 +27,8 @@ def latex_table(
 ) -> str:
     """A tabular of siunitx 3: numbers to so many significant digits and aligned at their points, all else as text.
 
-    `best` has `metric.LOWER` or `metric.HIGHER` of the columns whose best value is set in bold; None is an empty cell.
+    `best` has `metric.LOWER` or `metric.HIGHER` of the columns whose best value is set in bold;
+    None is an empty cell.
     """
     series = [[row[n] for row in rows] for n in range(len(columns))]
     cells, kinds = [], []
@@ -43,7 +44,15 @@ def latex_table(
     lines = [[f"{{{_text(name)}}}" for name in columns], *zip(*cells, strict=True)]
     head, *body = [" & ".join(line) + r" \\" for line in lines]
     ruled = [r"\toprule", head, r"\midrule", *body, r"\bottomrule"]
-    return "\n".join([f"{_HEAD}\\begin{{tabular}}{{{' '.join(kinds)}}}", *ruled, r"\end{tabular}", r"\endgroup", ""])
+    return "\n".join(
+        [
+            f"{_HEAD}\\begin{{tabular}}{{{' '.join(kinds)}}}",
+            *ruled,
+            r"\end{tabular}",
+            r"\endgroup",
+            "",
+        ]
+    )
 
 
 def _is_number(value: Any) -> bool:

@@ -51,18 +51,27 @@ def report_for(scenario: str) -> Report:
 def _of_all(function: Callable[..., Any]) -> Callable[..., Any]:
     """A function that names as arguments what it uses of ARGUMENTS, called with all; TypeError if it names others."""
 
-    def called(runs: Runs, vehicle: Vehicle, parameters: Parameters, course: Course = NO_COURSE) -> Any:
+    def called(
+        runs: Runs, vehicle: Vehicle, parameters: Parameters, course: Course = NO_COURSE
+    ) -> Any:
         by_name = dict(zip(ARGUMENTS, (runs, vehicle, parameters, course), strict=True))
         names = inspect.signature(function).parameters
         for name in names:
             if name not in by_name:
-                raise TypeError(f"{function.__module__}.{function.__name__}: {name} is none of {', '.join(ARGUMENTS)}")
+                raise TypeError(
+                    f"{function.__module__}.{function.__name__}: {name} is none of {', '.join(ARGUMENTS)}"
+                )
         return function(**{name: by_name[name] for name in names})
 
     return called
 
 
-_OVERVIEW = ("final_speed", "maximum_speed", "maximum_total_drive_torque", "maximum_road_wheel_angle")
+_OVERVIEW = (
+    "final_speed",
+    "maximum_speed",
+    "maximum_total_drive_torque",
+    "maximum_road_wheel_angle",
+)
 
 
 def _any_metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
@@ -77,12 +86,18 @@ def _any_metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
 
 def _any_figures(runs: Runs) -> dict[str, Sheet]:
     """One sheet for each run."""
-    return {f"overview_{name}" if len(runs) > 1 else "overview": Sheet(_panels(run)) for name, run in runs.items()}
+    return {
+        f"overview_{name}" if len(runs) > 1 else "overview": Sheet(_panels(run))
+        for name, run in runs.items()
+    }
 
 
 def _panels(run: Recording) -> list[Panel]:
     def wheels(quantity: str) -> list[Curve]:
-        return [Curve(run.time, channel(run, f"{quantity}.{name}"), readable(name)) for name in WHEEL_NAMES]
+        return [
+            Curve(run.time, channel(run, f"{quantity}.{name}"), readable(name))
+            for name in WHEEL_NAMES
+        ]
 
     return [
         *motion_panels({"": run}, "speed", "road_wheel_angle"),
@@ -111,7 +126,9 @@ def figures_of_runs(signals: Runs, runs: Sequence[Run]) -> dict[str, Sheet]:
 
 
 def _of_report(what: str, signals: Runs, first: Run) -> Any:
-    parameters = {role: configuration.values() for role, configuration in first.configurations.items()}
+    parameters = {
+        role: configuration.values() for role, configuration in first.configurations.items()
+    }
     vehicle = first.configurations[MASTER].common.vehicle
     return getattr(report_for(first.report), what)(signals, vehicle, parameters, first.course)
 
@@ -119,7 +136,8 @@ def _of_report(what: str, signals: Runs, first: Run) -> Any:
 def known_metrics(runs: Sequence[Run]) -> dict[str, Metric]:
     """The same, without values, before anything is driven: what runs without samples give.
 
-    ParameterError that names the line if the report fails with such runs instead of raising NotMeasured.
+    ParameterError that names the line if the report fails with such runs instead of raising
+    NotMeasured.
     """
     nothing = Recording(np.zeros(0), {})
     try:
@@ -135,7 +153,8 @@ def known_metrics(runs: Sequence[Run]) -> dict[str, Metric]:
 def further_metrics(run: Run, texts: Sequence[str], must_exist: bool = True) -> tuple[str, ...]:
     """Those of some texts that ask for metrics which the run does not measure by itself.
 
-    ParameterError for an unknown name, and if it `must_exist` for a metric of channels that the run will not have.
+    ParameterError for an unknown name, and if it `must_exist` for a metric of channels that the run
+    will not have.
     """
     known = known_metrics([run])
     further = [text for text in texts if text not in known]

@@ -41,15 +41,16 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 _TIMES = {each.name for each in fields(MasterParameters)} - {"duration"}
-_HOW_IT_IS_RUN = {"mode", "seed", "scheduling_priority", "lock_memory", *_TIMES}  # the sources have no seeds
+# the sources have no seeds
+_HOW_IT_IS_RUN = {"mode", "seed", "scheduling_priority", "lock_memory", *_TIMES}
 
 
 @dataclass(frozen=True, repr=False)
 class Result:
     """The runs of a scenario that were driven, and how: offline, in-process, processes or realtime.
 
-    `own_nodes`: role -> command of a user's node that took its place. `command` is the line that does the same again.
-    A notebook shows its metrics and figures.
+    `own_nodes`: role -> command of a user's node that took its place. `command` is the line that
+    does the same again. A notebook shows its metrics and figures.
     """
 
     scenario: Scenario
@@ -87,7 +88,9 @@ class Result:
     @property
     def _only(self) -> Recording:
         if len(self.outcomes) > 1:
-            raise ParameterError(f"{self.scenario.name} has several runs: runs[NAME] of {', '.join(self.outcomes)}")
+            raise ParameterError(
+                f"{self.scenario.name} has several runs: runs[NAME] of {', '.join(self.outcomes)}"
+            )
         return next(iter(self.runs.values()))
 
     @cached_property
@@ -95,16 +98,30 @@ class Result:
         """Numbers with units, and verdicts where something was published, by name."""
         found = metrics_of_runs(self.truth, self.scenario.runs)
         changed = dict.fromkeys(self._other_than_the_source)
-        why = f"{', '.join(changed)} differ{'s' * (len(changed) == 1)} from the source's" if changed else ""
+        why = (
+            f"{', '.join(changed)} differ{'s' * (len(changed) == 1)} from the source's"
+            if changed
+            else ""
+        )
         return {name: replace(each, unjudged=each.unjudged or why) for name, each in found.items()}
 
     @property
     def _other_than_the_source(self) -> list[str]:
         """What is not as the scenario has it by which a source is reproduced; how fast it is run does not matter."""
         source = files_in_config("scenarios").get(self._report)
-        own_file = [f"scenario {self.scenario.file}"] if source and not source.samefile(self.scenario.file) else []
-        changed = [d for d in self.differs if d.by == COMMAND_LINE and d.parameter not in _HOW_IT_IS_RUN]
-        return [*own_file, *(f"{d.node}.{d.parameter}" for d in changed), *(f"node {role}" for role in self.own_nodes)]
+        own_file = (
+            [f"scenario {self.scenario.file}"]
+            if source and not source.samefile(self.scenario.file)
+            else []
+        )
+        changed = [
+            d for d in self.differs if d.by == COMMAND_LINE and d.parameter not in _HOW_IT_IS_RUN
+        ]
+        return [
+            *own_file,
+            *(f"{d.node}.{d.parameter}" for d in changed),
+            *(f"node {role}" for role in self.own_nodes),
+        ]
 
     @property
     def _report(self) -> str:
@@ -138,7 +155,9 @@ class Result:
         try:
             from pandas import DataFrame, Index
         except ImportError as error:
-            raise ImportError(f"a data frame needs pandas ({error}): pip install 'ev_stack[frame]'") from None
+            raise ImportError(
+                f"a data frame needs pandas ({error}): pip install 'ev_stack[frame]'"
+            ) from None
 
         recording = self.runs[run] if run else self._only
         found = DataFrame(dict(recording.channels), index=Index(recording.time, name=TIME))
@@ -167,7 +186,9 @@ class Result:
             runs=self.runs,
             metrics=self.metrics,
             wall_time=sum(outcome.wall_time for outcome in outcomes),
-            not_reproducible=tuple(reason for outcome in outcomes for reason in outcome.not_reproducible),
+            not_reproducible=tuple(
+                reason for outcome in outcomes for reason in outcome.not_reproducible
+            ),
             notes=(*self.scenario.notes, *(note for outcome in outcomes for note in outcome.notes)),
             timing=self._timing,
             about=self.scenario.parameters.about,
@@ -176,14 +197,18 @@ class Result:
         )
 
     def save(
-        self, directory: Path | str, formats: Sequence[str] = (), width: float = COLUMN, panels: Sequence[str] = ()
+        self,
+        directory: Path | str,
+        formats: Sequence[str] = (),
+        width: float = COLUMN,
+        panels: Sequence[str] = (),
     ) -> None:
         """Write report.html, summary.json, figures and, for several runs in folders of their names, signals.npz.
 
-        What this or `scripts/run.sh` has written there of the same scenario is replaced. ParameterError, before
-        anything is written, if something else is in the way.
-        `formats`: pdf or svg, for figures that are also wanted for print, then `width` [inch], and `panels` by patterns
-        of NAME, PANEL or NAME.PANEL.
+        What this or `scripts/run.sh` has written there of the same scenario is replaced.
+        ParameterError, before anything is written, if something else is in the way. `formats`: pdf
+        or svg, for figures that are also wanted for print, then `width` [inch], and `panels` by
+        patterns of NAME, PANEL or NAME.PANEL.
         """
         figures, runs = self.figures(), self.scenario.runs
         files = (*OF_ALL_RUNS, *figure_files(figures))
@@ -191,9 +216,13 @@ class Result:
             for run in runs:
                 save(self.runs[run.name], folder.of(run) / SIGNALS)
             self.write_report(folder.directory, figures)
-            Print(tuple(formats), width, tuple(panels)).save(self.sheets, folder.directory, folder.claim)
+            Print(tuple(formats), width, tuple(panels)).save(
+                self.sheets, folder.directory, folder.claim
+            )
 
-    def write_report(self, folder: Path, figures: Mapping[str, Figure], page: bool = True) -> dict[str, Any]:
+    def write_report(
+        self, folder: Path, figures: Mapping[str, Figure], page: bool = True
+    ) -> dict[str, Any]:
         """Write figures, report.html if it is wanted, and summary.json, whose content comes back."""
         summary = self.summary()
         save_figures(figures, folder)

@@ -28,7 +28,8 @@ _OF_THE_CAR = "vehicle."
 class Difference:
     """A parameter that is not what it would be without its cause `by`: `value` in the place of `instead_of`.
 
-    `instead_of` is the value of the scenario's own file where the command line is the cause, else the default.
+    `instead_of` is the value of the scenario's own file where the command line is the cause, else
+    the default.
     """
 
     by: str
@@ -47,10 +48,19 @@ def differences(driven: Scenario, own: Scenario) -> list[Difference]:
     nodes: dict[Difference, list[str]] = {}
     for run, before in zip(driven.runs, own.runs, strict=True):
         for found in _of_run(run, before):
-            key = Difference(found.by, "", found.parameter, _frozen(found.value), _frozen(found.instead_of), found.unit)
+            key = Difference(
+                found.by,
+                "",
+                found.parameter,
+                _frozen(found.value),
+                _frozen(found.instead_of),
+                found.unit,
+            )
             nodes.setdefault(key, []).append(f"{run.name}/{found.node}")
     listed = [
-        Difference(key.by, _together(members, driven), key.parameter, key.value, key.instead_of, key.unit)
+        Difference(
+            key.by, _together(members, driven), key.parameter, key.value, key.instead_of, key.unit
+        )
         for key, members in nodes.items()
     ]
     return sorted(listed, key=lambda difference: difference.by)
@@ -59,7 +69,8 @@ def differences(driven: Scenario, own: Scenario) -> list[Difference]:
 def _of_run(run: Run, before: Run) -> Iterator[Difference]:
     for role, configuration in run.configurations.items():
         own, defaults = before.configurations.get(role), _defaults(configuration)
-        scenarios = own.values() if own else defaults  # an optional role that the command line lets somebody play
+        # an optional role that the command line lets somebody play
+        scenarios = own.values() if own else defaults
         for entry in configuration.entries():
             name, value = entry.name, entry.default
             instead_of = scenarios.get(name, defaults[name])
@@ -71,7 +82,11 @@ def _of_run(run: Run, before: Run) -> Iterator[Difference]:
 
 def _defaults(configuration: Configuration) -> dict[str, Any]:
     """What the parameters of a node would be if nothing but its method and its car were chosen."""
-    given = {name: value for name, value in configuration.values().items() if name.startswith(_OF_THE_CAR)}
+    given = {
+        name: value
+        for name, value in configuration.values().items()
+        if name.startswith(_OF_THE_CAR)
+    }
     given["method"] = configuration.method.name
     extra = type(configuration.extra) if configuration.extra is not None else None
     plain = configure(configuration.role, given, extra).values()
@@ -98,10 +113,11 @@ class Summary:
     """Everything that stands in summary.json.
 
     `methods`: role -> method. `own_nodes`: role -> command of a user's node that took its place.
-    `mode`: offline, in-process, processes or realtime, with what it was asked for.
-    `wall_time` [s] is that of driving, without start, report and figures. `not_reproducible`: why another run may
-    give other numbers, empty if it may not. `about` is the scenario in one line, `command` what repeats it, `differs`
-    what is not as the scenario's file, or as the defaults have it. `timing`: run -> how well real time was kept.
+    `mode`: offline, in-process, processes or realtime, with what it was asked for. `wall_time` [s]
+    is that of driving, without start, report and figures. `not_reproducible`: why another run may
+    give other numbers, empty if it may not. `about` is the scenario in one line, `command` what
+    repeats it, `differs` what is not as the scenario's file, or as the defaults have it. `timing`:
+    run -> how well real time was kept.
     """
 
     scenario: str
@@ -155,9 +171,14 @@ class Summary:
             },
             "simulated_time": self.simulated_time,
             "wall_time": self.wall_time,
-            "real_time_factor": self.simulated_time / self.wall_time if self.wall_time > 0 else None,
+            "real_time_factor": self.simulated_time / self.wall_time
+            if self.wall_time > 0
+            else None,
             "vehicle": flatten(self.vehicle),
-            "parameters": {node: dict(sorted(values.items())) for node, values in sorted(self.parameters.items())},
+            "parameters": {
+                node: dict(sorted(values.items()))
+                for node, values in sorted(self.parameters.items())
+            },
             **({"timing": dict(self.timing)} if self.timing else {}),
             "versions": versions(),
         }

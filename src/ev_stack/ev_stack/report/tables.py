@@ -47,7 +47,9 @@ def write_tables(
     for suffix, text in texts.items():
         with atomic_file(folder / f"table.{suffix}") as file:
             file.write(text.encode())
-    write_parquet(folder / "table.parquet", {name: [row[i] for row in rows] for i, name in enumerate(columns)})
+    write_parquet(
+        folder / "table.parquet", {name: [row[i] for row in rows] for i, name in enumerate(columns)}
+    )
 
 
 def write_parquet(path: Path, columns: Mapping[str, Sequence[Any]]) -> None:
@@ -84,7 +86,9 @@ def _csv(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
 def markdown_table(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
     """A table in Markdown; bars in cells are escaped."""
     lines = [columns, ["---"] * len(columns), *([cell(value) for value in row] for row in rows)]
-    return "".join(f"| {' | '.join(each.replace('|', '&#124;') for each in line)} |\n" for line in lines)
+    return "".join(
+        f"| {' | '.join(each.replace('|', '&#124;') for each in line)} |\n" for line in lines
+    )
 
 
 def text_table(columns: Sequence[str], rows: Sequence[Sequence[str]], left: Collection[str]) -> str:
@@ -93,12 +97,16 @@ def text_table(columns: Sequence[str], rows: Sequence[Sequence[str]], left: Coll
     sides = [str.ljust if column in left else str.rjust for column in columns]
     lines = [columns, ["-" * width for width in widths], *rows]
     return "\n".join(
-        "  ".join(side(cell, width) for side, cell, width in zip(sides, line, widths, strict=True)).rstrip()
+        "  ".join(
+            side(cell, width) for side, cell, width in zip(sides, line, widths, strict=True)
+        ).rstrip()
         for line in lines
     )
 
 
-def tables_by_width(columns: Sequence[str], rows: Sequence[Sequence[str]], kept: int, left: Collection[str]) -> str:
+def tables_by_width(
+    columns: Sequence[str], rows: Sequence[Sequence[str]], kept: int, left: Collection[str]
+) -> str:
     """A table; where the terminal is too narrow several, one below the other, each with the first `kept` columns."""
     widths = [2 + max(len(row[i]) for row in (columns, *rows)) for i in range(len(columns))]
     room = _terminal_width() + 2 - sum(widths[:kept])
@@ -108,11 +116,17 @@ def tables_by_width(columns: Sequence[str], rows: Sequence[Sequence[str]], kept:
             parts.append([])
         parts[-1].append(i)
     chosen = [[*range(kept), *part] for part in parts]
-    return "\n\n".join(text_table([columns[i] for i in c], [[row[i] for i in c] for row in rows], left) for c in chosen)
+    return "\n\n".join(
+        text_table([columns[i] for i in c], [[row[i] for i in c] for row in rows], left)
+        for c in chosen
+    )
 
 
 METRIC_COLUMNS = ("metric", "value", "unit", "reference", "band", "verdict")
-NARROW = (("metric", "value", "unit", "reference", "verdict"), ("metric", "value", "unit", "verdict"))
+NARROW = (
+    ("metric", "value", "unit", "reference", "verdict"),
+    ("metric", "value", "unit", "verdict"),
+)
 WIDTH_OF_A_PIPE = 120
 _TEXT = ("metric", "unit", "band", "verdict")
 
@@ -129,7 +143,8 @@ def _terminal_width() -> int:
 def metric_table(metrics: Mapping[str, Metric], width: int = WIDTH_OF_A_PIPE) -> str:
     """Name, value, unit, reference, band and verdict of each metric in aligned columns.
 
-    Angles stand in rad with deg beside. Assumptions and reasons are numbered and follow below the table.
+    Angles stand in rad with deg beside. Assumptions and reasons are numbered and follow below the
+    table.
     """
     notes: list[str] = []
     rows = [_row(name, metric, notes) for name, metric in metrics.items()]
@@ -140,7 +155,9 @@ def metric_table(metrics: Mapping[str, Metric], width: int = WIDTH_OF_A_PIPE) ->
             lines = _lines(columns, without_degrees)
     for number, note in enumerate(notes, start=1):
         indent = f"[{number}] "
-        lines += textwrap.wrap(note, max(width, 40), initial_indent=indent, subsequent_indent=" " * len(indent))
+        lines += textwrap.wrap(
+            note, max(width, 40), initial_indent=indent, subsequent_indent=" " * len(indent)
+        )
     return "\n".join(lines)
 
 
@@ -159,7 +176,9 @@ def short_lines(metrics: Mapping[str, Metric]) -> list[str]:
 
 
 def _lines(columns: tuple[str, ...], rows: list[dict[str, str]]) -> list[str]:
-    return text_table(columns, [[row[column] for column in columns] for row in rows], left=_TEXT).splitlines()
+    return text_table(
+        columns, [[row[column] for column in columns] for row in rows], left=_TEXT
+    ).splitlines()
 
 
 def _row(name: str, metric: Metric, notes: list[str]) -> dict[str, str]:
@@ -169,11 +188,15 @@ def _row(name: str, metric: Metric, notes: list[str]) -> dict[str, str]:
         value += f" ± {metric.standard_deviation:.2g}"
     return {
         "metric": name,
-        "value": f"{value} ({math.degrees(metric.value):.2f} deg)" if metric.unit == "rad" and metric.value else value,
+        "value": f"{value} ({math.degrees(metric.value):.2f} deg)"
+        if metric.unit == "rad" and metric.value
+        else value,
         "value in rad": value,
         "unit": metric.unit,
         "reference": _number(reference.value) if reference else "-",
-        "band": " .. ".join(_number(end) if math.isfinite(end) else "" for end in reference.band) if reference else "-",
+        "band": " .. ".join(_number(end) if math.isfinite(end) else "" for end in reference.band)
+        if reference
+        else "-",
         "verdict": _judgement(metric, notes),
     }
 
@@ -217,7 +240,9 @@ def quantile(histogram: Mapping[str, Any], share: float) -> float:
 def in_words(timing: Mapping[str, Any]) -> str:
     """One line: late steps, lateness, and commands that were missed."""
     late = timing["lateness"]
-    middle, most, largest = (1e3 * time for time in (quantile(late, 0.5), quantile(late, 0.99), late["largest"]))
+    middle, most, largest = (
+        1e3 * time for time in (quantile(late, 0.5), quantile(late, 0.99), late["largest"])
+    )
     return (
         f"real time: {timing['overruns']} of {timing['steps']} steps came more than a period late; lateness at most "
         f"{middle:.3g} ms of half of them, {most:.3g} ms of 99 %, {largest:.3g} ms of all; "

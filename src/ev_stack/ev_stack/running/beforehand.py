@@ -1,6 +1,7 @@
 """What runs need in compiled code, made before they begin: on all cores, with a bar that counts.
 
-What nobody has made by then is compiled when it is used, by nodes as well. What is on disk is only looked for.
+What nobody has made by then is compiled when it is used, by nodes as well. What is on disk is only
+looked for.
 """
 
 from __future__ import annotations
@@ -44,8 +45,12 @@ def compile_for(runs: Iterable[Run], in_nodes: bool, others: Collection[str] = (
 
     What cannot be compiled says so when it is used.
     """
-    played = [each for run in runs for role, each in run.configurations.items() if role not in others]
-    heavy_first = sorted(played, key=lambda each: each.method.law is None or not each.method.law.heavy)
+    played = [
+        each for run in runs for role, each in run.configurations.items() if role not in others
+    ]
+    heavy_first = sorted(
+        played, key=lambda each: each.method.law is None or not each.method.law.heavy
+    )
     units: list[Unit | None] = []
     for each in heavy_first:
         with suppress(Exception):  # whatever a law raises when it is prepared
@@ -69,7 +74,11 @@ def compile_units(units: Iterable[Unit]) -> list[str]:
 
 def _processes() -> int:
     """How many may be forked off: none where other threads run, for what they hold would be held for ever."""
-    return len(os.sched_getaffinity(0)) if sys.platform == "linux" and threading.active_count() == 1 else 1
+    return (
+        len(os.sched_getaffinity(0))
+        if sys.platform == "linux" and threading.active_count() == 1
+        else 1
+    )
 
 
 def _here(units: Sequence[Unit], progress: Callable[[], object]) -> list[str]:
@@ -96,7 +105,9 @@ def _on_workers(units: Sequence[Unit], count: int, progress: Callable[[], object
                     found.append(worker.result())
                 except WorkerLost:  # such as for lack of memory: the others go on
                     is_lost = True
-                    found.append(f"{units[worker.number].name}: the process that compiled it was killed")
+                    found.append(
+                        f"{units[worker.number].name}: the process that compiled it was killed"
+                    )
                 progress()
                 if waiting and not is_lost:
                     worker.begin(waiting.pop())
@@ -106,11 +117,15 @@ def _on_workers(units: Sequence[Unit], count: int, progress: Callable[[], object
     finally:
         for worker in workers:
             worker.end()
-    return [*found, *(f"{units[number].name}: all processes that compile were killed" for number in waiting)]
+    return [
+        *found,
+        *(f"{units[number].name}: all processes that compile were killed" for number in waiting),
+    ]
 
 
 def _made_by_worker(units: Sequence[Unit], number: int) -> str:
-    gc.disable()  # it looks through all that the compiler remembers, a twentieth of the time, and finds little
+    # it looks through all that the compiler remembers, a twentieth of the time, and finds little
+    gc.disable()
     return _error_of(units[number])
 
 
@@ -139,7 +154,12 @@ def unit_of_method(method: Method, parameters: Any, vehicle: Vehicle, period: fl
         return kept_code(key) is not None
 
     key = code_key(method, parameters, vehicle, period)
-    return Unit(f"{method.role} {method.name}", is_kept, lambda: CompiledPart(method, parameters, vehicle, period), key)
+    return Unit(
+        f"{method.role} {method.name}",
+        is_kept,
+        lambda: CompiledPart(method, parameters, vehicle, period),
+        key,
+    )
 
 
 def unit_of_code(code: Code) -> Unit:

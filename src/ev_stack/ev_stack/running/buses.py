@@ -16,7 +16,9 @@ GROUP = "ev_stack.buses"  # of entry points: the name of a bus, and its module
 class Bus(Protocol):
     """A module with what a bus does for a run, if the run has it."""
 
-    def real_bus(self, run: Run, domain: int, directory: Path) -> AbstractContextManager[dict[str, dict[str, Any]]]:
+    def real_bus(
+        self, run: Run, domain: int, directory: Path
+    ) -> AbstractContextManager[dict[str, dict[str, Any]]]:
         """Channels of this run alone in real time: further parameters of its nodes, by name.
 
         RunFailed if they cannot be had.

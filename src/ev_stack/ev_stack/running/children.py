@@ -18,8 +18,8 @@ _SET_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of Linux
 def ends_with_us() -> Callable[[], None] | None:
     """What a child calls before it becomes the node: it is killed when we end, whatever ends us.
 
-    None where the system does not offer that. The signal follows the thread that starts the child: that must be one
-    that lasts, such as the main thread.
+    None where the system does not offer that. The signal follows the thread that starts the child:
+    that must be one that lasts, such as the main thread.
     """
     prctl = getattr(ctypes.CDLL(None), "prctl", None)
     if prctl is None:
@@ -51,8 +51,9 @@ _ADDR_NO_RANDOMIZE = 0x0040000
 def same_addresses() -> Iterator[None]:
     """Processes that are started in this block have their code at the same addresses, where the system allows it.
 
-    Nodes are one program several times, each of which runs for a moment and then waits for the others. A processor
-    predicts branches by their addresses: at different ones each node finds predictions of another (docs/lockstep.md).
+    Nodes are one program several times, each of which runs for a moment and then waits for the
+    others. A processor predicts branches by their addresses: at different ones each node finds
+    predictions of another (docs/lockstep.md).
     """
     personality = getattr(ctypes.CDLL(None), "personality", None)
     before = -1 if personality is None else personality(ctypes.c_ulong(_QUERY))
@@ -77,7 +78,9 @@ class Worker:
         fork = get_context("fork")
         self._connection, its_end = fork.Pipe()
         ends = (its_end, self._connection)
-        self._process = fork.Process(target=_serve, args=(*ends, perform, ends_with_us()), daemon=True)
+        self._process = fork.Process(
+            target=_serve, args=(*ends, perform, ends_with_us()), daemon=True
+        )
         self._process.start()
         its_end.close()  # so that the pipe ends with the process
 
@@ -109,7 +112,10 @@ class Worker:
 
 
 def _serve(
-    connection: Connection, parents: Connection, perform: Callable[[int], Any], bind: Callable[[], None] | None
+    connection: Connection,
+    parents: Connection,
+    perform: Callable[[int], Any],
+    bind: Callable[[], None] | None,
 ) -> None:
     """Answer until the parent ends, however it does: what it holds, the lock of its folder too, is held here as well.
 
@@ -118,7 +124,8 @@ def _serve(
     if bind is not None:
         bind()
     parents.close()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the parent as well, which ends its workers
+    # Ctrl-C reaches the parent as well, which ends its workers
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     with suppress(EOFError, ConnectionError):  # the parent has ended
         while True:

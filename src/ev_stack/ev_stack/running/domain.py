@@ -65,12 +65,15 @@ class NoFreeDomain(RunFailed):
 def free_domain() -> Iterator[int]:
     """A domain id without participants, reserved against other runs of this kind until the end of the block.
 
-    NoFreeDomain if there is none, RunFailed if ROS_DOMAIN_ID is no domain, or if nodes are not to find each other.
+    NoFreeDomain if there is none, RunFailed if ROS_DOMAIN_ID is no domain, or if nodes are not to
+    find each other.
 
     ROS_DOMAIN_ID goes before: it is set to look at the run from outside.
     """
     if os.environ.get(_RANGE) == "OFF":
-        raise RunFailed(f"{_RANGE}=OFF is refused: no node would find another one, expected LOCALHOST or SUBNET")
+        raise RunFailed(
+            f"{_RANGE}=OFF is refused: no node would find another one, expected LOCALHOST or SUBNET"
+        )
     try:
         given = given_domain(os.environ)
     except ParameterError as error:
@@ -83,7 +86,9 @@ def free_domain() -> Iterator[int]:
             if reserved and _is_silent(domain):
                 yield domain
                 return
-    raise NoFreeDomain(f"all ROS domains from {_DOMAINS[0]} to {_DOMAINS[-1]} are in use{_blocked()}")
+    raise NoFreeDomain(
+        f"all ROS domains from {_DOMAINS[0]} to {_DOMAINS[-1]} are in use{_blocked()}"
+    )
 
 
 @contextmanager
@@ -132,7 +137,8 @@ def _reservation(what: object) -> Iterator[bool]:
 def _opened_in_place(path: str, flags: int) -> int:
     """Everybody may write into the folder of the locks: a link there is not followed.
 
-    Nor does a pipe there hold us up. Nobody else may open the file: to open it is enough to lock it.
+    Nor does a pipe there hold us up. Nobody else may open the file: to open it is enough to lock
+    it.
     """
     return os.open(path, (flags | os.O_NOFOLLOW | os.O_NONBLOCK) & ~os.O_TRUNC, 0o600)
 
@@ -145,7 +151,9 @@ def _blocked() -> str:
         except OSError as error:
             file = _lock_file(domain)
             found = file if os.path.lexists(file) else file.parent
-            return f", or blocked: {found} belongs to user {found.lstat().st_uid} ({error.strerror})"
+            return (
+                f", or blocked: {found} belongs to user {found.lstat().st_uid} ({error.strerror})"
+            )
     return ""
 
 

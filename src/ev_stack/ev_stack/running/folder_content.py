@@ -47,7 +47,9 @@ def _is_sound(files: object) -> bool:
 def stays_within(name: str) -> bool:
     """Whether a path can only be below the folder that it begins in."""
     path = PurePosixPath(name)
-    return bool(path.parts) and not path.is_absolute() and ".." not in path.parts and str(path) == name
+    return (
+        bool(path.parts) and not path.is_absolute() and ".." not in path.parts and str(path) == name
+    )
 
 
 def write_manifest(folder: Path, written: Mapping[str, Files]) -> None:

@@ -35,7 +35,8 @@ def package_of(node: str) -> str:
 def command(name: str) -> list[str]:
     """What `ros2 run` would start for the node of a role: that itself would not hand on the line to the runner.
 
-    RunFailed if the workspace is not built or not sourced, or if the node comes from several packages.
+    RunFailed if the workspace is not built or not sourced, or if the node comes from several
+    packages.
     """
     try:
         package = package_of(name)
@@ -45,7 +46,9 @@ def command(name: str) -> list[str]:
         path = Path(prefix) / "lib" / package / name
         if path.exists():
             return [str(path)]
-    raise RunFailed(f"executable {package} {name} is not found: source install/local_setup.bash of the workspace")
+    raise RunFailed(
+        f"executable {package} {name} is not found: source install/local_setup.bash of the workspace"
+    )
 
 
 _ROOM = 65536  # bytes; with less a node cannot even write what went wrong
@@ -65,7 +68,11 @@ class NodeProcess:
         code = self.process.returncode
         if code == 0:  # as a node ends when it is asked to
             return f"node {self.name} was stopped"
-        how = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with status {code}"
+        how = (
+            f"was killed by {signal.Signals(-code).name}"
+            if code < 0
+            else f"ended with status {code}"
+        )
         lines = self.log.read_text(errors="replace").strip().splitlines()
         last = f": {shown(lines[-1])}" if lines and code > 0 else ""
         if shutil.disk_usage(self.log.parent).free < _ROOM:
@@ -86,11 +93,13 @@ class NodeProcess:
             os.killpg(self.process.pid, kind)
 
 
-def _started(name: str, words: Sequence[str], ours: bool, place: Place, reports: NodeReports) -> NodeProcess:
+def _started(
+    name: str, words: Sequence[str], ours: bool, place: Place, reports: NodeReports
+) -> NodeProcess:
     """The node of a role, by a command, with its log and a line to the runner, on which its `reports` come.
 
-    Ctrl-C and SIGTERM wait until a node of `ours` can stop in order, which takes a second of loading; the nodes of
-    others may never let them in.
+    Ctrl-C and SIGTERM wait until a node of `ours` can stop in order, which takes a second of
+    loading; the nodes of others may never let them in.
     """
     run, log = place.run, place.directory / LOG / f"{name}.log"
     log.parent.mkdir(exist_ok=True)
@@ -106,13 +115,20 @@ def _started(name: str, words: Sequence[str], ours: bool, place: Place, reports:
                     stdin=subprocess.DEVNULL,
                     stdout=output,
                     stderr=subprocess.STDOUT,
-                    env={**os.environ, "ROS_DOMAIN_ID": str(place.domain), SILENTLY: "1", RUNNER_LINE: line},
+                    env={
+                        **os.environ,
+                        "ROS_DOMAIN_ID": str(place.domain),
+                        SILENTLY: "1",
+                        RUNNER_LINE: line,
+                    },
                     pass_fds=[inherited],
                     preexec_fn=_before_exec(ours),
                     start_new_session=True,  # Ctrl-C is for us: we stop the nodes in order
                 )
         except OSError as error:
-            raise RunFailed(f"node {name} cannot be started: {words[0]}: {error.strerror}") from None
+            raise RunFailed(
+                f"node {name} cannot be started: {words[0]}: {error.strerror}"
+            ) from None
         finally:
             reports.started(name)
     return NodeProcess(name, process, log, None if ours else ending_with_us(process.pid))
@@ -128,7 +144,8 @@ def _said_by_us(name: str, run: Run, folder: Path) -> list[str]:
     if run.realtime and getattr(bus, "log", ""):
         given["bus.log"] = str(folder / bus.log)
     gateway = run.configurations.get("inverter_gateway")
-    if run.realtime and bus is not None and gateway is not None:  # both ends have that of the gateway (`real_bus`)
+    # both ends have that of the gateway (`real_bus`)
+    if run.realtime and bus is not None and gateway is not None:
         given["bus.address"] = gateway.parameters.bus.address
     return [word for key, path in given.items() for word in ("-p", f'{key}:="{path}"')]
 
@@ -145,12 +162,15 @@ def _before_exec(ours: bool) -> Callable[[], None]:
     return before
 
 
-# s for processes to stop when they are asked to: all of them have last words if the run has come to its end.
+# s for processes to stop when they are asked to: all of them have last words if the run has come to
+# its end.
 _PATIENCE, _AT_THE_END = 2.0, 10.0
 
 
 @contextmanager
-def started_nodes(place: Place, own: Mapping[str, Sequence[str]], reports: NodeReports) -> Iterator[list[NodeProcess]]:
+def started_nodes(
+    place: Place, own: Mapping[str, Sequence[str]], reports: NodeReports
+) -> Iterator[list[NodeProcess]]:
     """The processes of all nodes, with commands of others for some of them; RunFailed if one cannot be started."""
     nodes: list[NodeProcess] = []
     try:

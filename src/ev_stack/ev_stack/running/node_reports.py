@@ -46,8 +46,14 @@ def observing(namespace: str, domain: int, name: str) -> Iterator[Node]:
     context = rclpy.Context()
     try:
         try:
-            rclpy.init(args=["--ros-args", NO_LOG_FILE, *enclave(name, namespace)], context=context, domain_id=domain)
-            observer = Node(name, context=context, namespace=namespace, start_parameter_services=False)
+            rclpy.init(
+                args=["--ros-args", NO_LOG_FILE, *enclave(name, namespace)],
+                context=context,
+                domain_id=domain,
+            )
+            observer = Node(
+                name, context=context, namespace=namespace, start_parameter_services=False
+            )
         except RuntimeError as error:
             raise RunFailed(one_line(error)) from None
         with Alarm(observer):
@@ -70,7 +76,11 @@ def refuse_unready() -> None:
 
 def enclave(node: str, namespace: str) -> list[str]:
     """The ROS arguments that name the keys of a process, where security is asked for."""
-    return ["--ros-args", "--enclave", f"{namespace}/{node}"] if security_is_asked_for(os.environ) else []
+    return (
+        ["--ros-args", "--enclave", f"{namespace}/{node}"]
+        if security_is_asked_for(os.environ)
+        else []
+    )
 
 
 _BLOCK = 256  # steps
@@ -85,14 +95,16 @@ class NodeReports:
         self.time = 0.0
         self._warnings: dict[str, None] = {}
         self._more_warnings = 0
-        self.timing: dict[str, Any] = {}  # how well real time was kept, as the master reports at its end
+        # how well real time was kept, as the master reports at its end
+        self.timing: dict[str, Any] = {}
         self.rests = False  # whether a service has stopped time
         self._namespace, self._realtime = namespace.rstrip("/"), realtime
         self._key = secrets.token_bytes()
         self._lines: dict[str, ListeningEnd] = {}
         self._words: list[str] = []
         self._noted: dict[str, str] = {}
-        self._waits: dict[str, tuple[float, Sequence[str] | None]] = {}  # by node: when it reported so, and for whom
+        # by node: when it reported so, and for whom
+        self._waits: dict[str, tuple[float, Sequence[str] | None]] = {}
         self._why: dict[str, Sequence[str]] = {}  # by node: why it waited when it last reported so
         self._adding: set[str] = set()  # nodes whose sums are due at the end
         self._tallies: dict[str, Mapping[str, Any]] = {}
@@ -100,7 +112,8 @@ class NodeReports:
     def line(self, node: str, adds_up: bool = False) -> tuple[str, int]:
         """For the environment of a node, by which it finds its end, and the descriptor that it has to inherit.
 
-        One that `adds_up` has to report its sums at its end; those of the recorder are those of the recording.
+        One that `adds_up` has to report its sums at its end; those of the recorder are those of the
+        recording.
         """
         if adds_up and node != RECORDER:
             self._adding.add(node)
@@ -114,7 +127,11 @@ class NodeReports:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Why the run may not be reproducible, as nodes report: each reason once, and how often there were others."""
-        more = [f"{self._more_warnings} more warnings, which are in /diagnostics"] if self._more_warnings else []
+        more = (
+            [f"{self._more_warnings} more warnings, which are in /diagnostics"]
+            if self._more_warnings
+            else []
+        )
         return (*self._warnings, *more)
 
     @property
@@ -143,7 +160,9 @@ class NodeReports:
                 try:
                     self._take(node, Word.decoded(message))
                 except (ValueError, TypeError, LookupError, OverflowError):
-                    self._noted.setdefault(node, f"node {node} has told what cannot be read: {shown(message)}")
+                    self._noted.setdefault(
+                        node, f"node {node} has told what cannot be read: {shown(message)}"
+                    )
 
     def _take(self, node: str, word: Word) -> None:
         text = f"{self._namespace}/{node}: {shown(word.text)}"
@@ -170,13 +189,19 @@ class NodeReports:
     def others_heard(self, recording: Recording) -> list[str]:
         """A line for each node that has taken something on a topic which the node of its role has not sent.
 
-        Compared are the sums at the last step that both ends have, of the recorder those of the recording. One of the
-        user's own has none; another one that has reported none, as it was killed before, has a line as well.
+        Compared are the sums at the last step that both ends have, of the recorder those of the
+        recording. One of the user's own has none; another one that has reported none, as it was
+        killed before, has a line as well.
         """
-        silent = [node for node in self._lines if node in self._adding and node not in self._tallies]
+        silent = [
+            node for node in self._lines if node in self._adding and node not in self._tallies
+        ]
         if self._tallies:
             self._tallies[RECORDER] = self._tally_of(recording)
-        return [f"node {node} told no sums: nobody knows whether others have spoken in its name" for node in silent] + [
+        return [
+            f"node {node} told no sums: nobody knows whether others have spoken in its name"
+            for node in silent
+        ] + [
             f"node {node}: what it took on {topic} is not what {writer} has said; somebody else has spoken in its name"
             for node, tally in self._tallies.items()
             for topic, taken in tally[READ].items()
@@ -221,7 +246,9 @@ def _sums(values: Any) -> dict[str, dict[str, int]]:
 
 def _differ(taken: Mapping[str, int], sent: Mapping[str, int]) -> bool:
     both = taken.keys() & sent.keys()
-    return bool(taken and sent) and not (both and taken[max(both, key=int)] == sent[max(both, key=int)])
+    return bool(taken and sent) and not (
+        both and taken[max(both, key=int)] == sent[max(both, key=int)]
+    )
 
 
 @contextmanager

@@ -54,7 +54,9 @@ def _plain(value: Any) -> Any:
 
 def write_parameter_file(path: Path, run: Run, nodes: dict[str, dict[str, Any]]) -> None:
     """One ROS parameter file with all parameters of the nodes of a run."""
-    content = {f"{run.namespace}/{node}": {"ros__parameters": values} for node, values in nodes.items()}
+    content = {
+        f"{run.namespace}/{node}": {"ros__parameters": values} for node, values in nodes.items()
+    }
     with atomic_file(path) as file:
         file.write(yaml.safe_dump(content, sort_keys=False).encode())
 
@@ -65,7 +67,10 @@ def drive_offline(run: Run, progress: Progress = lambda time: None) -> Outcome:
     start = time.monotonic()
     notes: list[str] = []
     recording = run_offline(
-        run.configurations, run.duration, progress, lambda role, text: notes.append(f"{run.namespace}/{role}: {text}")
+        run.configurations,
+        run.duration,
+        progress,
+        lambda role, text: notes.append(f"{run.namespace}/{role}: {text}"),
     )
     return Outcome(recording, time.monotonic() - start, notes=tuple(notes))
 

@@ -35,11 +35,12 @@ _NOT_WHOLE = f".*.{'[0-9a-f]' * 8}"  # how `atomic_file` calls what it is writin
 class OutputFolder:
     """All that a command writes: `files` into a folder, those of a single run beside them, those of several in DIR/RUN.
 
-    `writer` names the writer, such as "scenario shchur2019". The manifest of the folder names all files of each writer.
-    At the beginning those of this one are removed, apart from `keeps`; what it was writing when it was killed is moved
-    to earlier_1, earlier_2, ...; nothing else is touched. ParameterError before that if a name is taken by something
-    else, or a file has changed since or is one that the command `reads`, or another command is writing there: the
-    folder is locked up to the end of the block, where the manifest is completed.
+    `writer` names the writer, such as "scenario shchur2019". The manifest of the folder names all
+    files of each writer. At the beginning those of this one are removed, apart from `keeps`; what
+    it was writing when it was killed is moved to earlier_1, earlier_2, ...; nothing else is
+    touched. ParameterError before that if a name is taken by something else, or a file has changed
+    since or is one that the command `reads`, or another command is writing there: the folder is
+    locked up to the end of the block, where the manifest is completed.
     """
 
     def __init__(
@@ -59,7 +60,9 @@ class OutputFolder:
         claims = [*map(glob.escape, files)]
         claims += [str(Path(folders[run.name], name)) for run in runs for name in files_of_run(run)]
         if any(letter == "\0" or "\ud800" <= letter <= "\udfff" for letter in str(self.directory)):
-            raise ParameterError(f"{quoted(str(directory))} is refused, expected the name of a folder in UTF-8")
+            raise ParameterError(
+                f"{quoted(str(directory))} is refused, expected the name of a folder in UTF-8"
+            )
         with ExitStack() as locks:
             try:
                 self._hold(self.directory, locks)
@@ -69,14 +72,18 @@ class OutputFolder:
                 mine = {*finished, *unfinished}
                 self._refuse_what_is_in_the_way(claims, mine)
                 kept = mine.intersection(keeps)
-                self._refuse_what_is_read(mine - kept, runs, [Path(each).resolve() for each in reads if each])
+                self._refuse_what_is_read(
+                    mine - kept, runs, [Path(each).resolve() for each in reads if each]
+                )
                 for folder in {self.of(run) for run in runs} - {self.directory}:
                     self._hold(folder, locks)
                 for name in finished.keys() - kept:
                     (self.directory / name).unlink()
                 self._move(sorted(set(unfinished) - kept))
                 self._prune([*map(glob.escape, mine), *claims], [self.of(run) for run in runs])
-                self._files: Files = {glob.escape(name): finished.get(name) for name in sorted(kept)}
+                self._files: Files = {
+                    glob.escape(name): finished.get(name) for name in sorted(kept)
+                }
                 self._files |= dict.fromkeys(claims)
                 self._write(self._files)
             except OSError as error:
@@ -109,7 +116,10 @@ class OutputFolder:
             for pattern, digest in self._files.items():
                 found = [self.directory / name for name in there(self.directory, pattern)]
                 ours = [path for path in found if is_file(path) and str(path) not in theirs]
-                files |= {path.relative_to(self.directory).as_posix(): digest or digest_of(path) for path in ours}
+                files |= {
+                    path.relative_to(self.directory).as_posix(): digest or digest_of(path)
+                    for path in ours
+                }
                 if self._handed_over and not ours:
                     files[pattern] = None
             self._write(files)
@@ -119,7 +129,9 @@ class OutputFolder:
         try:
             locks.enter_context(locked(folder, fcntl.LOCK_EX | fcntl.LOCK_NB))
         except BlockingIOError:
-            raise ParameterError(f"{folder}: another run is writing there, expected another folder") from None
+            raise ParameterError(
+                f"{folder}: another run is writing there, expected another folder"
+            ) from None
 
     def _manifest(self) -> dict[str, Files]:
         try:
@@ -150,7 +162,9 @@ class OutputFolder:
         for folder, of_folder in names.items():
             for each in there(self.directory, folder + _NOT_WHOLE):
                 whole = each.rpartition("/")[2][1:].rpartition(".")[0]
-                found += [each] if any(fnmatch.fnmatchcase(whole, name) for name in of_folder) else []
+                found += (
+                    [each] if any(fnmatch.fnmatchcase(whole, name) for name in of_folder) else []
+                )
         return [name for name in found if is_file(self.directory / name)]
 
     def _refuse_what_is_in_the_way(self, claims: Iterable[str], mine: set[str]) -> None:
@@ -158,7 +172,9 @@ class OutputFolder:
         files, places = [*claims], set()
         for pattern in files:
             if not stays_within(pattern):
-                raise ParameterError(f"{self._given}: {quoted(pattern)} is refused, expected the name of a file there")
+                raise ParameterError(
+                    f"{self._given}: {quoted(pattern)} is refused, expected the name of a file there"
+                )
             folder = pattern.rpartition("/")[0]
             places.add(pattern if folder in self._shared else folder)
         for place in sorted(places):
@@ -169,12 +185,16 @@ class OutputFolder:
                     if each not in mine:
                         raise self._refused(name, self._whose(each))
 
-    def _refuse_what_is_read(self, names: Iterable[str], runs: Iterable[Run], reads: Sequence[Path]) -> None:
+    def _refuse_what_is_read(
+        self, names: Iterable[str], runs: Iterable[Run], reads: Sequence[Path]
+    ) -> None:
         """ParameterError if one of these files, which would be lost, is read or lies in a folder that is, not deeper.
 
         A run also reads the recordings that its methods play back.
         """
-        methods = [configuration.method for run in runs for configuration in run.configurations.values()]
+        methods = [
+            configuration.method for run in runs for configuration in run.configurations.values()
+        ]
         recordings = {Path(method.name).resolve() for method in methods if method.plays_back}
         for name in names:
             path = (self.directory / name).resolve()

@@ -29,17 +29,19 @@ from ev_stack.running.node_reports import NodeReports, node_reports, observing, 
 from ev_stack.running.output_folder import forget_recording
 from ev_stack.scenarios.scenario import Run
 
-_TO_BEGIN = 3.0  # s for the first step behind a time of day that was set back; nodes announce themselves again
-_AT_ALL = 300.0  # s for the first step of our own nodes: one that was edited compiles its plant on a busy machine
+# s for the first step behind a time of day that was set back; nodes announce themselves again
+_TO_BEGIN = 3.0
+# s for the first step of our own nodes: one that was edited compiles its plant on a busy machine
+_AT_ALL = 300.0
 
 
 class Beginning:
     """Watches a run up to its first step; made before its nodes are, and `is_missed` is to be asked often.
 
-    It is `patient` with nodes of others, which may load for long, or stand at a breakpoint.
-    The middleware keeps what processes announce of themselves in the order of the time of day. Where that is set back
-    while they find each other, one of them may never learn what another one has announced. Processes that are started
-    behind it do.
+    It is `patient` with nodes of others, which may load for long, or stand at a breakpoint. The
+    middleware keeps what processes announce of themselves in the order of the time of day. Where
+    that is set back while they find each other, one of them may never learn what another one has
+    announced. Processes that are started behind it do.
     """
 
     def __init__(self, patient: bool = False) -> None:
@@ -55,7 +57,9 @@ class Beginning:
         if reports.time > 0 or reports.rests:
             self._given_up = math.inf
         if time.monotonic() > self._given_up:
-            raise RunFailed(f"no step was taken within {_AT_ALL:g} s: the nodes do not find or answer each other")
+            raise RunFailed(
+                f"no step was taken within {_AT_ALL:g} s: the nodes do not find or answer each other"
+            )
         if self._set_back.is_seen() or (reports.rests and self._deadline < math.inf):
             self._deadline = time.monotonic() + _TO_BEGIN
         if reports.time > 0:
@@ -70,12 +74,15 @@ _TO_COME_UP = 10.0  # s that nodes may take to start
 class Hanging:
     """Names the node that a run waits for when nothing has gone on for some wall time; `look` is to be called often.
 
-    A node that waits reports for whom; so it is the one at the end of that chain, which reports nothing. A chain that
-    comes back ends with the node whose messages do not arrive: it waits for answers to them. In lockstep all wait for
-    the master, and it waits for one of them. Real time that has begun waits for nobody, and the recorder is asked.
+    A node that waits reports for whom; so it is the one at the end of that chain, which reports
+    nothing. A chain that comes back ends with the node whose messages do not arrive: it waits for
+    answers to them. In lockstep all wait for the master, and it waits for one of them. Real time
+    that has begun waits for nobody, and the recorder is asked.
     """
 
-    def __init__(self, reports: NodeReports, pids: Mapping[str, int], patience: float, realtime: bool) -> None:
+    def __init__(
+        self, reports: NodeReports, pids: Mapping[str, int], patience: float, realtime: bool
+    ) -> None:
         self._reports, self._pids, self._realtime = reports, dict(pids), realtime
         self._wait = max(patience - 0.2, _RECENT)
         self._since = time.monotonic()
@@ -85,7 +92,8 @@ class Hanging:
     def look(self) -> str | None:
         """One line on the node that does not answer, once for each time that the run stands still."""
         now = time.monotonic()
-        waits_for_its_time = self._reports.waits_for(MASTER, _RECENT) == []  # a step may take seconds at a slow pace
+        # a step may take seconds at a slow pace
+        waits_for_its_time = self._reports.waits_for(MASTER, _RECENT) == []
         if self._reports.time != self._time or self._reports.rests or waits_for_its_time:
             self._time, self._since, self._named = self._reports.time, now, False
         elif not self._named and now - self._since > self._wait:
@@ -96,7 +104,9 @@ class Hanging:
             if stopped:
                 return f"stopped by a signal: {', '.join(stopped)}, at {self._time:g} s of simulated time"
             chain = self._chain()
-            reasons = dict.fromkeys(why for node in chain for why in self._reports.why_it_waits(node))
+            reasons = dict.fromkeys(
+                why for node in chain for why in self._reports.why_it_waits(node)
+            )
             line = f"node {chain[-1]} does not answer, at {self._time:g} s of simulated time"
             return f"{line}: {'; '.join(reasons)}" if reasons else line
         return None
@@ -111,7 +121,9 @@ class Hanging:
             return [RECORDER]
         follows_the_clock = self._realtime and not self._reports.waits_for(MASTER, _RECENT)
         chain = [RECORDER if follows_the_clock else MASTER]
-        while whom := [each for each in self._reports.waits_for(chain[-1], _RECENT) or () if each in self._pids]:
+        while whom := [
+            each for each in self._reports.waits_for(chain[-1], _RECENT) or () if each in self._pids
+        ]:
             if whom[0] in chain:
                 break
             chain.append(whom[0])
@@ -141,9 +153,11 @@ class WatchedRun:
         answer_timeout = run.configurations[MASTER].extra.answer_timeout
         pids = {node.name: node.process.pid for node in nodes}
         self._hanging = Hanging(reports, pids, answer_timeout, run.realtime)
-        self._patience = math.inf  # wall time up to which the recorder may report that it has everything
+        # wall time up to which the recorder may report that it has everything
+        self._patience = math.inf
         self._began: float | None = None  # wall time of the last look at a car at rest in time
-        self._arrived: float | None = None  # wall time of the first look at a car at its last instant
+        # wall time of the first look at a car at its last instant
+        self._arrived: float | None = None
 
     def drive(self, beginning: Beginning, progress: Progress) -> bool:
         """Watch the run up to its end; False, with a line, where it has not begun and never will.
@@ -159,7 +173,9 @@ class WatchedRun:
             self._follow_time(looked)
             progress(self._reports.time)
             if beginning.is_missed(self._reports):
-                announce("the time of day was set back, and the run has not begun since: its nodes are started anew")
+                announce(
+                    "the time of day was set back, and the run has not begun since: its nodes are started anew"
+                )
                 return False
             for word in (*self._reports.new_words(), self._hanging.look()):
                 if word is not None:
@@ -173,8 +189,11 @@ class WatchedRun:
         """What a run gave that has come to its end, and its nodes as well; RunFailed if its recorder was stopped."""
         self._reports.look()
         recording = load(self._place.directory / SIGNALS)
-        if recording.time[-1] < self._last - 0.5 * stamps.to_seconds(self._run.period):  # real time does not wait
-            raise RunFailed(f"node {RECORDER} was stopped, at {recording.time[-1]:g} s of simulated time")
+        # real time does not wait
+        if recording.time[-1] < self._last - 0.5 * stamps.to_seconds(self._run.period):
+            raise RunFailed(
+                f"node {RECORDER} was stopped, at {recording.time[-1]:g} s of simulated time"
+            )
         wall_time = self._arrived - self._began if self._arrived and self._began else 0.0
         return self._reports.outcome(recording, wall_time)
 
@@ -182,7 +201,8 @@ class WatchedRun:
         before = self._reports.time
         self._reports.look()
         if self._reports.time != before:
-            self._patience = math.inf  # the recorder still has to keep what the plant sent before its end
+            # the recorder still has to keep what the plant sent before its end
+            self._patience = math.inf
         if self._began is None and self._reports.time > 0:
             self._began = looked
         if self._arrived is None and self._reports.time >= self._last:
@@ -198,7 +218,9 @@ class WatchedRun:
         self._hanging.has_ended(node.name)
         now, real_time = time.monotonic(), bool(self._reports.timing)
         self._patience = min(self._patience, now + _PATIENCE)
-        if self._reports.time < self._last and now > self._patience + (_TO_CATCH_UP if real_time else 0.0):
+        if self._reports.time < self._last and now > self._patience + (
+            _TO_CATCH_UP if real_time else 0.0
+        ):
             slow = node.name == MASTER and real_time  # the plant has reported its end
             what = f"node {RECORDER} lacks what was sent last" if slow else node.failure()
             raise RunFailed(f"{what}, at {self._reports.time:g} s of simulated time")
@@ -206,14 +228,19 @@ class WatchedRun:
 
 
 def run_in_processes(
-    run: Run, directory: Path, bag: bool, progress: Progress, own_nodes: Mapping[str, Sequence[str]] | None = None
+    run: Run,
+    directory: Path,
+    bag: bool,
+    progress: Progress,
+    own_nodes: Mapping[str, Sequence[str]] | None = None,
 ) -> Outcome:
     """Drive a run to its end, every node as its own process over DDS; the recorder writes into `directory`.
 
-    `own_nodes` are commands by role that are started in the place of our nodes, with the same ROS arguments.
+    `own_nodes` are commands by role that are started in the place of our nodes, with the same ROS
+    arguments.
 
-    RunFailed, with a line that names the node, if one ends before the run does; KeyboardInterrupt if Ctrl-C or SIGTERM
-    came. All nodes are stopped then.
+    RunFailed, with a line that names the node, if one ends before the run does; KeyboardInterrupt
+    if Ctrl-C or SIGTERM came. All nodes are stopped then.
     """
     refuse_unready()
     with own_place(run, directory, bag) as place:
@@ -235,10 +262,13 @@ _GLANCE_PERIOD = 0.1  # s of wall time between looks at simulated time
 def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> Outcome:
     """Drive a run to its end; everything that the recorder writes is in `directory` then.
 
-    KeyboardInterrupt, when all nodes have finished what they did, if Ctrl-C or SIGTERM came before the end.
+    KeyboardInterrupt, when all nodes have finished what they did, if Ctrl-C or SIGTERM came before
+    the end.
     """
     if security_is_asked_for(os.environ):
-        raise RunFailed("--in-process: DDS security gives keys to processes, not to nodes; drive one process per node")
+        raise RunFailed(
+            "--in-process: DDS security gives keys to processes, not to nodes; drive one process per node"
+        )
     nodes: list[SteppedNode] = []
     with (
         own_place(run, directory, bag) as place,
@@ -293,5 +323,9 @@ def parameter_overrides(values: Mapping[str, Any]) -> list[Parameter]:
 
 
 def _node(name: str, namespace: str, values: dict, context: rclpy.Context) -> object:
-    arguments = {"context": context, "namespace": namespace, "parameter_overrides": parameter_overrides(values)}
+    arguments = {
+        "context": context,
+        "namespace": namespace,
+        "parameter_overrides": parameter_overrides(values),
+    }
     return RecorderNode(**arguments) if name == RECORDER else node_maker(name)(**arguments)

@@ -23,7 +23,8 @@ from ev_stack.measures.own_metrics import named_metrics
 from ev_stack.scenarios.parameter_file import ParameterFile
 from ev_stack.scenarios.slow_ramp import SlowRampParameters
 
-REPORTS = "ev_stack.reports"  # of entry points: the name of a scenario, and the module of its report
+# of entry points: the name of a scenario, and the module of its report
+REPORTS = "ev_stack.reports"
 VEHICLE = "vehicle"
 
 
@@ -49,8 +50,9 @@ def configured_file(kind: str, name: str) -> Path:
 def vehicle_file(name: str) -> ParameterFile:
     """The vehicle of a name or a path.
 
-    ParameterError that lists what is missing if the file does not state everything in which cars differ: it would be
-    filled up from another car; and for whatever else it states, which the scenario would overrule in silence.
+    ParameterError that lists what is missing if the file does not state everything in which cars
+    differ: it would be filled up from another car; and for whatever else it states, which the
+    scenario would overrule in silence.
     """
     file = ParameterFile(configured_file(VEHICLE, name))
     if others := sorted(each for each in file.names() if not each.startswith(f"{VEHICLE}.")):
@@ -59,7 +61,9 @@ def vehicle_file(name: str) -> ParameterFile:
     stated = file.values_for("/ev/plant")
     own = [entry.name for entry in entries(Vehicle, f"{VEHICLE}.") if entry.spec.own]
     if missing := [each for each in own if each not in stated]:
-        raise ParameterError(f"{file.path}: a vehicle says everything about itself, missing: {', '.join(missing)}")
+        raise ParameterError(
+            f"{file.path}: a vehicle says everything about itself, missing: {', '.join(missing)}"
+        )
     return file
 
 
@@ -80,25 +84,35 @@ _RUN = re.compile(rf"[A-Za-z_][A-Za-z0-9_]{{0,{_LONGEST - 1}}}")  # a token of a
 class ScenarioParameters:
     """What a scenario states about itself, in its section /**/scenario.
 
-    The nodes of a run live in the namespace /ev/RUN, or in /ev if there is one run only; so `/**/RUN/driver` means the
-    driver of one run, and `/**/driver` that of all.
+    The nodes of a run live in the namespace /ev/RUN, or in /ev if there is one run only; so
+    `/**/RUN/driver` means the driver of one run, and `/**/driver` that of all.
     """
 
     about: str = setting("", about="one line for --list")
-    vehicle: str = setting("audi_a2", about="name of a file in config/vehicles, or path of your own")
+    vehicle: str = setting(
+        "audi_a2", about="name of a file in config/vehicles, or path of your own"
+    )
     duration: float = setting(
-        10.0, unit="s", low=0.0, high=LONGEST, about="simulated time of every run; 0: what laps of a closed course take"
+        10.0,
+        unit="s",
+        low=0.0,
+        high=LONGEST,
+        about="simulated time of every run; 0: what laps of a closed course take",
     )
     runs: tuple[str, ...] = setting((), about="names of the runs, if there are several")
     slow_ramp: SlowRampParameters = group(SlowRampParameters)
     report: str = setting(
-        "", about="scenario whose metrics and figures it gets; empty for its own, and with a course for that of courses"
+        "",
+        about="scenario whose metrics and figures it gets; empty for its own, and with a course for that of courses",
     )
     metrics: tuple[str, ...] = setting(
-        (), about="metrics besides those of its report: names of docs/metrics.md, or NAME [UNIT] = EXPRESSION"
+        (),
+        about="metrics besides those of its report: names of docs/metrics.md, or NAME [UNIT] = EXPRESSION",
     )
     course: Course = group(Course)
-    lesson: tuple[str, ...] = setting((), about="numbers, as NODE.NAME, that the live page has beside its plots")
+    lesson: tuple[str, ...] = setting(
+        (), about="numbers, as NODE.NAME, that the live page has beside its plots"
+    )
 
     def __post_init__(self) -> None:
         """Names of runs are those of folders and of namespaces, and ParameterError if they cannot be."""
@@ -127,7 +141,9 @@ def describe_scenario(name: str) -> str:
 def said_by(file: ParameterFile) -> ScenarioParameters:
     """What the file of a scenario states; ParameterError if it is refused."""
     try:
-        about = build(ScenarioParameters, file.values_for(f"{NAMESPACE}/{SCENARIO_NODE}", by_name=True))
+        about = build(
+            ScenarioParameters, file.values_for(f"{NAMESPACE}/{SCENARIO_NODE}", by_name=True)
+        )
         if about.report and about.report not in offered(REPORTS):
             raise unknown_name("report", about.report, sorted(offered(REPORTS)))
         named_metrics(about.metrics)
@@ -152,4 +168,6 @@ def _refuse_unknown_number(text: str) -> None:
         raise ParameterError(f"lesson: {unknown_name('node', node, ROLES)}")
     if name not in (known := changeable_numbers(node)):
         listed = [f"{node}.{each}" for each in known]
-        raise ParameterError(f"lesson: {unknown_name(f'number of {node} that changes while it runs', text, listed)}")
+        raise ParameterError(
+            f"lesson: {unknown_name(f'number of {node} that changes while it runs', text, listed)}"
+        )

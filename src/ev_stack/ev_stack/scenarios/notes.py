@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 _FAST = 50.0  # [m/s], 180 km/h, from which on a speed without a unit may be meant in another one
 
 
-def notes_on(files: Sequence[ParameterFile], runs: Sequence[Run], overrides: Overrides, whole: bool) -> list[str]:
+def notes_on(
+    files: Sequence[ParameterFile], runs: Sequence[Run], overrides: Overrides, whole: bool
+) -> list[str]:
     """A line for each; what files set and no run uses only if all runs of the scenario are there."""
     return [
         *(_unused_in(files, runs, overrides) if whole else ()),
@@ -30,7 +32,10 @@ def _late_faults(run: Run) -> Iterator[str]:
     """A line for each fault that the run does not live to see."""
     for role, configuration in run.configurations.items():
         for fault in parsed(configuration.faults):
-            if fault.periods(configuration.common.control_period)[0] > stamps.from_seconds(run.duration) // run.period:
+            if (
+                fault.periods(configuration.common.control_period)[0]
+                > stamps.from_seconds(run.duration) // run.period
+            ):
                 yield f"{run.namespace}/{role}: fault {quoted(fault.text)} begins after the end at {run.duration:g} s"
 
 
@@ -52,7 +57,9 @@ def _fast(values: Iterable[tuple[str, str, Any]], runs: Sequence[Run]) -> Iterat
                 yield f"{node}.{name} = {value:g} m/s is {3.6 * value:g} km/h; km/h are written '{value:g} km/h'"
 
 
-def _unused_in(files: Sequence[ParameterFile], runs: Sequence[Run], overrides: Overrides) -> list[str]:
+def _unused_in(
+    files: Sequence[ParameterFile], runs: Sequence[Run], overrides: Overrides
+) -> list[str]:
     """What files set and no run uses, a note for each file, but for roles whose method the command line chooses."""
     switched = {node for node, key, _ in overrides.values if key == "method"}
     roles = [role for role in ROLES if role not in switched]

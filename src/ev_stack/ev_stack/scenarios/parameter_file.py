@@ -41,7 +41,9 @@ class _Loader(yaml.CSafeLoader):
 
 
 _Loader.add_implicit_resolver(
-    "tag:yaml.org,2002:float", re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$"), list("-+.0123456789")
+    "tag:yaml.org,2002:float",
+    re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$"),
+    list("-+.0123456789"),
 )
 
 
@@ -61,7 +63,8 @@ def read_yaml(text: str) -> Any:
         return yaml.load(text, _Loader)
     except yaml.YAMLError:
         raise
-    except Exception as error:  # what looks like a date or an octal number and is none, a list as a key, and the like
+    # what looks like a date or an octal number and is none, a list as a key, and the like
+    except Exception as error:
         raise yaml.YAMLError(str(error)) from None
 
 
@@ -70,20 +73,26 @@ def _refuse_aliases_and_depth(text: str) -> None:
     depth = 0
     for event in yaml.parse(text, _Loader):
         if isinstance(event, yaml.AliasEvent):
-            raise yaml.MarkedYAMLError(problem="an alias, expected what it stands for", problem_mark=event.start_mark)
-        depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+            raise yaml.MarkedYAMLError(
+                problem="an alias, expected what it stands for", problem_mark=event.start_mark
+            )
+        depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(
+            event, yaml.CollectionEndEvent
+        )
         if depth > _DEEPEST:
             raise yaml.YAMLError("it is nested too deeply")
 
 
 _SECTION = "ros__parameters"
-yaml.SafeDumper.add_representer(TextOfFile, yaml.SafeDumper.represent_str)  # written without the mark
+# written without the mark
+yaml.SafeDumper.add_representer(TextOfFile, yaml.SafeDumper.represent_str)
 
 
 class ParameterFile:
     """The sections of one ROS parameter file.
 
-    ParameterError, in one line that names the file, if it is missing, is no YAML or is no ROS parameter file.
+    ParameterError, in one line that names the file, if it is missing, is no YAML or is no ROS
+    parameter file.
     """
 
     def __init__(self, path: Path) -> None:
@@ -98,14 +107,22 @@ class ParameterFile:
             what = f": {error.problem}" if isinstance(error, yaml.MarkedYAMLError) else ""
             raise ParameterError(f"{path}: not readable as YAML{where}{what}") from None
         if not isinstance(content, dict):
-            raise ParameterError(f"{path}: a ROS parameter file has sections such as '/**/driver:', this one has none")
+            raise ParameterError(
+                f"{path}: a ROS parameter file has sections such as '/**/driver:', this one has none"
+            )
         self.sections = dict(self._sections(content))
 
     def _sections(self, content: Mapping[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
         for pattern, section in content.items():
-            if not isinstance(section, dict) or list(section) != [_SECTION] or not isinstance(section[_SECTION], dict):
+            if (
+                not isinstance(section, dict)
+                or list(section) != [_SECTION]
+                or not isinstance(section[_SECTION], dict)
+            ):
                 shown = repr(named(pattern))
-                raise ParameterError(f"{self.path}: section {shown} does not hold '{_SECTION}:' with parameters")
+                raise ParameterError(
+                    f"{self.path}: section {shown} does not hold '{_SECTION}:' with parameters"
+                )
             values = flattened(section[_SECTION])
             yield str(pattern), {name: marked(name, value, self.path) for name, value in values}
 
@@ -117,7 +134,11 @@ class ParameterFile:
         """The same file without the parameters whose names begin so in the sections of these names."""
         made = copy(self)
         made.sections = {
-            pattern: {n: value for n, value in section.items() if pattern not in patterns or not n.startswith(prefix)}
+            pattern: {
+                n: value
+                for n, value in section.items()
+                if pattern not in patterns or not n.startswith(prefix)
+            }
             for pattern, section in self.sections.items()
         }
         return made
@@ -134,7 +155,8 @@ class ParameterFile:
         return values
 
 
-_ARE_FILES = re.compile(r"(.*\.)?(\w+_)?(file|database|vehicle|method)")  # parameters that may name a file
+# parameters that may name a file
+_ARE_FILES = re.compile(r"(.*\.)?(\w+_)?(file|database|vehicle|method)")
 
 
 def marked(name: str, value: Any, file: Path) -> Any:
@@ -146,8 +168,11 @@ def marked(name: str, value: Any, file: Path) -> Any:
     if not isinstance(value, str):
         return value
     beside = file.parent.absolute() / value
-    leads_out = ".." in beside.parts  # is refused where it is read, by the name that stands in the file
-    is_there = _ARE_FILES.fullmatch(name) and beside.suffix and not leads_out and os.path.isfile(beside)
+    # is refused where it is read, by the name that stands in the file
+    leads_out = ".." in beside.parts
+    is_there = (
+        _ARE_FILES.fullmatch(name) and beside.suffix and not leads_out and os.path.isfile(beside)
+    )
     return TextOfFile.of(str(beside) if is_there else value, file)
 
 

@@ -63,10 +63,11 @@ class Run:
 class Overrides:
     """What the command line changes beyond the scenario's own files; later entries go before earlier ones.
 
-    `values`: (node, dotted parameter name, value). Node `*` means every role. A method that is driven must have each of
-    them; those that are `prepared`, which come before, may be for other methods, like those of files. `vehicle` is
-    another car than that of the scenario, as a name or a path; what the scenario itself changes about the car of all
-    runs is left out then, what it changes about that of some runs stays. `metrics` are measured besides its own.
+    `values`: (node, dotted parameter name, value). Node `*` means every role. A method that is
+    driven must have each of them; those that are `prepared`, which come before, may be for other
+    methods, like those of files. `vehicle` is another car than that of the scenario, as a name or a
+    path; what the scenario itself changes about the car of all runs is left out then, what it
+    changes about that of some runs stays. `metrics` are measured besides its own.
     """
 
     files: Sequence[Path] = ()
@@ -89,7 +90,9 @@ class Overrides:
         """Those with a seed of everything random and a speed cycle, whose duration counts where none is given."""
         prepared, length = cycle_values(cycle) if cycle is not None else ([], None)
         seeds = [] if seed is None else [("*", "seed", seed)]
-        return cls(files, [*values, *seeds], length if duration is None else duration, vehicle, prepared)
+        return cls(
+            files, [*values, *seeds], length if duration is None else duration, vehicle, prepared
+        )
 
     @property
     def all_values(self) -> tuple[tuple[str, str, Any], ...]:
@@ -113,11 +116,13 @@ def scenario_names() -> list[str]:
     return sorted(files_in_config("scenarios"))
 
 
-def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[str] = ()) -> Scenario:
+def load_scenario(
+    name: str, overrides: Overrides | None = None, only: Sequence[str] = ()
+) -> Scenario:
     """The scenario of a name or a path, with everything resolved; of its runs only those that are named, if any is.
 
-    Raises ParameterError, in one line, for unknown scenarios, runs, vehicles, nodes, methods and parameters, and for
-    values that are refused.
+    Raises ParameterError, in one line, for unknown scenarios, runs, vehicles, nodes, methods and
+    parameters, and for values that are refused.
     """
     overrides = overrides or Overrides()
     own = ParameterFile(configured_file("scenario", name))
@@ -126,19 +131,34 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
     namespaces = {run: f"{NAMESPACE}/{run}" for run in about.runs} or {name: NAMESPACE}
     of_all = [pattern for pattern in own.sections if _means_all(pattern, namespaces.values())]
     car = own.without(f"{VEHICLE}.", of_all) if overrides.vehicle else own
-    files = [vehicle_file(overrides.vehicle or about.vehicle), car, *map(ParameterFile, overrides.files)]
+    files = [
+        vehicle_file(overrides.vehicle or about.vehicle),
+        car,
+        *map(ParameterFile, overrides.files),
+    ]
     for file in files:
-        _refuse_unknown_nodes(file, namespaces.values(), (*ROLES, SCENARIO_NODE) if file is car else tuple(ROLES))
+        _refuse_unknown_nodes(
+            file, namespaces.values(), (*ROLES, SCENARIO_NODE) if file is car else tuple(ROLES)
+        )
     _refuse_unknown_overrides(overrides)
     duration = about.duration if overrides.duration is None else overrides.duration
     by_the_course = duration == about.duration == 0.0
     if not 0 < duration <= LONGEST and not by_the_course:
-        raise ParameterError(f"duration: {duration!r} is refused, expected more than 0 and at most {LONGEST:.0f} s")
+        raise ParameterError(
+            f"duration: {duration!r} is refused, expected more than 0 and at most {LONGEST:.0f} s"
+        )
     for run in only:
         if run not in namespaces:
             raise unknown_name(f"run of {name}", run, namespaces)
     runs, notes, angles = [], [], dict[str, float]()
-    left_out = sorted({key for pattern in of_all for key in own.sections[pattern] if key.startswith(f"{VEHICLE}.")})
+    left_out = sorted(
+        {
+            key
+            for pattern in of_all
+            for key in own.sections[pattern]
+            if key.startswith(f"{VEHICLE}.")
+        }
+    )
     if left_out and overrides.vehicle:
         notes.append(f"left out for another vehicle: {', '.join(left_out)} of {own.path}")
     for run_name, namespace in namespaces.items():
@@ -153,7 +173,9 @@ def load_scenario(name: str, overrides: Overrides | None = None, only: Sequence[
             as_it_is = _run(run_name, of_file, about.duration, about)
             run, note = on_its_own_car(run, as_it_is, about.slow_ramp, angles)
             notes += [note] if note else []
-        runs.append(replace(run, report=report_of(name, about), metrics=about.metrics, course=about.course))
+        runs.append(
+            replace(run, report=report_of(name, about), metrics=about.metrics, course=about.course)
+        )
     refuse_unused_values(overrides.values, runs)
     _refuse_unfollowed_speed(overrides.all_values, runs)
     notes += notes_on(files, runs, overrides, whole=not only)
@@ -165,11 +187,19 @@ def _means_all(pattern: str, namespaces: Iterable[str]) -> bool:
     return all(any(matches(pattern, f"{space}/{role}") for role in ROLES) for space in namespaces)
 
 
-def _refuse_unknown_nodes(file: ParameterFile, namespaces: Sequence[str], nodes: Sequence[str]) -> None:
+def _refuse_unknown_nodes(
+    file: ParameterFile, namespaces: Sequence[str], nodes: Sequence[str]
+) -> None:
     """The parameters of a scenario stand in its own file only, and the runner sets those of the recorder."""
     for pattern in file.sections:
-        if not any(matches(pattern, f"{space}/{node}") for space in (*namespaces, NAMESPACE) for node in nodes):
-            raise ParameterError(f"{file.path}: section {quoted(pattern)} means no node; known: {', '.join(nodes)}")
+        if not any(
+            matches(pattern, f"{space}/{node}")
+            for space in (*namespaces, NAMESPACE)
+            for node in nodes
+        ):
+            raise ParameterError(
+                f"{file.path}: section {quoted(pattern)} means no node; known: {', '.join(nodes)}"
+            )
 
 
 def _refuse_unknown_overrides(overrides: Overrides) -> None:
@@ -182,9 +212,13 @@ def _refuse_unknown_overrides(overrides: Overrides) -> None:
 def refuse_unused_values(values: Iterable[tuple[str, str, Any]], runs: Sequence[Run]) -> None:
     """ParameterError for (node, parameter, value) that nothing in these runs takes: it would silently do nothing."""
     for node, key, _ in values:
-        played = [c for run in runs for role, c in run.configurations.items() if node in ("*", role)]
+        played = [
+            c for run in runs for role, c in run.configurations.items() if node in ("*", role)
+        ]
         if not played:
-            raise ParameterError(f"{node}.{key} is refused: nobody plays {node}, allowed with --method {node}=NAME")
+            raise ParameterError(
+                f"{node}.{key} is refused: nobody plays {node}, allowed with --method {node}=NAME"
+            )
         if not any(key not in each.unused for each in played):
             try:
                 refuse_unused(key, [each for each in played if each.role == played[0].role])
@@ -194,7 +228,11 @@ def refuse_unused_values(values: Iterable[tuple[str, str, Any]], runs: Sequence[
 
 def _refuse_unfollowed_speed(changed: Iterable[tuple[str, str, Any]], runs: Sequence[Run]) -> None:
     """ParameterError for a speed over time, or a cycle, where no driver ever follows one."""
-    names = [key for node, key, _ in changed if node in ("*", "driver") and key.startswith("speed_profile.")]
+    names = [
+        key
+        for node, key, _ in changed
+        if node in ("*", "driver") and key.startswith("speed_profile.")
+    ]
     drivers = [run.configurations["driver"] for run in runs]
     if names and not any("speed_profile.time" in driver.values() for driver in drivers):
         raise ParameterError(
@@ -209,7 +247,10 @@ def _refuse_unfollowed_speed(changed: Iterable[tuple[str, str, Any]], runs: Sequ
 
 def _follows_a_speed(run: Run) -> bool:
     values = run.configurations["driver"].values()
-    pressed = values.get("pedals.begin", False) and values["pedals.begin_time"] == values["pedals.begin_speed"] == 0.0
+    pressed = (
+        values.get("pedals.begin", False)
+        and values["pedals.begin_time"] == values["pedals.begin_speed"] == 0.0
+    )
     return not pressed or run.configurations[MASTER].values().get("speed") == "imposed"
 
 
@@ -223,8 +264,20 @@ class _Sources:
 
     def of(self, role: str) -> list[tuple[str, dict[str, Any]]]:
         """Where values come from, in words, and the values; nothing for the command line, which the user sees."""
-        given = [(f" ({file.path})", file.values_for(f"{self.namespace}/{role}")) for file in self.files]
-        return [*given, ("", {key: value for node, key, value in self.overrides.all_values if node in ("*", role)})]
+        given = [
+            (f" ({file.path})", file.values_for(f"{self.namespace}/{role}")) for file in self.files
+        ]
+        return [
+            *given,
+            (
+                "",
+                {
+                    key: value
+                    for node, key, value in self.overrides.all_values
+                    if node in ("*", role)
+                },
+            ),
+        ]
 
     def values(self, role: str) -> dict[str, Any]:
         """Those that count."""
@@ -240,9 +293,13 @@ class _Sources:
         last = {name: place for place, (_, values) in enumerate(places) for name in values}
         for file in (name for name in configuration.from_files if name.endswith("file")):
             for name in configuration.from_files:
-                is_told = name in last and (last[name] > last.get(file, -1) or last[name] == len(self.files))
+                is_told = name in last and (
+                    last[name] > last.get(file, -1) or last[name] == len(self.files)
+                )
                 if is_told and name != file and name.startswith(file.removesuffix("file")):
-                    raise ParameterError(f"parameter {name} is refused: {file} says it, allowed with {file} ''", name)
+                    raise ParameterError(
+                        f"parameter {name} is refused: {file} says it, allowed with {file} ''", name
+                    )
 
 
 def _run(name: str, sources: _Sources, duration: float, about: ScenarioParameters) -> Run:
@@ -268,14 +325,19 @@ def _run(name: str, sources: _Sources, duration: float, about: ScenarioParameter
         except ParameterError as error:
             raise ParameterError(f"{role}: {error}") from None
     played = [role for role in values if _is_played(role, values)]
-    for role in sorted(played, key=_DRIVER.__ne__):  # the driver first: his course has the start and the duration
+    # the driver first: his course has the start and the duration
+    for role in sorted(played, key=_DRIVER.__ne__):
         try:
-            configurations[role] = configure(role, values[role], MasterParameters if role == MASTER else None)
+            configurations[role] = configure(
+                role, values[role], MasterParameters if role == MASTER else None
+            )
             sources.refuse_before_a_file(configurations[role])
         except LawError:  # its line names the role, and its cause is kept
             raise
         except ParameterError as error:
-            raise ParameterError(f"{role}: {error}{sources.origin(role, error.parameter)}") from None
+            raise ParameterError(
+                f"{role}: {error}{sources.origin(role, error.parameter)}"
+            ) from None
         if role == _DRIVER and (start := lap_start(configurations[role])) is not None:
             duration = duration or start.duration
             values[MASTER] = {**start.values, **values[MASTER], "duration": duration}
@@ -284,7 +346,9 @@ def _run(name: str, sources: _Sources, duration: float, about: ScenarioParameter
     check_graph(configurations)
     period = configurations[MASTER].common.control_period
     if duration < period:
-        raise ParameterError(f"duration: {duration!r} is refused, expected at least one control period, {period:g} s")
+        raise ParameterError(
+            f"duration: {duration!r} is refused, expected at least one control period, {period:g} s"
+        )
     return Run(name, sources.namespace, configurations, duration)
 
 

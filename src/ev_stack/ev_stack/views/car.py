@@ -56,7 +56,10 @@ def car_of(vehicle: Vehicle) -> dict[str, Any]:
     """The same for a page, with one radius for all wheels, and the mean wheel load [N]."""
     return {
         "name": vehicle.name,
-        "wheels": [{"name": each.name.replace("_", " "), "place": [each.x, each.y]} for each in wheels_of(vehicle)],
+        "wheels": [
+            {"name": each.name.replace("_", " "), "place": [each.x, each.y]}
+            for each in wheels_of(vehicle)
+        ],
         "radius": vehicle.wheel_radius,
         "load": mean_load(vehicle),
     }
@@ -72,7 +75,10 @@ def view_channels(run: Recording, vehicle: Vehicle) -> dict[str, np.ndarray]:
 
     def angles() -> dict[str, np.ndarray]:
         directions = wheel_directions(run, vehicle)
-        return {f"{PREFIX}wheel_angle.{wheel}": np.arctan2(at.sine, at.cosine) for wheel, at in directions.items()}
+        return {
+            f"{PREFIX}wheel_angle.{wheel}": np.arctan2(at.sine, at.cosine)
+            for wheel, at in directions.items()
+        }
 
     return {**_if_recorded(lambda: {f"{PREFIX}heading": heading(run)}), **_if_recorded(angles)}
 

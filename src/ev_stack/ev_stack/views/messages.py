@@ -1,7 +1,7 @@
 """What viewers are shown of a car, as serialized messages, without the packages of their definitions.
 
-The definitions are those of rosbags; the bag has them embedded. Each moving message is written once, and the numbers of
-an instant are put into its bytes.
+The definitions are those of rosbags; the bag has them embedded. Each moving message is written
+once, and the numbers of an instant are put into its bytes.
 """
 
 from __future__ import annotations
@@ -44,7 +44,9 @@ def message(kind: str, **given: Any) -> Any:
     """A message of a type, its fields given, else zero or empty."""
     types = ros_types()
     fields = dict(types.fielddefs[kind][1])
-    return types.types[kind](**{name: given.get(name, _empty(field)) for name, field in fields.items()})
+    return types.types[kind](
+        **{name: given.get(name, _empty(field)) for name, field in fields.items()}
+    )
 
 
 def _empty(field: tuple[Any, Any]) -> Any:
@@ -72,7 +74,9 @@ class Template:
     """A message with the places of its stamps and numbers; `make` gives it for a stamp and so many numbers."""
 
     def __init__(self, view: View, make: Callable[[Any, Sequence[float]], Any], count: int) -> None:
-        stamp = message("builtin_interfaces/msg/Time", sec=_MARKED_STAMP[0], nanosec=_MARKED_STAMP[1])
+        stamp = message(
+            "builtin_interfaces/msg/Time", sec=_MARKED_STAMP[0], nanosec=_MARKED_STAMP[1]
+        )
         marks = [_MARKED_NUMBER + place for place in range(count)]
         data = serialized(view.message_type, make(stamp, marks))
         self._bytes = np.frombuffer(data, np.uint8)
@@ -112,9 +116,14 @@ class CarViews:
         fixed = _transform(message("builtin_interfaces/msg/Time"), BASE, BODY, (0.0, 0.0, height))
         yield self._named(TF_STATIC, message(TF_STATIC.message_type, transforms=[fixed]))
         for node, values in self.parameters.items():
-            declared = [_parameter(name, value) for name, value in values.items() if value not in ([], ())]
+            declared = [
+                _parameter(name, value) for name, value in values.items() if value not in ([], ())
+            ]
             full_name = f"{self.namespace.rstrip('/')}/{node}"
-            yield self._named(PARAMETERS, message(PARAMETERS.message_type, node=full_name, new_parameters=declared))
+            yield self._named(
+                PARAMETERS,
+                message(PARAMETERS.message_type, node=full_name, new_parameters=declared),
+            )
 
     def moving(self, stamps_ns: np.ndarray, run: Recording) -> Iterator[tuple[View, list[bytes]]]:
         """At instants with these stamps [ns] (n,), as far as the recording of them holds what is shown."""
@@ -133,7 +142,11 @@ class CarViews:
     def _moving(self) -> dict[View, _Moving]:
         def forces(at: Mapping[str, np.ndarray]) -> list[np.ndarray]:
             scale = _LENGTH / mean_load(self.car)
-            ways = [(f"tire_forces.{way}_force", name) for name in WHEEL_NAMES for way in ("longitudinal", "lateral")]
+            ways = [
+                (f"tire_forces.{way}_force", name)
+                for name in WHEEL_NAMES
+                for way in ("longitudinal", "lateral")
+            ]
             return [scale * at[f"{way}.{name}"] for way, name in ways]
 
         transforms = Template(TF, self._transforms, 4 + 4 * len(WHEEL_NAMES))
@@ -157,11 +170,17 @@ class CarViews:
 
 def views_of_nodes(namespace: str, parameters: Mapping[str, Mapping[str, Any]]) -> CarViews:
     """The views of the car that the plant has; ParameterError if its parameters describe none."""
-    return CarViews(namespace, vehicle_in(parameters.get(MASTER, {})), "rear_steering" in parameters, parameters)
+    return CarViews(
+        namespace, vehicle_in(parameters.get(MASTER, {})), "rear_steering" in parameters, parameters
+    )
 
 
-def _transform(stamp: Any, parent: str, child: str, place: Sequence[float] = (0.0, 0.0, 0.0), **rotation: float) -> Any:
-    made = message("geometry_msgs/msg/TransformStamped", header=_header(stamp, parent), child_frame_id=child)
+def _transform(
+    stamp: Any, parent: str, child: str, place: Sequence[float] = (0.0, 0.0, 0.0), **rotation: float
+) -> Any:
+    made = message(
+        "geometry_msgs/msg/TransformStamped", header=_header(stamp, parent), child_frame_id=child
+    )
     to = made.transform.translation
     to.x, to.y, to.z = place
     made.transform.rotation = message("geometry_msgs/msg/Quaternion", **(rotation or {"w": 1.0}))
@@ -183,7 +202,9 @@ def _frames(at: Mapping[str, np.ndarray]) -> list[np.ndarray]:
 def _odometry(stamp: Any, numbers: Sequence[float]) -> Any:
     made = message(ODOMETRY.message_type, header=_header(stamp, ODOM), child_frame_id=BASE)
     position, turned, twist = made.pose.pose.position, made.pose.pose.orientation, made.twist.twist
-    position.x, position.y, turned.z, turned.w, twist.linear.x, twist.linear.y, twist.angular.z = numbers
+    position.x, position.y, turned.z, turned.w, twist.linear.x, twist.linear.y, twist.angular.z = (
+        numbers
+    )
     return made
 
 
@@ -206,7 +227,8 @@ def _arrows(stamp: Any, numbers: Sequence[float]) -> Any:
     return message(FORCES.message_type, markers=found)
 
 
-_FIELDS = {bool: ("bool", 1), int: ("integer", 2), float: ("double", 3), str: ("string", 4)}  # and ParameterType
+# and ParameterType
+_FIELDS = {bool: ("bool", 1), int: ("integer", 2), float: ("double", 3), str: ("string", 4)}
 _ARRAYS = 5  # what ParameterType has an array of them above
 
 
@@ -214,12 +236,20 @@ def _parameter(name: str, value: Any) -> Any:
     is_array = isinstance(value, (list, tuple))
     field, kind = _FIELDS[_kind_of(value[0] if is_array else value)]
     kind_of_array = kind + _ARRAYS
-    array = value if field == "string" else np.array(value, {"bool": bool, "integer": "i8", "double": "f8"}[field])
+    array = (
+        value
+        if field == "string"
+        else np.array(value, {"bool": bool, "integer": "i8", "double": "f8"}[field])
+    )
     given = (
-        {f"{field}_array_value": array, "type": kind_of_array} if is_array else {f"{field}_value": value, "type": kind}
+        {f"{field}_array_value": array, "type": kind_of_array}
+        if is_array
+        else {f"{field}_value": value, "type": kind}
     )
     return message(
-        "rcl_interfaces/msg/Parameter", name=name, value=message("rcl_interfaces/msg/ParameterValue", **given)
+        "rcl_interfaces/msg/Parameter",
+        name=name,
+        value=message("rcl_interfaces/msg/ParameterValue", **given),
     )
 
 

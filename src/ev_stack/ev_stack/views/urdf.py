@@ -10,10 +10,12 @@ from ev_core.vehicle.description import Vehicle
 from ev_stack.views.car import Wheel, wheels_of
 
 BASE, BODY = "base_link", "body"  # on the road below the centre of mass, and what is no wheel
-_HEIGHT, _OVERHANG = 1.0, 1.35  # m, of the body that is drawn; the vehicle file has nothing about its looks
+# m, of the body that is drawn; the vehicle file has nothing about its looks
+_HEIGHT, _OVERHANG = 1.0, 1.35
 _WIDTH = 0.64  # of a wheel that is drawn, over its radius
 _HEAVIEST = 0.05  # a wheel's share of the car's mass at most
-_CARRIER = 1e-3  # what steers a wheel over the wheel, in mass and inertia: simulators take no link without mass
+# what steers a wheel over the wheel, in mass and inertia: simulators take no link without mass
+_CARRIER = 1e-3
 _LEAST_YAW = 0.1  # share of the car's yaw inertia that the body has at least
 _UPRIGHT, _SIDEWAYS = "0 0 0", "1.5707963267948966 0 0"  # a cylinder stands along z
 _BODY_COLOUR, _WHEEL_COLOUR = "0.78 0.82 0.85 0.6", "0.1 0.12 0.14 1"
@@ -43,9 +45,10 @@ class _Mass(NamedTuple):
 def urdf(car: Vehicle, rear_is_steered: bool = False) -> str:
     """The text of the file.
 
-    Mass, centre of mass, yaw inertia and spin inertias of the whole are those of the vehicle file. What it does not
-    have is assumed: a wheel is a solid cylinder of its spin inertia, with a limit to its mass; the pitch inertia of the
-    body is its yaw inertia; its roll inertia is that of the box that is drawn.
+    Mass, centre of mass, yaw inertia and spin inertias of the whole are those of the vehicle file.
+    What it does not have is assumed: a wheel is a solid cylinder of its spin inertia, with a limit
+    to its mass; the pitch inertia of the body is its yaw inertia; its roll inertia is that of the
+    box that is drawn.
     """
     robot = Element("robot", name=car.name)
     SubElement(robot, "link", name=BASE)
@@ -64,7 +67,9 @@ def urdf(car: Vehicle, rear_is_steered: bool = False) -> str:
         _inertial(link, of_wheel, _HERE)
         size = {"radius": f"{wheel.radius:.6g}", "length": f"{_WIDTH * wheel.radius:.6g}"}
         _shape(link, "cylinder", size, _HERE, _SIDEWAYS, _WHEEL_COLOUR)
-        joint = _joint(robot, steered, "revolute", (BASE, steered), (wheel.x, wheel.y, wheel.radius), "0 0 1")
+        joint = _joint(
+            robot, steered, "revolute", (BASE, steered), (wheel.x, wheel.y, wheel.radius), "0 0 1"
+        )
         angle = f"{largest if wheel.x > 0.0 else rear:.6g}"
         SubElement(joint, "limit", lower=f"-{angle}", upper=angle, effort="1e9", velocity="1e9")
         _joint(robot, wheel.name, "continuous", (steered, turned), _HERE, "0 1 0")
@@ -73,10 +78,13 @@ def urdf(car: Vehicle, rear_is_steered: bool = False) -> str:
 
 
 def _rolling(car: Vehicle, wheel: Wheel) -> _Mass:
-    spin = car.wheel_inertia * (1.0 if wheel.name in car.driven_wheels else car.undriven_inertia_ratio)
+    spin = car.wheel_inertia * (
+        1.0 if wheel.name in car.driven_wheels else car.undriven_inertia_ratio
+    )
     mass = min(2.0 * spin / wheel.radius**2, _HEAVIEST * car.mass)
     across = mass * (3.0 * wheel.radius**2 + (_WIDTH * wheel.radius) ** 2) / 12.0
-    across = max(across, spin / 2.0)  # as a body has at least; a motor behind gears has more spin than its mass allows
+    # as a body has at least; a motor behind gears has more spin than its mass allows
+    across = max(across, spin / 2.0)
     return _Mass((wheel.x, wheel.y, wheel.radius), mass, (across, spin, across))
 
 
@@ -99,7 +107,11 @@ def _body(robot: Element, car: Vehicle, wheels: Sequence[Wheel], others: Sequenc
     roll = min(mass * (width**2 + _HEIGHT**2) / 12.0, 2.0 * yaw)  # no body has more
     link = SubElement(robot, "link", name=BODY)
     _inertial(link, _Mass(_HERE, mass, (roll, yaw, yaw)), (x, y, z - height))
-    middle = ((max(xs) + min(xs)) / 2, (max(ys) + min(ys)) / 2, car.wheel_radius + _HEIGHT / 2 - height)
+    middle = (
+        (max(xs) + min(xs)) / 2,
+        (max(ys) + min(ys)) / 2,
+        car.wheel_radius + _HEIGHT / 2 - height,
+    )
     _shape(link, "box", {"size": _words((length, width, _HEIGHT))}, middle, _UPRIGHT, _BODY_COLOUR)
 
 
@@ -108,7 +120,12 @@ def _words(values: _Numbers) -> str:
 
 
 def _joint(
-    robot: Element, name: str, kind: str, links: tuple[str, str], xyz: _Numbers, axis: str | None = None
+    robot: Element,
+    name: str,
+    kind: str,
+    links: tuple[str, str],
+    xyz: _Numbers,
+    axis: str | None = None,
 ) -> Element:
     joint = SubElement(robot, "joint", name=name, type=kind)
     for end, link in zip(("parent", "child"), links, strict=True):
@@ -123,11 +140,16 @@ def _inertial(link: Element, part: _Mass, xyz: _Numbers) -> None:
     inertial = SubElement(link, "inertial")
     SubElement(inertial, "origin", xyz=_words(xyz), rpy=_UPRIGHT)
     SubElement(inertial, "mass", value=f"{part.mass:.9g}")
-    diagonal = {axis: f"{moment:.9g}" for axis, moment in zip(("ixx", "iyy", "izz"), part.inertia, strict=True)}
+    diagonal = {
+        axis: f"{moment:.9g}"
+        for axis, moment in zip(("ixx", "iyy", "izz"), part.inertia, strict=True)
+    }
     SubElement(inertial, "inertia", diagonal | dict.fromkeys(("ixy", "ixz", "iyz"), "0"))
 
 
-def _shape(link: Element, kind: str, size: dict[str, str], xyz: _Numbers, rpy: str, colour: str) -> None:
+def _shape(
+    link: Element, kind: str, size: dict[str, str], xyz: _Numbers, rpy: str, colour: str
+) -> None:
     """The same to be seen and to collide."""
     for use in ("visual", "collision"):
         shape = SubElement(link, use)

@@ -35,7 +35,13 @@ from ev_study.analysis.linear_models import (
     yaw_damping,
     yaw_gain,
 )
-from ev_study.analysis.linearised_plant import OUTPUTS, LinearisedPlant, OperatingPoint, bode_figure, linearised
+from ev_study.analysis.linearised_plant import (
+    OUTPUTS,
+    LinearisedPlant,
+    OperatingPoint,
+    bode_figure,
+    linearised,
+)
 
 _SPEEDS = (5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0)  # [m/s] of the table
 
@@ -47,17 +53,23 @@ def main(argv: Sequence[str] | None = None) -> None:
         vehicle = vehicle_of(given.vehicle)
         drive = drive_torques(vehicle, given.drive_force)
         angle = math.radians(given.road_wheel_angle)
-        plant = linearised(vehicle, OperatingPoint(given.speed, angle, drive, given.accelerates, given.surface))
+        plant = linearised(
+            vehicle, OperatingPoint(given.speed, angle, drive, given.accelerates, given.surface)
+        )
     except ValueError as error:  # also a ParameterError
         refuse(error)
     share = (drive.front_left + drive.front_right) / sum(drive) if given.drive_force else 0.0
-    model = side_slip_model(vehicle, given.speed, plant.acceleration, given.drive_force, share, given.surface)
+    model = side_slip_model(
+        vehicle, given.speed, plant.acceleration, given.drive_force, share, given.surface
+    )
     for label, value, unit in rows(vehicle, given.surface, model, plant):
         print(f"{label:52}{value:>12.5g} {unit}")
     print_over_speed(vehicle, given.surface)
     matrices, figure = given.out / f"linearised_{vehicle.name}.npz", f"bode_{vehicle.name}"
     try:
-        with OutputFolder(given.out, f"analysis {vehicle.name}", [matrices.name, *figure_files([figure])]):
+        with OutputFolder(
+            given.out, f"analysis {vehicle.name}", [matrices.name, *figure_files([figure])]
+        ):
             save_matrices(matrices, plant)
             (path,) = save_figures({figure: bode_figure(model, plant).figure()}, given.out)
     except (ParameterError, OSError) as error:
@@ -68,7 +80,9 @@ def main(argv: Sequence[str] | None = None) -> None:
 
 def print_over_speed(vehicle: Vehicle, surface: str) -> None:
     """Print yaw rate gain and damping of the single-track model over speed."""
-    print(f"\n{'speed m/s':>10}{'yaw rate gain 1/s':>20}{'damping ratio 1':>18}{'frequency rad/s':>18}")
+    print(
+        f"\n{'speed m/s':>10}{'yaw rate gain 1/s':>20}{'damping ratio 1':>18}{'frequency rad/s':>18}"
+    )
     for speed in _SPEEDS:
         model = single_track(vehicle, speed, surface)
         ratio, frequency = yaw_damping(model)
@@ -79,7 +93,15 @@ def save_matrices(path: Path, plant: LinearisedPlant) -> None:
     """Save A, B, C, D of the linearised plant, and the names of its states and outputs, as a numpy archive."""
     system = plant.system
     with atomic_file(path) as file:
-        np.savez(file, A=system.A, B=system.B, C=system.C, D=system.D, states=plant.states, outputs=OUTPUTS)
+        np.savez(
+            file,
+            A=system.A,
+            B=system.B,
+            C=system.C,
+            D=system.D,
+            states=plant.states,
+            outputs=OUTPUTS,
+        )
 
 
 def drive_torques(vehicle: Vehicle, force: float) -> Wheels:
@@ -91,7 +113,9 @@ def drive_torques(vehicle: Vehicle, force: float) -> Wheels:
     return Wheels(*(each if drives else 0.0 for drives in driven))
 
 
-def rows(vehicle: Vehicle, surface: str, model: SideSlipModel, plant: LinearisedPlant) -> list[tuple[str, float, str]]:
+def rows(
+    vehicle: Vehicle, surface: str, model: SideSlipModel, plant: LinearisedPlant
+) -> list[tuple[str, float, str]]:
     """What is printed: label, value, unit; of the speeds those that the car has, W12 where a force drives the car."""
     front, rear = axle_masses(vehicle)
     front_stiffness, rear_stiffness = axle_cornering_stiffnesses(vehicle, surface)
@@ -108,7 +132,11 @@ def rows(vehicle: Vehicle, surface: str, model: SideSlipModel, plant: Linearised
         ("W12 of Zhileykin (2018), eq 3: damping D", model.damping, "1/s"),
         ("W12: excitation N, 0 if the car steers neutrally", model.excitation, "1/s"),
         ("W12: steady dA/delta", model.excitation / model.damping, "1"),
-        ("front share that steers neutrally, 2 J_z/(m L^2)", model.neutral_share_of_acceleration, "1"),
+        (
+            "front share that steers neutrally, 2 J_z/(m L^2)",
+            model.neutral_share_of_acceleration,
+            "1",
+        ),
     ]
     return [
         ("mass on the front axle", front, "kg"),
@@ -119,7 +147,11 @@ def rows(vehicle: Vehicle, surface: str, model: SideSlipModel, plant: Linearised
         *(row for row in speeds if math.isfinite(row[1])),
         ("speed of what follows", model.speed, "m/s"),
         *(side_slip if model.drive_force else ()),
-        ("rear less front slip angle over road-wheel angle", float(plant.slip_angle_difference(slow)[0].real), "1"),
+        (
+            "rear less front slip angle over road-wheel angle",
+            float(plant.slip_angle_difference(slow)[0].real),
+            "1",
+        ),
         ("steady yaw rate gain of the linearised plant", float(yaw_gain), "1/s"),
         ("slowest pole of the linearised plant", float(poles.real.max()), "1/s"),
     ]
@@ -132,15 +164,31 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
         "plant linearised numerically, saved as A, B, C, D.",
     )
     parser.add_argument("vehicle", help="name of a file in config/vehicles, or path of your own")
-    parser.add_argument("--surface", default=REFERENCE, choices=sorted(SURFACES), help="default: %(default)s")
-    parser.add_argument("--speed", type=real(0.1), default=8.0, metavar="M/S", help="ahead; default: %(default)s")
     parser.add_argument(
-        "--road-wheel-angle", type=real(-90.0, 90.0), default=0.0, metavar="DEG", help="of steady cornering"
+        "--surface", default=REFERENCE, choices=sorted(SURFACES), help="default: %(default)s"
     )
-    parser.add_argument("--drive-force", type=real(), default=0.0, metavar="N", help="of all driven wheels, equal")
-    parser.add_argument("--accelerates", action="store_true", help="by the drive force; otherwise the speed is held")
     parser.add_argument(
-        "--out", type=output_folder, default=Path("results/analysis"), metavar="DIR", help="of the figure"
+        "--speed", type=real(0.1), default=8.0, metavar="M/S", help="ahead; default: %(default)s"
+    )
+    parser.add_argument(
+        "--road-wheel-angle",
+        type=real(-90.0, 90.0),
+        default=0.0,
+        metavar="DEG",
+        help="of steady cornering",
+    )
+    parser.add_argument(
+        "--drive-force", type=real(), default=0.0, metavar="N", help="of all driven wheels, equal"
+    )
+    parser.add_argument(
+        "--accelerates", action="store_true", help="by the drive force; otherwise the speed is held"
+    )
+    parser.add_argument(
+        "--out",
+        type=output_folder,
+        default=Path("results/analysis"),
+        metavar="DIR",
+        help="of the figure",
     )
     return parser.parse_args(argv)
 

@@ -28,15 +28,22 @@ class Axle:
 def single_track(vehicle: Vehicle, speed: float, surface: str = REFERENCE) -> StateSpace:
     """X' = A x + B delta, y = C x + D delta with x = lateral velocity, yaw rate, deflection of both axles' carcasses.
 
-    Outputs are lateral velocity [m/s] and yaw rate [rad/s], speed [m/s] is constant and above zero. A tyre of first
-    order (Rill 2006): u' = (C v_s - V k u)/(C + V d), F = k u + d u', with v_s across the wheel, which compliance steer
-    turns. No rolling resistance, no drag, no load transfer, which do not act to first order.
+    Outputs are lateral velocity [m/s] and yaw rate [rad/s], speed [m/s] is constant and above zero.
+    A tyre of first order (Rill 2006): u' = (C v_s - V k u)/(C + V d), F = k u + d u', with v_s
+    across the wheel, which compliance steer turns. No rolling resistance, no drag, no load
+    transfer, which do not act to first order.
     """
     rear = vehicle.centre_of_mass_to_rear_axle
     front_stiffness, rear_stiffness = tyre_cornering_stiffnesses(vehicle, surface)
     tyre, suspension = vehicle.tyre, vehicle.suspension
-    carcass, damping = 2 * tyre.lateral_stiffness, 2 * tyre.lateral_stiffness * tyre.lateral_damping_time
-    front_turning, rear_turning = -suspension.front_compliance_steer, suspension.rear_compliance_steer
+    carcass, damping = (
+        2 * tyre.lateral_stiffness,
+        2 * tyre.lateral_stiffness * tyre.lateral_damping_time,
+    )
+    front_turning, rear_turning = (
+        -suspension.front_compliance_steer,
+        suspension.rear_compliance_steer,
+    )
     axles = (
         Axle(vehicle.wheelbase - rear, 1.0, front_stiffness, carcass, damping, front_turning),
         Axle(-rear, vehicle.rear_steering_ratio, rear_stiffness, carcass, damping, rear_turning),
@@ -44,7 +51,8 @@ def single_track(vehicle: Vehicle, speed: float, surface: str = REFERENCE) -> St
     a, b = np.zeros((4, 4)), np.zeros((4, 1))
     a[0, 1] = -speed
     for n, axle in enumerate(axles):
-        slip, by_angle = np.zeros(4), speed * axle.steered  # v_s as a row of the state, and by the road-wheel angle
+        # v_s as a row of the state, and by the road-wheel angle
+        slip, by_angle = np.zeros(4), speed * axle.steered
         slip[0], slip[1], slip[2 + n] = -1.0, -axle.place, speed * axle.turning * axle.carcass
         renewal = axle.stiffness + speed * axle.damping
         a[2 + n] = axle.stiffness / renewal * slip
@@ -77,17 +85,22 @@ def tangent_speed(vehicle: Vehicle, surface: str = REFERENCE) -> float:
     With C_2 as compliance steer leaves it; infinite for a car without load on its rear axle.
     """
     mass, stiffness = axle_masses(vehicle)[1], axle_cornering_stiffnesses(vehicle, surface)[1]
-    return math.sqrt(vehicle.centre_of_mass_to_rear_axle * stiffness / mass) if mass > 0.0 else math.inf
+    return (
+        math.sqrt(vehicle.centre_of_mass_to_rear_axle * stiffness / mass)
+        if mass > 0.0
+        else math.inf
+    )
 
 
 @dataclass(frozen=True, slots=True)
 class SideSlipModel:
     """Rates of the slip angles d1, d2 of a car with a = b = L/2 that accelerates with j cos(phi) at speed V.
 
-    Slip angles [rad] are positive in a left turn: d1 = Theta - (v + L r/2)/V, d2 = -(v - L r/2)/V, angles small. Each
-    axle carries K d, and the drive force h X of the front axle acts along its wheels. M_z = (1 - h) X q B is positive
-    against the turn and counts with L r = V (Theta + dA) as m_z = M_z/(J_z r). The rate of the steering angle is
-    dropped. Zhileykin (2018), eqs 1 to 7; the lever B is as printed (a difference q of the rear forces has B/2).
+    Slip angles [rad] are positive in a left turn: d1 = Theta - (v + L r/2)/V, d2 = -(v - L r/2)/V,
+    angles small. Each axle carries K d, and the drive force h X of the front axle acts along its
+    wheels. M_z = (1 - h) X q B is positive against the turn and counts with L r = V (Theta + dA) as
+    m_z = M_z/(J_z r). The rate of the steering angle is dropped. Zhileykin (2018), eqs 1 to 7; the
+    lever B is as printed (a difference q of the rear forces has B/2).
     """
 
     wheelbase: float  # L [m]
@@ -115,13 +128,20 @@ class SideSlipModel:
     @property
     def damping(self) -> float:
         """D = K L^2/(2 V J_z) + j cos(phi)/V + m_z [1/s]; the model is stable if it is above zero."""
-        stiffness = self.axle_cornering_stiffness * self.wheelbase**2 / (2 * self.speed * self.yaw_inertia)
+        stiffness = (
+            self.axle_cornering_stiffness * self.wheelbase**2 / (2 * self.speed * self.yaw_inertia)
+        )
         return stiffness + self.longitudinal_acceleration / self.speed + self.moment_rate
 
     @property
     def excitation(self) -> float:
         """N = L^2 h X/(2 V J_z) - j cos(phi)/V - m_z [1/s]; zero means that the car steers neutrally."""
-        drive = self.wheelbase**2 * self.front_share * self.drive_force / (2 * self.speed * self.yaw_inertia)
+        drive = (
+            self.wheelbase**2
+            * self.front_share
+            * self.drive_force
+            / (2 * self.speed * self.yaw_inertia)
+        )
         return drive - self.longitudinal_acceleration / self.speed - self.moment_rate
 
     @property
@@ -132,7 +152,8 @@ class SideSlipModel:
     def transfer_function(self) -> ZerosPolesGain:
         """W12(s) = dA/Theta = N/(D + s), with dA = d2 - d1 (eq 3, and eq 6 with M_z).
 
-        As pole and gain, because the gain N is zero where the car steers neutrally, and a numerator may not be.
+        As pole and gain, because the gain N is zero where the car steers neutrally, and a numerator
+        may not be.
         """
         return ZerosPolesGain([], [-self.damping], self.excitation)
 
@@ -151,7 +172,8 @@ def side_slip_model(
 ) -> SideSlipModel:
     """The model of a vehicle: both axles with the mean cornering stiffness at small slip, centre of mass in the middle.
 
-    Speed [m/s], acceleration [m/s^2], drive force of both axles [N] and share of the front axle [1].
+    Speed [m/s], acceleration [m/s^2], drive force of both axles [N] and share of the front axle
+    [1].
     """
     return SideSlipModel(
         wheelbase=vehicle.wheelbase,

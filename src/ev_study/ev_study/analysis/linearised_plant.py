@@ -20,7 +20,14 @@ from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_sim.plant.planar.body import Equations
 from ev_sim.plant.planar.given import PlanarParameters
-from ev_sim.plant.planar.planar_state import INTEGRATED_PLACES, INTEGRATED_SIZE, VX, VY, YAW_RATE, index
+from ev_sim.plant.planar.planar_state import (
+    INTEGRATED_PLACES,
+    INTEGRATED_SIZE,
+    VX,
+    VY,
+    YAW_RATE,
+    index,
+)
 from ev_sim.surfaces import REFERENCE, RoadParameters
 from ev_stack.figures.panels import Axes, Curve, Panel
 from ev_stack.figures.sheets import Sheet
@@ -42,15 +49,18 @@ _STATES = (
 _DRIVE = slice(index("mean_drive"), index("mean_drive") + 4)
 _PERIOD = 0.01  # [s]
 _SETTLING = 10.0  # [s], long against every motion of a car but its acceleration
-_STEADY = 1e-6  # largest rate of yaw rate [rad/s^2] and lateral velocity [m/s^2] that counts as none
-_STEP = 1e-6  # of the central differences, in the unit of each state: far below any of them, far above rounding
+# largest rate of yaw rate [rad/s^2] and lateral velocity [m/s^2] that counts as none
+_STEADY = 1e-6
+# of the central differences, in the unit of each state: far below any of them, far above rounding
+_STEP = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
 class OperatingPoint:
     """About which motion to linearise.
 
-    `drive` [N m] acts at the wheels. The speed [m/s] is held, or, with `accelerates`, passed straight ahead.
+    `drive` [N m] acts at the wheels. The speed [m/s] is held, or, with `accelerates`, passed
+    straight ahead.
     """
 
     speed: float
@@ -64,8 +74,8 @@ class OperatingPoint:
 class LinearisedPlant:
     """x' = A x + B delta, y = C x + D delta about a motion, input road-wheel angle [rad], outputs OUTPUTS.
 
-    `states` names the states of the model in order, `state` is that of the plant at the point, `acceleration` the rate
-    of its longitudinal velocity [m/s^2].
+    `states` names the states of the model in order, `state` is that of the plant at the point,
+    `acceleration` the rate of its longitudinal velocity [m/s^2].
     """
 
     system: StateSpace
@@ -76,32 +86,41 @@ class LinearisedPlant:
     def response(self, frequency: np.ndarray) -> np.ndarray:
         """Complex response of OUTPUTS to the road-wheel angle at circular frequencies (n,) [rad/s], shape (n, 4).
 
-        Solved from the matrices: scipy goes over the coefficients of a polynomial of degree 24 and loses all digits.
+        Solved from the matrices: scipy goes over the coefficients of a polynomial of degree 24 and
+        loses all digits.
         """
         s = self.system
         eye = np.eye(s.A.shape[0])
         return np.array(
-            [(s.C @ np.linalg.solve(1j * w * eye - s.A, s.B) + s.D)[:, 0] for w in np.atleast_1d(frequency)]
+            [
+                (s.C @ np.linalg.solve(1j * w * eye - s.A, s.B) + s.D)[:, 0]
+                for w in np.atleast_1d(frequency)
+            ]
         )
 
     def slip_angle_difference(self, frequency: np.ndarray) -> np.ndarray:
         """Response of dA = d2 - d1 to the road-wheel angle, (n,); Zhileykin's W12 with all that it leaves out."""
         found = self.response(frequency)
-        return found[:, OUTPUTS.index("rear_slip_angle")] - found[:, OUTPUTS.index("front_slip_angle")]
+        return (
+            found[:, OUTPUTS.index("rear_slip_angle")] - found[:, OUTPUTS.index("front_slip_angle")]
+        )
 
 
 def linearised(vehicle: Vehicle, point: OperatingPoint) -> LinearisedPlant:
     """The linear model of the planar plant at an operating point.
 
-    Held speed: the plant runs at it until it is steady; ValueError if it never is. An acceleration starts
-    below the speed and is frozen as it passes it, seen from slip angles: since d = (v + a r)/V, their rates have
+    Held speed: the plant runs at it until it is steady; ValueError if it never is. An acceleration
+    starts below the speed and is frozen as it passes it, seen from slip angles: since d = (v + a
+    r)/V, their rates have
     -V'/V d besides those of v and r.
     """
     state = _brought_to(vehicle, point)
     middle, drive = state[:INTEGRATED_SIZE], state[_DRIVE]
     equations = Equations(_parameters(point, point.speed), vehicle)
     equations.look(middle)
-    places = [n for n, place in enumerate(INTEGRATED_PLACES) if place.name.partition(".")[0] in _STATES]
+    places = [
+        n for n, place in enumerate(INTEGRATED_PLACES) if place.name.partition(".")[0] in _STATES
+    ]
 
     def rates_at(change: np.ndarray, angle: float) -> np.ndarray:
         equations.hold(angle, drive)
@@ -114,7 +133,9 @@ def linearised(vehicle: Vehicle, point: OperatingPoint) -> LinearisedPlant:
     rest = rates_at(still, angle)
     acceleration = float(equations.rates(middle, starts=True)[VX])
     if not point.accelerates and np.abs(rest[:2]).max() > _STEADY:
-        raise ValueError(f"no steady motion at {point.speed:g} m/s and {angle:g} rad: the car goes on turning in")
+        raise ValueError(
+            f"no steady motion at {point.speed:g} m/s and {angle:g} rad: the car goes on turning in"
+        )
     a, c = np.empty((size, size)), np.empty((len(OUTPUTS), size))
     for n in range(size):
         change = still.copy()
@@ -151,7 +172,9 @@ def _brought_to(vehicle: Vehicle, point: OperatingPoint) -> np.ndarray:
         here.numbers[PLACES[type(signal)]] = numbers_of(shape_of(type(signal)).flat(signal))
 
     def plant_from(speed: float) -> CompiledPart:
-        return CompiledPart(find_method("plant", "planar"), _parameters(point, speed), vehicle, _PERIOD)
+        return CompiledPart(
+            find_method("plant", "planar"), _parameters(point, speed), vehicle, _PERIOD
+        )
 
     if not point.accelerates:
         plant = plant_from(point.speed)
@@ -159,9 +182,12 @@ def _brought_to(vehicle: Vehicle, point: OperatingPoint) -> np.ndarray:
             plant.step(here, there)
         return plant.state
     force = sum(point.drive) / vehicle.wheel_radius
-    run_up = force / vehicle.mass  # what a second of the acceleration gains, when wheels and loads have settled [m/s]
+    # what a second of the acceleration gains, when wheels and loads have settled [m/s]
+    run_up = force / vehicle.mass
     if not 0.0 < run_up < point.speed or point.road_wheel_angle != 0.0:
-        raise ValueError("an acceleration is linearised straight ahead, at a speed above that of its first second")
+        raise ValueError(
+            "an acceleration is linearised straight ahead, at a speed above that of its first second"
+        )
     plant = plant_from(point.speed - run_up)
     longest = round(10 * _SETTLING / _PERIOD)
     while plant.state[VX] < point.speed and longest:
@@ -177,7 +203,9 @@ def _outputs(vehicle: Vehicle, y: np.ndarray, angle: float) -> np.ndarray:
     u, v, r = y[VX], y[VY], y[YAW_RATE]
     rear_arm = vehicle.centre_of_mass_to_rear_axle
     front_arm = vehicle.wheelbase - rear_arm
-    return np.array([v, r, angle - math.atan((v + front_arm * r) / u), -math.atan((v - rear_arm * r) / u)])
+    return np.array(
+        [v, r, angle - math.atan((v + front_arm * r) / u), -math.atan((v - rear_arm * r) / u)]
+    )
 
 
 _FREQUENCIES = np.logspace(-1.0, 1.5, 200)  # [Hz]; a driver steers with up to about 3 Hz

@@ -40,9 +40,9 @@ STEPS = 100  # of each check of the contract, for each car of the board
 def with_added(board: Board, words: Sequence[str]) -> tuple[Board, list[str]]:
     """A board with further laws, each LAW or LAW=PARAMETERS.yaml, and their names.
 
-    LAW is the path of a law file, a law of the board or the name of a method; one of another role than the electronic
-    differential drives with the reference of the board. ParameterError if a name is taken, or for a file without
-    parameters of a law.
+    LAW is the path of a law file, a law of the board or the name of a method; one of another role
+    than the electronic differential drives with the reference of the board. ParameterError if a
+    name is taken, or for a file without parameters of a law.
     """
     laws = dict(board.laws)
     for word in words:
@@ -50,8 +50,13 @@ def with_added(board: Board, words: Sequence[str]) -> tuple[Board, list[str]]:
         code, _, chosen = law.partition(":")
         name = Path(file).stem if file else chosen or (Path(code).stem if is_code(law) else law)
         if name in laws:
-            raise ParameterError(f"--add {quoted(word)}: the board has a law {quoted(name)}, expected another name")
-        laws[name] = {**(board.laws.get(law) or _with_method(board, law)), **(_parameters(file) if file else {})}
+            raise ParameterError(
+                f"--add {quoted(word)}: the board has a law {quoted(name)}, expected another name"
+            )
+        laws[name] = {
+            **(board.laws.get(law) or _with_method(board, law)),
+            **(_parameters(file) if file else {}),
+        }
     return replace(board, laws=laws), [name for name in laws if name not in board.laws]
 
 
@@ -61,7 +66,11 @@ def _with_method(board: Board, law: str) -> Mapping[str, Any]:
             find_method(role, law)
         except ParameterError:
             continue
-        return {"method": law} if role == ROLE else {**board.laws[board.reference], f"{role}.method": law}
+        return (
+            {"method": law}
+            if role == ROLE
+            else {**board.laws[board.reference], f"{role}.method": law}
+        )
     return {"method": law}  # is refused where it is configured
 
 
@@ -83,7 +92,8 @@ def check_laws(board: Board, laws: Sequence[str], added: Sequence[str]) -> None:
     ParameterError, in one line, for what is refused or breaks it.
     """
     cells = sorted(board.cells(), key=lambda cell: not board.manoeuvres[cell.manoeuvre].steering_on)
-    for car, cell in {cell.car: cell for cell in cells}.items():  # the last ones need no run for the steering angles
+    # the last ones need no run for the steering angles
+    for car, cell in {cell.car: cell for cell in cells}.items():
         run = run_of(board, cell, values_of(board, cell))
         for name in laws:
             for role, configuration in law_of(board, name, run).items():
@@ -97,7 +107,9 @@ def check_laws(board: Board, laws: Sequence[str], added: Sequence[str]) -> None:
 def _hold_against_contract(name: str, car: str, configuration: Configuration) -> None:
     law = configuration.method.law
     if law is None or not law.is_compilable:
-        raise ParameterError(f"law {name} runs in plain Python, allowed on a board are laws that run compiled")
+        raise ParameterError(
+            f"law {name} runs in plain Python, allowed on a board are laws that run compiled"
+        )
     try:
         check_configuration(configuration, steps=STEPS)
     except ContractError as error:
@@ -114,7 +126,9 @@ def refuse_variations(board: Board, runs: Sequence[Run]) -> None:
             _refuse_variation(each, run.configurations)
         except ParameterError as error:
             file, what = configured_file("benchmark", board.name), f"variation of {each.parameter}"
-            raise ParameterError(f"{file}: {what} by {kind} {getattr(each, kind)}: {error}") from None
+            raise ParameterError(
+                f"{file}: {what} by {kind} {getattr(each, kind)}: {error}"
+            ) from None
 
 
 def _refuse_variation(variation: Variation, driven: Mapping[str, Configuration]) -> None:
@@ -123,10 +137,18 @@ def _refuse_variation(variation: Variation, driven: Mapping[str, Configuration])
         VariedRuns(driven, {variation.parameter: [None]}, {})  # the names alone
     if role in (ROLE, *FURTHER) and parameter in flatten(driven[role].parameters):
         if parameter in BELIEF:
-            raise ParameterError(f"it is what a law believes of the friction, expected {TOLD_FRICTION}")
+            raise ParameterError(
+                f"it is what a law believes of the friction, expected {TOLD_FRICTION}"
+            )
         if variation.factor:
-            raise ParameterError("it is a number of a law, of which each has its own, expected value, count or choice")
+            raise ParameterError(
+                "it is a number of a law, of which each has its own, expected value, count or choice"
+            )
     of_car = value_in(driven, variation.parameter) if variation.factor else 1.0
-    declared = {each.name: each for each in driven[MASTER if role == EVERY_ROLE else role].entries()}[parameter]
-    for end in variation.choice or variation.count or [of_car * float(each) for each in variation.bounds]:
+    declared = {
+        each.name: each for each in driven[MASTER if role == EVERY_ROLE else role].entries()
+    }[parameter]
+    for end in (
+        variation.choice or variation.count or [of_car * float(each) for each in variation.bounds]
+    ):
         check(declared, end)  # whether it fits the other values is known with all that is drawn

@@ -26,7 +26,8 @@ SIDES = ("left", "right")
 ROLE, FURTHER = "electronic_differential", ("asr",)  # roles that a law of a board plays
 CASES = ("training", "validation", "held_out")
 _ALIKE = ("method", "reference", "allocation", "estimation", "asr.method")  # in the closed division
-FRICTION, TOLD_FRICTION, MOTOR_FAULT = "friction", "told_friction", "motor_fault"  # variations that are no parameters
+# variations that are no parameters
+FRICTION, TOLD_FRICTION, MOTOR_FAULT = "friction", "told_friction", "motor_fault"
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,8 +48,8 @@ class Road:
 class Variation:
     """A parameter and one of: the bounds of a factor on what the car has, of a value, of a whole number; or a choice.
 
-    Of `motor_fault` the value is the share that the motor of one driven wheel still gives; `begin` are bounds of when
-    that begins [s], `probability` that there is a fault at all.
+    Of `motor_fault` the value is the share that the motor of one driven wheel still gives; `begin`
+    are bounds of when that begins [s], `probability` that there is a fault at all.
     """
 
     parameter: str
@@ -94,11 +95,12 @@ class Cell:
 class Board:
     """All that a board declares.
 
-    `reference` is the law that costs are counted against, `scales` by metric what its differences are divided by at
-    least, `unstable` the sideslip from which on a run counts as unstable [rad]. `closed` are the laws of the closed
-    division, which differ in their controller alone; all others are in the open one. A law states a method of the
-    electronic differential and its parameters, and those of other roles as asr.method, asr.PARAMETER. `tuned` are the
-    laws that are tuned, and patterns of the numbers that are free then.
+    `reference` is the law that costs are counted against, `scales` by metric what its differences
+    are divided by at least, `unstable` the sideslip from which on a run counts as unstable [rad].
+    `closed` are the laws of the closed division, which differ in their controller alone; all others
+    are in the open one. A law states a method of the electronic differential and its parameters,
+    and those of other roles as asr.method, asr.PARAMETER. `tuned` are the laws that are tuned, and
+    patterns of the numbers that are free then.
     """
 
     version: int
@@ -129,7 +131,9 @@ class Board:
             if car not in manoeuvre.without
             for road in manoeuvre.roads
         ]
-        found = [each for each in every if any(fnmatchcase(each.id(cost), pattern) for cost in COSTS)]
+        found = [
+            each for each in every if any(fnmatchcase(each.id(cost), pattern) for cost in COSTS)
+        ]
         if not found:
             raise unknown_name("cell", pattern, [each.id(cost) for each in every for cost in COSTS])
         return found
@@ -143,13 +147,17 @@ def read_board(name: str) -> Board:
     except OSError as error:
         raise ParameterError(f"{path}: {error.strerror}") from None
     except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise ParameterError(f"{path}: not readable as YAML: {' '.join(str(error).split())}") from None
+        raise ParameterError(
+            f"{path}: not readable as YAML: {' '.join(str(error).split())}"
+        ) from None
     try:
         whole = marked("", dict(mapping("a board", content)), path)
         common = {"recorded": whole.pop("recorded", [])}
         for entry, of, more in (("manoeuvres", Manoeuvre, common), ("roads", Road, {})):
             what, stated = entry.removesuffix("s"), mapping(entry, whole.get(entry))
-            full = {name: {**more, **mapping(f"{what} {name}", each)} for name, each in stated.items()}
+            full = {
+                name: {**more, **mapping(f"{what} {name}", each)} for name, each in stated.items()
+            }
             whole[entry] = {name: record(of, f"{what} {name}", each) for name, each in full.items()}
         whole["variations"] = _variations(whole)
         for entry in CASES:
@@ -182,7 +190,9 @@ def _refuse(board: Board, path: Path) -> None:
     if not 1 <= board.draws <= 100_000:
         raise ParameterError(f"draws is {board.draws}, expected 1 to 100000")
     if board.seed < 0 or not 0.0 < board.unstable <= 1.57:  # beyond it a car slides backwards
-        raise ParameterError(f"seed is {board.seed}, unstable {board.unstable}, expected 0 or more, above 0 to 1.57")
+        raise ParameterError(
+            f"seed is {board.seed}, unstable {board.unstable}, expected 0 or more, above 0 to 1.57"
+        )
     refuse_unknown("reference", [board.reference], board.laws)
     kept = {name: cases for name in CASES if (cases := getattr(board, name))}
     cars = [*board.cars, *(car for cases in kept.values() for car in cases.cars)]
@@ -192,17 +202,28 @@ def _refuse(board: Board, path: Path) -> None:
     for name, cases in kept.items():
         for bounds in (cases.friction, cases.stiffness):
             if len(bounds) != 2 or not 0.0 < bounds[0] <= bounds[1] <= 2.0:
-                raise ParameterError(f"{name} has the bounds {bounds}, expected two numbers that rise, above 0 to 2")
+                raise ParameterError(
+                    f"{name} has the bounds {bounds}, expected two numbers that rise, above 0 to 2"
+                )
     for name, road in board.roads.items():
         if not len(road.left) == len(road.right) == len(road.length) + 1:
-            raise ParameterError(f"road {name} needs as many surfaces left as right, and a length for all but the last")
+            raise ParameterError(
+                f"road {name} needs as many surfaces left as right, and a length for all but the last"
+            )
         refuse_unknown(f"surface of {name}", [*road.left, *road.right], SURFACES)
     for name, manoeuvre in board.manoeuvres.items():
-        refuse_unknown(f"road of {name}", [*manoeuvre.roads, *filter(None, [manoeuvre.steering_on])], board.roads)
+        refuse_unknown(
+            f"road of {name}",
+            [*manoeuvre.roads, *filter(None, [manoeuvre.steering_on])],
+            board.roads,
+        )
         refuse_unknown(f"car of {name}", manoeuvre.without, cars)
         _refuse_search(name, manoeuvre)
         _refuse_metrics(board.scales, name, manoeuvre)
-    for variation in [*board.variations, *(each for cases in kept.values() for each in cases.variations)]:
+    for variation in [
+        *board.variations,
+        *(each for cases in kept.values() for each in cases.variations),
+    ]:
         _refuse_variation(variation)
     for name, values in board.laws.items():
         for role, stated in by_role(mapping(f"law {name}", values)).items():
@@ -211,25 +232,42 @@ def _refuse(board: Board, path: Path) -> None:
     refuse_unknown("law of tuned", list(board.tuned), board.laws)
     for name, patterns in board.tuned.items():
         if not (isinstance(patterns, list) and all(is_of(each, "str") for each in patterns)):
-            raise ParameterError(f"tuned has {name} with {quoted(str(patterns))}, expected a list of texts")
+            raise ParameterError(
+                f"tuned has {name} with {quoted(str(patterns))}, expected a list of texts"
+            )
     refuse_unknown("law of closed", board.closed, board.laws)
     alike = {tuple(board.laws[name].get(part) for part in _ALIKE) for name in board.closed}
     if len(alike) > 1:
-        raise ParameterError(f"closed has laws that differ in one of {', '.join(_ALIKE)}, expected equal ones")
+        raise ParameterError(
+            f"closed has laws that differ in one of {', '.join(_ALIKE)}, expected equal ones"
+        )
 
 
 def _refuse_variation(variation: Variation) -> None:
-    bounds, who = [*variation.factor, *variation.value, *variation.count], f"variation of {variation.parameter}"
+    bounds, who = (
+        [*variation.factor, *variation.value, *variation.count],
+        f"variation of {variation.parameter}",
+    )
     if bounds if variation.choice else not _rise(bounds):
         raise ParameterError(
             f"{who} has the bounds {bounds}, expected two that rise, of one of factor, value, count, or a choice"
         )
     if variation.parameter == MOTOR_FAULT:
         shares, begin = variation.value, variation.begin
-        if not (_rise(shares) and shares[0] >= 0.0 and shares[1] <= 1.0 and _rise(begin) and begin[0] >= 0.0):
-            raise ParameterError(f"{who} needs value and begin, expected two shares within 0 to 1 and two times")
+        if not (
+            _rise(shares)
+            and shares[0] >= 0.0
+            and shares[1] <= 1.0
+            and _rise(begin)
+            and begin[0] >= 0.0
+        ):
+            raise ParameterError(
+                f"{who} needs value and begin, expected two shares within 0 to 1 and two times"
+            )
         if not 0.0 <= variation.probability <= 1.0:
-            raise ParameterError(f"{who} has the probability {variation.probability}, expected 0 to 1")
+            raise ParameterError(
+                f"{who} has the probability {variation.probability}, expected 0 to 1"
+            )
     elif variation.begin or variation.probability != 1.0:
         raise ParameterError(f"{who} has begin or probability, allowed for {MOTOR_FAULT} alone")
 
@@ -240,14 +278,18 @@ def _rise(bounds: Sequence[float]) -> bool:
 
 def _refuse_metrics(scales: Mapping[str, float], name: str, manoeuvre: Manoeuvre) -> None:
     if not (manoeuvre.demand or manoeuvre.searched):
-        raise ParameterError(f"{name} lacks demand, expected are metrics of what the driver asks for, better the more")
+        raise ParameterError(
+            f"{name} lacks demand, expected are metrics of what the driver asks for, better the more"
+        )
     counted, demanded = named_metrics(manoeuvre.metrics(*COSTS)), named_metrics(manoeuvre.demand)
     for metric, each in counted.items():
         if metric in METRICS and not each.better:
             raise ParameterError(f"metric {metric} of {name} is better neither low nor high")
     for metric, each in demanded.items():
         if each.better == LOWER or (metric in counted and each.better != HIGHER):
-            raise ParameterError(f"demand of {name} is {metric}, which is better low, expected is better the more")
+            raise ParameterError(
+                f"demand of {name} is {metric}, which is better low, expected is better the more"
+            )
     for metric in named_metrics(manoeuvre.measured):
         scale = scales.get(metric)
         if metric in {**counted, **demanded} and not (is_of(scale, "float") and scale > 0.0):
@@ -258,7 +300,13 @@ def _refuse_search(name: str, manoeuvre: Manoeuvre) -> None:
     if manoeuvre.entry_speed and manoeuvre.speed_scale:
         raise ParameterError(f"{name} has entry_speed and speed_scale, expected one of them")
     what, bounds = "speed_scale" if manoeuvre.speed_scale else "entry_speed", manoeuvre.searched
-    if bounds and not (len(bounds) == 2 and 0.0 < bounds[0] < bounds[1] and 1 <= manoeuvre.halvings <= 30):
-        raise ParameterError(f"{what} of {name} is {bounds}, expected two numbers that rise, and 1 to 30 halvings")
+    if bounds and not (
+        len(bounds) == 2 and 0.0 < bounds[0] < bounds[1] and 1 <= manoeuvre.halvings <= 30
+    ):
+        raise ParameterError(
+            f"{what} of {name} is {bounds}, expected two numbers that rise, and 1 to 30 halvings"
+        )
     if not manoeuvre.entry_speed and ENTRY_SPEED in manoeuvre.measured:
-        raise ParameterError(f"entry_speed of {name} is measured, allowed with the bounds entry_speed: [LOW, HIGH]")
+        raise ParameterError(
+            f"entry_speed of {name} is measured, allowed with the bounds entry_speed: [LOW, HIGH]"
+        )

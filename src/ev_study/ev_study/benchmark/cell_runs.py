@@ -23,11 +23,21 @@ from ev_stack.scenarios.slow_ramp import COLUMN, SCALE, angle_at, driven_slowly
 from ev_study.benchmark.board import COSTS, SIDES, Board, Cell, by_role
 from ev_study.benchmark.entry_speed import CLEAN, DRIVEN, searched_at
 
-TYRES = ("single_track", "known.observer", "observer")  # groups in which laws keep what they believe of the tyres
+# groups in which laws keep what they believe of the tyres
+TYRES = ("single_track", "known.observer", "observer")
 SCALE_OF_ANGLES = f"{COLUMN}.{SCALE}"
 SEEDS = f"{EVERY_ROLE}.seed"
-# What stands beside the metrics in the record of a run (ranking/result.py) or in what is driven (entry_speed.py).
-FIELDS = ("cell", "law", "draw", "unstable", *(f"{cost}_cost" for cost in COSTS), "signal_hash", "command")
+# What stands beside the metrics in the record of a run (ranking/result.py) or in what is driven
+# (entry_speed.py).
+FIELDS = (
+    "cell",
+    "law",
+    "draw",
+    "unstable",
+    *(f"{cost}_cost" for cost in COSTS),
+    "signal_hash",
+    "command",
+)
 FIELDS += ("demand_met", "once_more", CLEAN, DRIVEN)
 
 
@@ -43,7 +53,8 @@ def values_of(board: Board, cell: Cell) -> dict[str, Any]:
     varied = [each.parameter for each in board.variations]
     for number, name in enumerate(varied):
         _refuse_twice("the board varies", [name], [*varied[:number], *searched])
-    anew = [each.parameter for each in board.variations if not each.factor]  # a factor is on what is set
+    # a factor is on what is set
+    anew = [each.parameter for each in board.variations if not each.factor]
     _refuse_twice(f"manoeuvre {cell.manoeuvre} sets", manoeuvre.values, [*anew, *searched])
     values = {**_layout_and_road(board, cell), **manoeuvre.values}
     if manoeuvre.steering_on:
@@ -59,7 +70,9 @@ def _refuse_twice(who: str, names: Iterable[str], others: Sequence[str]) -> None
         role, _, parameter = name.partition(".")
         role_of_other, _, same = other.partition(".")
         if parameter == same and (role == role_of_other or EVERY_ROLE in (role, role_of_other)):
-            raise ParameterError(f"{who} {name}, and {other} is varied already, expected one of them")
+            raise ParameterError(
+                f"{who} {name}, and {other} is varied already, expected one of them"
+            )
 
 
 def _layout_and_road(board: Board, cell: Cell) -> dict[str, Any]:
@@ -87,11 +100,17 @@ def driven_wheels(board: Board, cell: Cell) -> list[str]:
 
 def _scale_of_angles(board: Board, cell: Cell) -> float:
     """By what this car has to turn the steering wheel farther than that of the scenario, from a slow ramp on a road."""
-    values = {**_layout_and_road(board, cell), **board.manoeuvres[cell.manoeuvre].values, SCALE_OF_ANGLES: 1.0}
+    values = {
+        **_layout_and_road(board, cell),
+        **board.manoeuvres[cell.manoeuvre].values,
+        SCALE_OF_ANGLES: 1.0,
+    }
     scenario = _scenario(board, cell, values)
     ramp = scenario.parameters.slow_ramp
     try:
-        angle = angle_at(driven_slowly(scenario.runs[0], ramp), ramp.lateral_acceleration, ramp.read)
+        angle = angle_at(
+            driven_slowly(scenario.runs[0], ramp), ramp.lateral_acceleration, ramp.read
+        )
     except NotMeasured as why:
         raise ParameterError(f"steering angles of {cell.manoeuvre} for {cell.car}: {why}") from None
     return angle / ramp.reference_angle

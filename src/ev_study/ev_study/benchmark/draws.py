@@ -16,7 +16,8 @@ from ev_stack.batches.variation import EVERY_ROLE
 from ev_study.benchmark.board import FRICTION, MOTOR_FAULT, TOLD_FRICTION, Board, Cell, Variation
 from ev_study.benchmark.cell_runs import SEEDS, driven_wheels, surfaces_of
 
-BELIEF = ("known.error_factor", "error_factor")  # how laws call the friction that they believe in over the true one
+# how laws call the friction that they believe in over the true one
+BELIEF = ("known.error_factor", "error_factor")
 _FAULTS, _ANYTHING = "faults", 2**31
 
 
@@ -31,7 +32,8 @@ class Draws:
 def numbers_drawn(board: Board, cell: Cell) -> tuple[list[int], dict[str, list[Any]]]:
     """The seed of each run, and by variation what is drawn for it, by the seed of the board and the name of the cell.
 
-    That is a factor, a value, a whole number or a choice; of MOTOR_FAULT the text of the fault, empty without one.
+    That is a factor, a value, a whole number or a choice; of MOTOR_FAULT the text of the fault,
+    empty without one.
     """
     random = np.random.Generator(np.random.PCG64([board.seed, zlib.crc32(cell.id("").encode())]))
     seeds, found = random.integers(_ANYTHING, size=board.draws).tolist(), {}
@@ -50,7 +52,10 @@ def numbers_drawn(board: Board, cell: Cell) -> tuple[list[int], dict[str, list[A
 
 
 def _motor_faults(
-    variation: Variation, wheels: Sequence[str], shares: Sequence[float], random: np.random.Generator
+    variation: Variation,
+    wheels: Sequence[str],
+    shares: Sequence[float],
+    random: np.random.Generator,
 ) -> list[str]:
     """The fault of each run: none, or that of the motor of one of some wheels."""
     struck = random.random(len(shares)) < variation.probability
@@ -78,7 +83,9 @@ def drawn(board: Board, cell: Cell, base: Mapping[str, Configuration]) -> Draws:
                 values[f"{MASTER}.road.{name}"] = [each[name] for each in surfaces]
         elif variation.parameter == MOTOR_FAULT:
             of_run = base[MASTER].values()[_FAULTS]
-            values[f"{MASTER}.{_FAULTS}"] = [[*of_run, fault] if fault else of_run for fault in found]
+            values[f"{MASTER}.{_FAULTS}"] = [
+                [*of_run, fault] if fault else of_run for fault in found
+            ]
         elif variation.factor:
             of_car = value_in(base, variation.parameter)
             values[variation.parameter] = [of_car * factor for factor in found]
@@ -90,9 +97,15 @@ def drawn(board: Board, cell: Cell, base: Mapping[str, Configuration]) -> Draws:
 def value_in(base: Mapping[str, Configuration], name: str) -> float:
     """What a variation by a factor is on; ParameterError if it is no number."""
     role, _, parameter = name.partition(".")
-    known = base[MASTER if role == EVERY_ROLE else role].values() if role == EVERY_ROLE or role in base else {}
+    known = (
+        base[MASTER if role == EVERY_ROLE else role].values()
+        if role == EVERY_ROLE or role in base
+        else {}
+    )
     if not isinstance(known.get(parameter), float):
-        raise ParameterError(f"{name} is refused: nothing of this name has a number that a factor could change")
+        raise ParameterError(
+            f"{name} is refused: nothing of this name has a number that a factor could change"
+        )
     return float(known[parameter])
 
 

@@ -25,11 +25,13 @@ from ev_study.benchmark.manoeuvre import Manoeuvre
 
 CLEAN, HASH, END = "clean", "signal hash", "end of run"
 DRIVEN = "runs_driven"  # until the speed of a draw was found
-Driven = dict[str, np.ndarray]  # metrics, and by these names whether runs are clean, and when they ended [s], (runs,)
+# metrics, and by these names whether runs are clean, and when they ended [s], (runs,)
+Driven = dict[str, np.ndarray]
 _DRIVER = "driver"
 _FRICTION = "road.own_c1"
 _FIRST_STEP = 2  # of 64 speeds: what draws change beside that
-_LOOK, _LOOK_AT_LAP = 1.0, 5.0  # [s], between two looks at a run: at a lap one costs as much as 0.6 s of it
+# [s], between two looks at a run: at a lap one costs as much as 0.6 s of it
+_LOOK, _LOOK_AT_LAP = 1.0, 5.0
 
 
 def clean(board: Board, run: Run) -> NamedMetric:
@@ -38,7 +40,10 @@ def clean(board: Board, run: Run) -> NamedMetric:
     def of(driven: DrivenRun) -> float:
         try:
             if driven.course is not None:
-                in_lanes = len(lap_times(driven.signals, driven.vehicle, driven.course)) >= driven.course.laps
+                in_lanes = (
+                    len(lap_times(driven.signals, driven.vehicle, driven.course))
+                    >= driven.course.laps
+                )
             else:
                 in_lanes = passed(driven.signals, driven.vehicle, _road(driven), run.course)
         except NotMeasured:  # it has not come to the end
@@ -46,7 +51,11 @@ def clean(board: Board, run: Run) -> NamedMetric:
         return float(in_lanes and peak_sideslip(driven.signals) < board.unstable)
 
     return NamedMetric(
-        CLEAN, "1", "1: stable, in the lanes and on the road to the end, no cone hit, all laps driven; else 0", of, ()
+        CLEAN,
+        "1",
+        "1: stable, in the lanes and on the road to the end, no cone hit, all laps driven; else 0",
+        of,
+        (),
     )
 
 
@@ -65,13 +74,20 @@ def _ending(board: Board, manoeuvre: Manoeuvre, run: Run) -> Ending:
             return True
         if course is None:
             return is_over(signals, since, vehicle, _road(driven), run.course)
-        return leaves(new, vehicle, course) is not None or laps_begun(signals, vehicle, course) > course.laps
+        return (
+            leaves(new, vehicle, course) is not None
+            or laps_begun(signals, vehicle, course) > course.laps
+        )
 
     return Ending(known, _LOOK_AT_LAP if manoeuvre.speed_scale else _LOOK)
 
 
 def drive(
-    board: Board, manoeuvre: Manoeuvre, run: Run, vary: Mapping[str, Sequence[Any]], threads: int | None
+    board: Board,
+    manoeuvre: Manoeuvre,
+    run: Run,
+    vary: Mapping[str, Sequence[Any]],
+    threads: int | None,
 ) -> Driven:
     """Drive a law in a manoeuvre, a run for each row of what varies.
 
@@ -111,13 +127,18 @@ def searched_at(manoeuvre: Manoeuvre, values: np.ndarray) -> dict[str, list[Any]
 
 
 def at_highest_clean(
-    board: Board, manoeuvre: Manoeuvre, run: Run, vary: Mapping[str, Sequence[Any]], threads: int | None
+    board: Board,
+    manoeuvre: Manoeuvre,
+    run: Run,
+    vary: Mapping[str, Sequence[Any]],
+    threads: int | None,
 ) -> tuple[dict[str, list[Any]], Driven]:
     """What has to vary for each draw to be driven at its highest clean speed, at the lowest one if none is; and that.
 
-    Speeds are the lower bound and 2^`halvings` - 1 more, evenly; the upper bound is not driven. Each draw begins at
-    what the run without draws reaches, times the root of its factor on the friction, as speeds in bends go. Where
-    cleanness comes and goes with the speed this finds one of its ends. A manoeuvre that raises nothing is just driven.
+    Speeds are the lower bound and 2^`halvings` - 1 more, evenly; the upper bound is not driven.
+    Each draw begins at what the run without draws reaches, times the root of its factor on the
+    friction, as speeds in bends go. Where cleanness comes and goes with the speed this finds one of
+    its ends. A manoeuvre that raises nothing is just driven.
     """
     if not manoeuvre.searched:
         return {}, drive(board, manoeuvre, run, vary, threads)
@@ -130,7 +151,9 @@ def at_highest_clean(
 
     def is_clean_at(draws: np.ndarray, places: np.ndarray) -> np.ndarray:
         columns = {name: [column[draw] for draw in draws.tolist()] for name, column in vary.items()}
-        found = drive(board, manoeuvre, run, columns | searched_at(manoeuvre, speed(places)), threads)
+        found = drive(
+            board, manoeuvre, run, columns | searched_at(manoeuvre, speed(places)), threads
+        )
         is_clean: np.ndarray = found[CLEAN] == 1.0
         tries[draws] += 1.0
         taken = is_clean | (places == 0)
@@ -140,12 +163,17 @@ def at_highest_clean(
 
     def is_nominal_clean_at(_: np.ndarray, places: np.ndarray) -> np.ndarray:
         is_clean: np.ndarray = (
-            drive(board, manoeuvre, run, searched_at(manoeuvre, speed(places)), threads)[CLEAN] == 1.0
+            drive(board, manoeuvre, run, searched_at(manoeuvre, speed(places)), threads)[CLEAN]
+            == 1.0
         )
         return is_clean
 
     nominal = speed(last_true(count, np.array([count // 2]), is_nominal_clean_at))
-    start = (nominal * np.sqrt(_friction_factors(board, run, vary)) - lowest) / (highest - lowest) * count
+    start = (
+        (nominal * np.sqrt(_friction_factors(board, run, vary)) - lowest)
+        / (highest - lowest)
+        * count
+    )
     places = last_true(count, np.rint(start).astype(int), is_clean_at)
     if (never := np.flatnonzero(places == 0)).size:
         is_clean_at(never, places[never])
@@ -157,20 +185,29 @@ def _friction_factors(board: Board, run: Run, vary: Mapping[str, Sequence[Any]])
     columns = vary.get(f"{MASTER}.{_FRICTION}")
     if columns is None:
         return np.ones(board.draws)
-    return np.array([column[0] for column in columns]) / run.configurations[MASTER].values()[_FRICTION][0]
+    return (
+        np.array([column[0] for column in columns])
+        / run.configurations[MASTER].values()[_FRICTION][0]
+    )
 
 
-def last_true(count: int, start: np.ndarray, is_true: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> np.ndarray:
+def last_true(
+    count: int, start: np.ndarray, is_true: Callable[[np.ndarray, np.ndarray], np.ndarray]
+) -> np.ndarray:
     """For each of some rows the last of the places 0..count-1 at which something is true, (rows,); 0 if at none.
 
-    `is_true` is asked for some rows at a place for each. True is expected up to a place and false behind it, near
-    `start`: from there on in growing steps, and then by halves (Bentley & Yao 1976, Inf. Process. Lett. 5, 82-87).
+    `is_true` is asked for some rows at a place for each. True is expected up to a place and false
+    behind it, near `start`: from there on in growing steps, and then by halves (Bentley & Yao 1976,
+    Inf. Process. Lett. 5, 82-87).
     """
     low, high = np.zeros(len(start), int), np.full(len(start), count)
     at, step = np.clip(start, 1, count - 1), _FIRST_STEP
     while (asked := np.flatnonzero(high - low > 1)).size:
         found = is_true(asked, at[asked])
-        low[asked], high[asked] = np.where(found, at[asked], low[asked]), np.where(found, high[asked], at[asked])
+        low[asked], high[asked] = (
+            np.where(found, at[asked], low[asked]),
+            np.where(found, high[asked], at[asked]),
+        )
         at = np.where(high == count, low + step, np.where(low == 0, high - step, (low + high) // 2))
         at, step = np.clip(at, low + 1, high - 1), 2 * step
     return low

@@ -18,14 +18,19 @@ def held_out(board: Board, seed: int) -> Board:
 def with_cases(board: Board, entry: str, seed: int) -> Board:
     """A board with the cars of one of its CASES, its roads with drawn frictions and stiffnesses, further variations.
 
-    All of it follows from the seed, which is that of the draws as well. ParameterError if it has no such entry.
+    All of it follows from the seed, which is that of the draws as well. ParameterError if it has no
+    such entry.
     """
     of: Cases | None = getattr(board, entry)
     if of is None:
-        raise ParameterError(f"board {board.name} has no {entry} cases, allowed with an entry {entry}")
+        raise ParameterError(
+            f"board {board.name} has no {entry} cases, allowed with an entry {entry}"
+        )
     random, roads = np.random.Generator(np.random.PCG64(seed)), dict[str, Road]()
     for name, road in board.roads.items():
-        friction, stiffness = (low + (high - low) * random.random() for low, high in (of.friction, of.stiffness))
+        friction, stiffness = (
+            low + (high - low) * random.random() for low, high in (of.friction, of.stiffness)
+        )
         roads[name] = replace(road, friction=float(friction), stiffness=float(stiffness))
     variations = [*board.variations, *of.variations]
     return replace(board, seed=seed, cars=of.cars, roads=roads, variations=variations)

@@ -29,11 +29,14 @@ _METRIC, _CLEAN, _HASHES, _COMMANDS = "metric ", "clean", "hashes", "commands"
 class KeptCells(Sequence[DrivenCell]):
     """The cells of a board as some laws have driven them, each read when it is asked for.
 
-    They stand in `results` under a digest of all that their numbers depend on beside our sources. `runs` are some with
-    all methods that drive. ParameterError for what the file of the board gets wrong.
+    They stand in `results` under a digest of all that their numbers depend on beside our sources.
+    `runs` are some with all methods that drive. ParameterError for what the file of the board gets
+    wrong.
     """
 
-    def __init__(self, board: Board, cells: Sequence[Cell], laws: Sequence[str], results: Results) -> None:
+    def __init__(
+        self, board: Board, cells: Sequence[Cell], laws: Sequence[str], results: Results
+    ) -> None:
         self._cells, self._laws, self._results = cells, laws, results
         self._read: dict[str, str] = {}
         self._anew = set[str]()
@@ -55,7 +58,8 @@ class KeptCells(Sequence[DrivenCell]):
                 self.runs.append(_playing(base, law_of(board, self._laws[0], base)))
             for law in self._laws:
                 if (cell.car, law) not in of_laws:
-                    # Its nodes alone, so that an edit of the first manoeuvre leaves what the others have driven.
+                    # Its nodes alone, so that an edit of the first manoeuvre leaves what the others
+                    # have driven.
                     of_laws[cell.car, law], nodes = self._key_of(
                         lambda base=base, law=law: Run(law, "", law_of(board, law, base), 0.0)
                     )
@@ -104,7 +108,9 @@ class KeptCells(Sequence[DrivenCell]):
                 raise RunFailed(f"{path} has changed while the board was driven: start it again")
         for law, metrics in driven.metrics.items():
             texts = {_HASHES: driven.hashes[law], _COMMANDS: driven.commands[law]}
-            part = {f"{_METRIC}{name}": values for name, values in metrics.items()} | {_CLEAN: driven.clean[law]}
+            part = {f"{_METRIC}{name}": values for name, values in metrics.items()} | {
+                _CLEAN: driven.clean[law]
+            }
             part |= {name: np.array([each.encode() for each in of]) for name, of in texts.items()}
             np.savez_compressed(content := io.BytesIO(), **part)
             name = self._names[driven.cell, law]
@@ -128,7 +134,9 @@ class KeptCells(Sequence[DrivenCell]):
         driven = DrivenCell(cell, {}, {}, {}, {})
         for law in self._laws:
             part = self._part(self._names[cell, law])
-            driven.metrics[law] = {n.removeprefix(_METRIC): part[n] for n in part if n.startswith(_METRIC)}
+            driven.metrics[law] = {
+                n.removeprefix(_METRIC): part[n] for n in part if n.startswith(_METRIC)
+            }
             driven.clean[law] = part[_CLEAN]
             driven.hashes[law], driven.commands[law] = (
                 [each.decode() for each in part[name].tolist()] for name in (_HASHES, _COMMANDS)

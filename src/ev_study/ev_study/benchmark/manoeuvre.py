@@ -20,12 +20,13 @@ ENTRY_SPEED = NamedMetric(
 class Manoeuvre:
     """A run of a scenario, the roads that it is driven on, and the metrics of each cost.
 
-    `steering_on`: the road on which the steering angles are found on the very car, by the slow ramp of the scenario.
-    `entry_speed`: bounds of the speed that is raised until the car is not clean any more [m/s], by `halvings`;
-    `speed_scale`: those of the scale of the speed profile of a lap [1], likewise. `without`: cars that do not drive it.
-    `demand`: metrics of what the driver asks for, such as speed gained, the better the more; the least share of them
-    that a law meets weighs all its costs. `recorded` is measured beside them and counts in no cost; without it that of
-    the board.
+    `steering_on`: the road on which the steering angles are found on the very car, by the slow ramp
+    of the scenario. `entry_speed`: bounds of the speed that is raised until the car is not clean
+    any more [m/s], by `halvings`; `speed_scale`: those of the scale of the speed profile of a lap
+    [1], likewise. `without`: cars that do not drive it. `demand`: metrics of what the driver asks
+    for, such as speed gained, the better the more; the least share of them that a law meets weighs
+    all its costs. `recorded` is measured beside them and counts in no cost; without it that of the
+    board.
     """
 
     scenario: str
@@ -56,4 +57,8 @@ class Manoeuvre:
     @property
     def measured(self) -> list[str | NamedMetric]:
         """All that is measured, each once."""
-        return list(dict.fromkeys((*self.demand, *self.metrics("handling", "energy", "recorded"), "peak_sideslip")))
+        return list(
+            dict.fromkeys(
+                (*self.demand, *self.metrics("handling", "energy", "recorded"), "peak_sideslip")
+            )
+        )

@@ -46,7 +46,9 @@ def record(of: type[T], what: str, content: Any) -> T:
         kind, _, inner = str(known[name].type).removesuffix("]").partition("[")
         elements = value if kind == "list" and isinstance(value, list) else ()
         if not is_of(value, kind) or not all(is_of(each, inner) for each in elements):
-            allowed = _allowed(kind) + (f", each element {_allowed(inner)}" if kind == "list" else "")
+            allowed = _allowed(kind) + (
+                f", each element {_allowed(inner)}" if kind == "list" else ""
+            )
             raise ParameterError(f"{name} of {what} is {_shown(value)}, expected {allowed}")
     return of(**stated)
 

@@ -23,7 +23,8 @@ REPETITIONS = 9
 def step_times(board: Board, cell: Cell, laws: Sequence[str]) -> dict[str, float]:
     """CPU time of a step of each law with all its roles [ns], in the run of a cell with the nominal car.
 
-    Each role answers in the compiled loop to the inputs that it had in the run: the least mean of some repetitions.
+    Each role answers in the compiled loop to the inputs that it had in the run: the least mean of
+    some repetitions.
     """
     base, found = run_of(board, cell, values_of(board, cell)), {}
     for law in laws:
@@ -31,7 +32,9 @@ def step_times(board: Board, cell: Cell, laws: Sequence[str]) -> dict[str, float
         period = run.configurations[MASTER].period
         graph = GraphRun(run.configurations, stamps.from_seconds(run.duration) // period + 1)
         graph.drive(lambda _: None, lambda role, text: None)
-        found[law] = sum(_step_time(run.configurations[role], graph.series) for role in by_role(board.laws[law]))
+        found[law] = sum(
+            _step_time(run.configurations[role], graph.series) for role in by_role(board.laws[law])
+        )
     return found
 
 

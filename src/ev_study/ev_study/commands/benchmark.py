@@ -34,7 +34,13 @@ from ev_study.benchmark.ranking.drawing import board_sheet
 from ev_study.benchmark.ranking.law_pages import law_page, overview
 from ev_study.benchmark.ranking.result import BoardResult
 from ev_study.benchmark.ranking.run_files import RUNS, write_runs
-from ev_study.benchmark.ranking.tables import CELL_COLUMNS, SCORE_COLUMNS, cell_rows, closed_division, score_rows
+from ev_study.benchmark.ranking.tables import (
+    CELL_COLUMNS,
+    SCORE_COLUMNS,
+    cell_rows,
+    closed_division,
+    score_rows,
+)
 from ev_study.benchmark.step_times import step_times
 from ev_study.studies.digests import digest_of_sources
 from ev_study.studies.result_store import ResultStore
@@ -43,7 +49,8 @@ from ev_study.studies.workers import load_for, perform_jobs
 FIGURE = "board"
 PAGES = "laws.md"
 FILES = ("board.json", *RUNS, PAGES, f"{FIGURE}.png")
-RUNS_OF_A_JOB = 100  # at most, or all of one law in a cell: preparing a cell takes as long as five runs
+# at most, or all of one law in a cell: preparing a cell takes as long as five runs
+RUNS_OF_A_JOB = 100
 
 
 def run_benchmark(argv: Sequence[str]) -> None:
@@ -51,8 +58,12 @@ def run_benchmark(argv: Sequence[str]) -> None:
     given = _parser().parse_args(argv)
     begin = time.monotonic()
     if given.secret and given.board:
-        raise ParameterError(f"--secret {quoted(given.secret)} is a board, expected no other one beside it")
-    board, added = with_added(_asked(read_board(given.secret or given.board or "small"), given), given.add)
+        raise ParameterError(
+            f"--secret {quoted(given.secret)} is a board, expected no other one beside it"
+        )
+    board, added = with_added(
+        _asked(read_board(given.secret or given.board or "small"), given), given.add
+    )
     laws = _laws(board, given.laws, added)
     check_laws(board, laws, added)
     if given.drive:
@@ -83,7 +94,11 @@ def run_benchmark(argv: Sequence[str]) -> None:
     print(f"hash of all runs {result.hash}")
     again = f", {before} of them driven before (--anew drives them again)" if before else ""
     total = len(cells) * len(laws) * board.draws
-    searches = f", {result.driven} with those of the search for entry speeds," if result.driven > total else ""
+    searches = (
+        f", {result.driven} with those of the search for entry speeds,"
+        if result.driven > total
+        else ""
+    )
     print(f"{total} runs{searches} in {time.monotonic() - begin:.1f} s{again}")
     print(f"scores, all runs and figure: {folder.directory}")
 
@@ -94,27 +109,42 @@ def drive_board(board: Board, pattern: str = "*", laws: Sequence[str] = ()) -> B
     cells = board.cells(pattern)
     kept = KeptCells(board, cells, chosen, {})
     _drive(board, kept)
-    return BoardResult(board, chosen, kept, ["benchmark", board.name], step_times(board, cells[0], chosen))
+    return BoardResult(
+        board, chosen, kept, ["benchmark", board.name], step_times(board, cells[0], chosen)
+    )
 
 
-def _drive(board: Board, kept: KeptCells, scheduler: str | None = None, workers: int | None = None) -> int:
+def _drive(
+    board: Board, kept: KeptCells, scheduler: str | None = None, workers: int | None = None
+) -> int:
     """Drive what is missing, some laws in a cell at a time; how many runs were there already."""
     missing = kept.missing()
     if scheduler is None:
         load_for(kept.runs)
     jobs = [job for cell, laws in missing.items() for job in _jobs(board, cell, laws)]
-    total, to_drive = (sum(map(len, each)) * board.draws for each in (kept.laws_in_cells, missing.values()))
+    total, to_drive = (
+        sum(map(len, each)) * board.draws for each in (kept.laws_in_cells, missing.values())
+    )
     with bar_of_runs("benchmark", total, total - to_drive) as bar:
 
         def keep(_: int, driven: DrivenCell) -> None:
             kept.keep(driven)
             bar.update(len(driven.metrics) * board.draws)
 
-        perform_jobs(drive_cell, jobs, keep, scheduler, workers, lambda _, cell, laws, __: f"{cell.id('*')}: {laws}")
+        perform_jobs(
+            drive_cell,
+            jobs,
+            keep,
+            scheduler,
+            workers,
+            lambda _, cell, laws, __: f"{cell.id('*')}: {laws}",
+        )
     return total - to_drive
 
 
-def _jobs(board: Board, cell: Cell, laws: Sequence[str]) -> Iterator[tuple[Board, Cell, Sequence[str], int]]:
+def _jobs(
+    board: Board, cell: Cell, laws: Sequence[str]
+) -> Iterator[tuple[Board, Cell, Sequence[str], int]]:
     """What `drive_cell` is called with, on one thread: as many laws as make a job that is worth preparing the cell."""
     manoeuvre = board.manoeuvres[cell.manoeuvre]
     of_law = board.draws * (manoeuvre.halvings if manoeuvre.searched else 1)
@@ -124,12 +154,25 @@ def _jobs(board: Board, cell: Cell, laws: Sequence[str]) -> Iterator[tuple[Board
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = Parser(prog="run.sh benchmark", description="scripts/run.sh benchmark: laws ranked on a board.")
+    parser = Parser(
+        prog="run.sh benchmark", description="scripts/run.sh benchmark: laws ranked on a board."
+    )
     parser.add_argument("board", nargs="?", help="name or path of a board; default: small")
-    parser.add_argument("--secret", metavar="FILE", help="a board of which nothing but the scores is written")
-    parser.add_argument("--held-out", type=int, metavar="SEED", help="cars, roads and draws that the board holds out")
-    parser.add_argument("--cells", default="*", metavar="ID", help="those whose ids fit, such as '*:step_steer:*'")
-    parser.add_argument("--laws", metavar="NAME,NAME", help="these, the reference and what is added only")
+    parser.add_argument(
+        "--secret", metavar="FILE", help="a board of which nothing but the scores is written"
+    )
+    parser.add_argument(
+        "--held-out",
+        type=int,
+        metavar="SEED",
+        help="cars, roads and draws that the board holds out",
+    )
+    parser.add_argument(
+        "--cells", default="*", metavar="ID", help="those whose ids fit, such as '*:step_steer:*'"
+    )
+    parser.add_argument(
+        "--laws", metavar="NAME,NAME", help="these, the reference and what is added only"
+    )
     parser.add_argument(
         "--add",
         action="append",
@@ -137,20 +180,34 @@ def _parser() -> argparse.ArgumentParser:
         metavar="LAW[=FILE]",
         help="one more law: my_law.py, my_law.py:NAME, a law of the board or a method, with a parameter file",
     )
-    parser.add_argument("--draws", type=int, metavar="N", help="of each cell, instead of those of the board")
-    parser.add_argument("--seed", type=int, metavar="N", help="of the draws, instead of that of the board")
+    parser.add_argument(
+        "--draws", type=int, metavar="N", help="of each cell, instead of those of the board"
+    )
+    parser.add_argument(
+        "--seed", type=int, metavar="N", help="of the draws, instead of that of the board"
+    )
     where = parser.add_mutually_exclusive_group()
-    where.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="a dask scheduler instead of this machine")
-    where.add_argument("--workers", type=int, metavar="N", help="worker processes here; default: one per core")
+    where.add_argument(
+        "--scheduler", metavar="tcp://HOST:PORT", help="a dask scheduler instead of this machine"
+    )
+    where.add_argument(
+        "--workers", type=int, metavar="N", help="worker processes here; default: one per core"
+    )
     parser.add_argument("--anew", action="store_true", help="drive again what was driven before")
     parser.add_argument(
-        "--drive", metavar="LAW:DRAW", help="one run of the only cell that fits, as a scenario, over DDS"
+        "--drive",
+        metavar="LAW:DRAW",
+        help="one run of the only cell that fits, as a scenario, over DDS",
     )
     way = parser.add_mutually_exclusive_group()
     way.add_argument("--offline", action="store_true", help="with --drive: no DDS, one process")
-    way.add_argument("--in-process", action="store_true", help="with --drive: all nodes in one process, over DDS")
+    way.add_argument(
+        "--in-process", action="store_true", help="with --drive: all nodes in one process, over DDS"
+    )
     parser.add_argument("--no-report", action="store_true", help="neither report nor figure")
-    parser.add_argument("--out", type=output_folder, metavar="DIR", help="output folder; default results/benchmark")
+    parser.add_argument(
+        "--out", type=output_folder, metavar="DIR", help="output folder; default results/benchmark"
+    )
     add_traceback(parser)
     return parser
 
@@ -166,17 +223,25 @@ def _drive_alone(board: Board, given: argparse.Namespace) -> None:
         raise unknown_name("law", law, board.laws)
     cells = board.cells(given.cells)
     if len(cells) > 1:
-        raise ParameterError(f"--drive is for one cell, {len(cells)} fit {quoted(given.cells)}; expected --cells ID")
+        raise ParameterError(
+            f"--drive is for one cell, {len(cells)} fit {quoted(given.cells)}; expected --cells ID"
+        )
     runs = laws_in_cell(board, cells[0], [law])[law].only(int(number))
     ((_, *words),), _ = drive_law(replace(board, draws=1), cells[0], runs)
-    words += ["--offline"] * given.offline + ["--in-process"] * given.in_process + ["--no-report"] * given.no_report
+    words += (
+        ["--offline"] * given.offline
+        + ["--in-process"] * given.in_process
+        + ["--no-report"] * given.no_report
+    )
     drive_scenario(arguments([*words, *(["--out", str(given.out)] if given.out else [])]))
 
 
 def _words(given: argparse.Namespace) -> list[str]:
     """Those that make the same draws once more."""
     options = [
-        (f"--{name}", str(getattr(given, name))) for name in ("draws", "seed") if getattr(given, name) is not None
+        (f"--{name}", str(getattr(given, name)))
+        for name in ("draws", "seed")
+        if getattr(given, name) is not None
     ]
     options += [("--add", _from_anywhere(word)) for word in given.add]
     if given.held_out is not None:
@@ -198,8 +263,12 @@ def _asked(board: Board, given: argparse.Namespace) -> Board:
             option = f"--{name.replace('_', '-')} {getattr(given, name)}"
             raise ParameterError(f"{option} is refused, expected {least} or more")
     if given.held_out is not None and given.seed is not None:
-        raise ParameterError("--seed is refused beside --held-out: one seed makes cars, roads and draws")
-    changed = {name: getattr(given, name) for name in ("draws", "seed") if getattr(given, name) is not None}
+        raise ParameterError(
+            "--seed is refused beside --held-out: one seed makes cars, roads and draws"
+        )
+    changed = {
+        name: getattr(given, name) for name in ("draws", "seed") if getattr(given, name) is not None
+    }
     board = replace(board, **changed)
     return board if given.held_out is None else held_out(board, given.held_out)
 
@@ -212,11 +281,15 @@ def _laws(board: Board, names: str | None, added: Sequence[str]) -> list[str]:
     return list(dict.fromkeys(asked))
 
 
-def _write(folder: Path, result: BoardResult, command: str, given: argparse.Namespace, added: Sequence[str]) -> None:
+def _write(
+    folder: Path, result: BoardResult, command: str, given: argparse.Namespace, added: Sequence[str]
+) -> None:
     about = {"held_out": given.held_out, "versions": versions(), "command": command}
     if given.secret:
         digest = hashlib.sha256(read_data(Path(given.secret), TEXT)).hexdigest()
-        kept = {name: of for name, of in result.as_json().items() if name not in ("cells", "recorded")}
+        kept = {
+            name: of for name, of in result.as_json().items() if name not in ("cells", "recorded")
+        }
         write_summary(folder / "board.json", kept | {"board_sha256": digest} | about)
         return
     write_summary(folder / "board.json", result.as_json() | about)

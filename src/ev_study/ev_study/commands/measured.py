@@ -63,17 +63,21 @@ from ev_study.studies.result_store import Answers, ResultStore
 
 # Largest values of options of `identify`, each above 0.
 _MOST = {"starts": 1000, "steps": 100_000, "every": 100_000, "prior": 1e6, "train": 1.0}
-_OF_A_RUN = (".npz", ".mcap", ".db3", "")  # what a recording of ours may end with; the last is a folder
+# what a recording of ours may end with; the last is a folder
+_OF_A_RUN = (".npz", ".mcap", ".db3", "")
 
 
 def run_validate(argv: Sequence[str]) -> None:
     """Replay a record open loop, and print and write how far the car is from it."""
     parser = Parser(
-        prog="run.sh validate", description="scripts/run.sh validate: a car against a record of a real one."
+        prog="run.sh validate",
+        description="scripts/run.sh validate: a car against a record of a real one.",
     )
     _add_record(parser, "validate")
     parser.add_argument(
-        "--no-report", action="store_true", help="neither report.html nor figures, numbers all the same"
+        "--no-report",
+        action="store_true",
+        help="neither report.html nor figures, numbers all the same",
     )
     parser.add_argument(
         "--estimators",
@@ -97,7 +101,9 @@ def run_validate(argv: Sequence[str]) -> None:
         found.write(folder.directory, command_of(["validate", *argv]), not given.no_report)
     for note in (*found.notes(), *lacking):
         print(f"note: {note}")
-    print(f"{len(replay.windows)} windows of {given.window:g} s; page, figures, signals, summary: {folder.directory}")
+    print(
+        f"{len(replay.windows)} windows of {given.window:g} s; page, figures, signals, summary: {folder.directory}"
+    )
 
 
 def run_identify(argv: Sequence[str]) -> None:
@@ -119,15 +125,29 @@ def run_identify(argv: Sequence[str]) -> None:
 
 def _parser_of_identify() -> Parser:
     parser = Parser(
-        prog="run.sh identify", description="scripts/run.sh identify: parameters of a car from a record of it."
+        prog="run.sh identify",
+        description="scripts/run.sh identify: parameters of a car from a record of it.",
     )
     parser.add_argument(
-        "--tyre", nargs="+", type=Path, metavar="RIG", help="a tyre from these rig data instead of a car"
+        "--tyre",
+        nargs="+",
+        type=Path,
+        metavar="RIG",
+        help="a tyre from these rig data instead of a car",
     )
     parser.add_argument(
-        "--friction-scale", type=float, default=1.0, metavar="S", help="of the road over the rig's belt"
+        "--friction-scale",
+        type=float,
+        default=1.0,
+        metavar="S",
+        help="of the road over the rig's belt",
     )
-    parser.add_argument("--motor", type=Path, metavar="MAP.csv", help="a motor's losses from this map instead of a car")
+    parser.add_argument(
+        "--motor",
+        type=Path,
+        metavar="MAP.csv",
+        help="a motor's losses from this map instead of a car",
+    )
     _add_record(parser, "identify")
     groups = "; ".join(f"{name}: {', '.join(of)}" for name, of in GROUPS.items())
     parser.add_argument(
@@ -138,19 +158,43 @@ def _parser_of_identify() -> Parser:
         help=f"parameters that are looked for, or groups of them: {groups}",
     )
     parser.add_argument(
-        "--train", type=float, default=2 / 3, metavar="SHARE", help="of the windows; the rest is held out"
+        "--train",
+        type=float,
+        default=2 / 3,
+        metavar="SHARE",
+        help="of the windows; the rest is held out",
     )
     parser.add_argument(
-        "--signals", nargs="+", default=[], metavar="CHANNEL", help="that are compared; default yaw rate and sideslip"
+        "--signals",
+        nargs="+",
+        default=[],
+        metavar="CHANNEL",
+        help="that are compared; default yaw rate and sideslip",
     )
-    parser.add_argument("--starts", type=int, default=1, metavar="N", help="starts of the search; default 1")
-    parser.add_argument("--steps", type=int, default=25, metavar="N", help="largest number of steps from a start")
     parser.add_argument(
-        "--prior", type=float, default=1.0, metavar="W", help="width of what is believed of a start, in scales"
+        "--starts", type=int, default=1, metavar="N", help="starts of the search; default 1"
     )
-    parser.add_argument("--every", type=int, default=5, metavar="N", help="sample that counts for the fit; default 5")
     parser.add_argument(
-        "--no-report", action="store_true", help="neither report.html nor figures, numbers all the same"
+        "--steps", type=int, default=25, metavar="N", help="largest number of steps from a start"
+    )
+    parser.add_argument(
+        "--prior",
+        type=float,
+        default=1.0,
+        metavar="W",
+        help="width of what is believed of a start, in scales",
+    )
+    parser.add_argument(
+        "--every",
+        type=int,
+        default=5,
+        metavar="N",
+        help="sample that counts for the fit; default 5",
+    )
+    parser.add_argument(
+        "--no-report",
+        action="store_true",
+        help="neither report.html nor figures, numbers all the same",
     )
     return parser
 
@@ -160,7 +204,9 @@ def _identify_car(given: argparse.Namespace, command: str) -> None:
     for name, most in _MOST.items():
         value = getattr(given, name)
         if not 0.0 < value <= most:
-            raise ParameterError(f"--{name} {value:g} is refused, expected more than 0 and at most {most:g}")
+            raise ParameterError(
+                f"--{name} {value:g} is refused, expected more than 0 and at most {most:g}"
+            )
     record = open_record(given.record, given.mapping)
     replays = _replays_of_parts(given, record)
     replay = replays[PARTS[0]]
@@ -170,7 +216,17 @@ def _identify_car(given: argparse.Namespace, command: str) -> None:
     free = free_parameters(given.free, replay.configurations)
     signals = _signals_to_fit(given, replay)
     seed = given.seed or 0
-    key = search_key(replay, free, signals, given.every, given.prior, given.starts, seed, given.steps, given.impose)
+    key = search_key(
+        replay,
+        free,
+        signals,
+        given.every,
+        given.prior,
+        given.starts,
+        seed,
+        given.steps,
+        given.impose,
+    )
     reads = [given.record, given.mapping, *files_read(given)]
     answers = Answers(ResultStore(digest_of_sources()), key)
     with OutputFolder(given.out, "identify", FILES_OF_IDENTIFICATION, reads=reads) as folder:
@@ -178,7 +234,9 @@ def _identify_car(given: argparse.Namespace, command: str) -> None:
             replay, free, signals, every=given.every, width=given.prior, starts=given.starts, seed=seed,
             most=given.steps, progress=lambda line: print(line, flush=True), answers=answers,
         )  # fmt: skip
-        known = knowledge(fitted.residuals, fitted.derivatives, fitted.values, free, given.prior, seed)
+        known = knowledge(
+            fitted.residuals, fitted.derivatives, fitted.values, free, given.prior, seed
+        )
         moved = moved_by_scales(replay, free, fitted, given.every, given.prior)
         found = Identified(free, fitted, known, replays, stated, beside, command, moved)
         print(found.table())
@@ -198,7 +256,10 @@ def _replays_of_parts(given: argparse.Namespace, record: MeasuredRecord) -> dict
     if given.train < 1.0:
         parts[PARTS[1]] = (split, end)
     changed = overrides(given)
-    return {part: _replay(given, record, windows_of(record, given.window, *of), changed) for part, of in parts.items()}
+    return {
+        part: _replay(given, record, windows_of(record, given.window, *of), changed)
+        for part, of in parts.items()
+    }
 
 
 def _signals_to_fit(given: argparse.Namespace, replay: OpenLoop) -> list[str]:
@@ -216,13 +277,17 @@ def _identify_motor(given: argparse.Namespace, command: str) -> None:
         motor = fit_motor(given.motor)
         print(motor_table(motor))
         write_motor(folder.directory, motor, command)
-    print(f"{len(motor.speed)} points, {motor.left_out} rows left out; motor: {folder.directory / MOTOR}")
+    print(
+        f"{len(motor.speed)} points, {motor.left_out} rows left out; motor: {folder.directory / MOTOR}"
+    )
 
 
 def _identify_tyre(given: argparse.Namespace, command: str) -> None:
     """Fit a tyre to rig data, and write its property file, the errors and curves over data."""
     if not 0.1 <= given.friction_scale <= 2.0:
-        raise ParameterError(f"--friction-scale {given.friction_scale:g} is refused, expected 0.1 to 2")
+        raise ParameterError(
+            f"--friction-scale {given.friction_scale:g} is refused, expected 0.1 to 2"
+        )
     sweeps = read_rig(given.tyre)
     with OutputFolder(given.out, "identify tyre", FILES_OF_TYRE) as folder:
         fit = fit_tyre(sweeps)
@@ -238,11 +303,19 @@ def _given(given: argparse.Namespace) -> tuple[dict[str, Any], dict[str, Any]]:
     stated, beside = vehicle_file(given.vehicle).values_for("/ev/plant"), dict[str, Any]()
     for role in ROLES_OF_REPLAY:
         for file in map(ParameterFile, changed.files):
-            beside |= {f"{role}.{name}": value for name, value in file.values_for(f"/ev/{role}").items()}
+            beside |= {
+                f"{role}.{name}": value for name, value in file.values_for(f"/ev/{role}").items()
+            }
     for node, name, value in changed.values:
-        beside |= {f"{role}.{name}": value for role in (ROLES_OF_REPLAY if node == "*" else (node,))}
-    of_car = {name.partition(".")[2]: value for name, value in beside.items() if ".vehicle." in name}
-    return {**stated, **of_car}, {name: value for name, value in beside.items() if ".vehicle." not in name}
+        beside |= {
+            f"{role}.{name}": value for role in (ROLES_OF_REPLAY if node == "*" else (node,))
+        }
+    of_car = {
+        name.partition(".")[2]: value for name, value in beside.items() if ".vehicle." in name
+    }
+    return {**stated, **of_car}, {
+        name: value for name, value in beside.items() if ".vehicle." not in name
+    }
 
 
 def _add_record(parser: argparse.ArgumentParser, name: str) -> None:
@@ -254,20 +327,36 @@ def _add_record(parser: argparse.ArgumentParser, name: str) -> None:
         help="CSV (.csv, .csv.xz), a bag, a CAN log (.log, .asc, .blf, .mf4) or signals.npz",
     )
     parser.add_argument(
-        "--mapping", type=Path, metavar="FILE", help="what the columns are; default RECORD's name .yaml"
+        "--mapping",
+        type=Path,
+        metavar="FILE",
+        help="what the columns are; default RECORD's name .yaml",
     )
     parser.add_argument(
-        "--impose", choices=IMPOSED, default="speed", help="what drives the car besides the measured angle"
+        "--impose",
+        choices=IMPOSED,
+        default="speed",
+        help="what drives the car besides the measured angle",
     )
     about = "[Hz] of the speed and what windows begin from, 0 for none; default by the noise of the record"
     parser.add_argument("--smooth", type=_cut_off, metavar="HZ", help=about)
-    parser.add_argument("--window", type=float, default=5.0, metavar="S", help="length of a window; default 5 s")
     parser.add_argument(
-        "--part", type=_part, default=(0.0, 1.0), metavar="A:B", help="shares of the record; default 0:1"
+        "--window", type=float, default=5.0, metavar="S", help="length of a window; default 5 s"
+    )
+    parser.add_argument(
+        "--part",
+        type=_part,
+        default=(0.0, 1.0),
+        metavar="A:B",
+        help="shares of the record; default 0:1",
     )
     folder = Path("results") / name
     parser.add_argument(
-        "--out", type=output_folder, metavar="DIR", default=folder, help=f"output folder; default {folder}"
+        "--out",
+        type=output_folder,
+        metavar="DIR",
+        default=folder,
+        help=f"output folder; default {folder}",
     )
     add_changes(parser)
 
@@ -275,7 +364,9 @@ def _add_record(parser: argparse.ArgumentParser, name: str) -> None:
 def _cut_off(text: str) -> float:
     value = float(text)
     if not (value == 0.0 or 0.1 <= value <= 1000.0):
-        raise argparse.ArgumentTypeError(f"{quoted(text)} is refused, expected 0, or 0.1 to 1000 Hz")
+        raise argparse.ArgumentTypeError(
+            f"{quoted(text)} is refused, expected 0, or 0.1 to 1000 Hz"
+        )
     return value
 
 
@@ -285,11 +376,15 @@ def _part(text: str) -> tuple[float, float]:
     except ValueError:
         begin, end = 0.0, 0.0
     if not 0.0 <= begin < end <= 1.0:
-        raise argparse.ArgumentTypeError(f"{quoted(text)} is refused, expected A:B with 0 <= A < B <= 1")
+        raise argparse.ArgumentTypeError(
+            f"{quoted(text)} is refused, expected A:B with 0 <= A < B <= 1"
+        )
     return begin, end
 
 
-def _parted(changed: Overrides, with_estimators: bool) -> tuple[Overrides, dict[str, dict[str, Any]]]:
+def _parted(
+    changed: Overrides, with_estimators: bool
+) -> tuple[Overrides, dict[str, dict[str, Any]]]:
     """What is given for the graph, and by their names what for corridors and estimators."""
     found: dict[str, dict[str, Any]] = {name: {} for name in (CORRIDOR, *estimators())}
     for file in map(ParameterFile, changed.files):
@@ -303,9 +398,13 @@ def _parted(changed: Overrides, with_estimators: bool) -> tuple[Overrides, dict[
     return replace(changed, values=[each for each in changed.values if each[0] not in found]), found
 
 
-def _replay(given: argparse.Namespace, record: MeasuredRecord, windows: Windows, changed: Overrides) -> OpenLoop:
+def _replay(
+    given: argparse.Namespace, record: MeasuredRecord, windows: Windows, changed: Overrides
+) -> OpenLoop:
     if given.duration is not None:
-        raise ParameterError("--duration is refused: a replay lasts as long as its windows, expected --window")
+        raise ParameterError(
+            "--duration is refused: a replay lasts as long as its windows, expected --window"
+        )
     if given.vehicle is None:
         raise ParameterError("--vehicle is missing: which car?")
     refuse_own(changed, given.impose)
@@ -328,7 +427,10 @@ def open_record(path: Path, mapping: Path | None = None) -> MeasuredRecord:
         return read_standard(path)
     found = find_recorded(path)
     time = found.recording.time
-    columns = {name: (Sampled(time, values), ColumnParameters()) for name, values in found.recording.channels.items()}
+    columns = {
+        name: (Sampled(time, values), ColumnParameters())
+        for name, values in found.recording.channels.items()
+    }
     return measured(str(path), _digest(found.source), columns, MaskParameters())
 
 

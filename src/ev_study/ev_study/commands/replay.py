@@ -29,15 +29,25 @@ def run_replay(argv: Sequence[str]) -> None:
     about = "recorded inputs into a law or a node, its answers beside the recorded ones."
     parser = Parser(prog="run.sh replay", description=f"scripts/run.sh replay: {about}")
     out = Path("results/replay")
-    parser.add_argument("--out", type=output_folder, metavar="DIR", default=out, help=f"output folder; default {out}")
-    parser.add_argument("bag", type=Path, metavar="BAG", help="a bag, the folder of a run, or its signals.npz")
+    parser.add_argument(
+        "--out",
+        type=output_folder,
+        metavar="DIR",
+        default=out,
+        help=f"output folder; default {out}",
+    )
+    parser.add_argument(
+        "bag", type=Path, metavar="BAG", help="a bag, the folder of a run, or its signals.npz"
+    )
     parser.add_argument(
         "--node",
         required=True,
         metavar="NODE[=METHOD_OR_COMMAND]",
         help="what is played anew: by the recorded method, by another one, or by your own node",
     )
-    parser.add_argument("--namespace", default="", metavar="NS", help="that of the topics, if a bag has several")
+    parser.add_argument(
+        "--namespace", default="", metavar="NS", help="that of the topics, if a bag has several"
+    )
     add_changes(parser)
     add_outputs(parser)
     given = parser.parse_args(argv)
@@ -69,7 +79,9 @@ def _meant(role: str, text: str) -> tuple[str, list[str]]:
         if is_code(text):
             return text, []
         methods = f"a method ({', '.join(known)})" if known else "a method"
-        raise ParameterError(f"--node {role}={text} is refused, expected {methods}, a library, law file or program")
+        raise ParameterError(
+            f"--node {role}={text} is refused, expected {methods}, a library, law file or program"
+        )
     return "", words
 
 

@@ -40,7 +40,9 @@ def run_tune(argv: Sequence[str]) -> None:
     given = _parser().parse_args(argv)
     for name, least in (("draws", 1), ("seed", 0), ("threads", 1), ("budget", 2), ("finalists", 1)):
         if getattr(given, name) is not None and getattr(given, name) < least:
-            raise ParameterError(f"--{name} {getattr(given, name)} is refused, expected {least} or more")
+            raise ParameterError(
+                f"--{name} {getattr(given, name)} is refused, expected {least} or more"
+            )
     board = replace(read_board(given.board), draws=given.draws)
     laws = list(board.tuned) if given.laws == [ALL] else list(dict.fromkeys(given.laws))
     others = [law for law in laws if law not in board.laws]
@@ -51,8 +53,11 @@ def run_tune(argv: Sequence[str]) -> None:
     free = {name: _free(board, name, given) for name in names}
     for law, of in free.items():
         for each in of:
-            if not each.by_factors:  # the first steps are a part of all its range, however large that is
-                announce(f"note: {law}: {each.name} starts at {each.start:g}: from {each.low:g} to {each.high:g}")
+            # the first steps are a part of all its range, however large that is
+            if not each.by_factors:
+                announce(
+                    f"note: {law}: {each.name} starts at {each.start:g}: from {each.low:g} to {each.high:g}"
+                )
     references = _references(board, given)
     keys = {name: search_key(references, name, free[name], given) for name in names}
     results = ResultStore(digest_of_sources(config=True))
@@ -64,24 +69,51 @@ def run_tune(argv: Sequence[str]) -> None:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = Parser(prog="run.sh tune", description="scripts/run.sh tune: parameters of laws by CMA-ES on a board.")
-    parser.add_argument(
-        "laws", nargs="+", help=f"laws of the board, methods, my_law.py[:NAME]; {ALL}: those that the board has tuned"
+    parser = Parser(
+        prog="run.sh tune",
+        description="scripts/run.sh tune: parameters of laws by CMA-ES on a board.",
     )
     parser.add_argument(
-        "--free", metavar="NAME,NAME", help="numbers of a law, such as 'pi.*'; default: those of the board, or all"
+        "laws",
+        nargs="+",
+        help=f"laws of the board, methods, my_law.py[:NAME]; {ALL}: those that the board has tuned",
     )
-    parser.add_argument("--board", default="small", metavar="NAME", help="or its path; default: %(default)s")
-    parser.add_argument("--cells", default="*", metavar="ID", help="training runs: those of which the ids fit")
-    parser.add_argument("--draws", type=int, default=2, metavar="N", help="of each cell; default: %(default)s")
-    parser.add_argument("--seed", type=int, default=1000, metavar="N", help="of draws and search; default: %(default)s")
-    parser.add_argument("--budget", type=int, default=40, metavar="N", help="candidates; default: %(default)s")
     parser.add_argument(
-        "--finalists", type=int, default=5, metavar="N", help="candidates that validation chooses among; %(default)s"
+        "--free",
+        metavar="NAME,NAME",
+        help="numbers of a law, such as 'pi.*'; default: those of the board, or all",
+    )
+    parser.add_argument(
+        "--board", default="small", metavar="NAME", help="or its path; default: %(default)s"
+    )
+    parser.add_argument(
+        "--cells", default="*", metavar="ID", help="training runs: those of which the ids fit"
+    )
+    parser.add_argument(
+        "--draws", type=int, default=2, metavar="N", help="of each cell; default: %(default)s"
+    )
+    parser.add_argument(
+        "--seed",
+        type=int,
+        default=1000,
+        metavar="N",
+        help="of draws and search; default: %(default)s",
+    )
+    parser.add_argument(
+        "--budget", type=int, default=40, metavar="N", help="candidates; default: %(default)s"
+    )
+    parser.add_argument(
+        "--finalists",
+        type=int,
+        default=5,
+        metavar="N",
+        help="candidates that validation chooses among; %(default)s",
     )
     parser.add_argument("--cost", choices=COSTS, default=COSTS[0], help="default: %(default)s")
     parser.add_argument("--threads", type=int, metavar="N", help="default: one per core")
-    parser.add_argument("--out", type=output_folder, metavar="DIR", help="output folder; default results/tune/LAW")
+    parser.add_argument(
+        "--out", type=output_folder, metavar="DIR", help="output folder; default results/tune/LAW"
+    )
     add_traceback(parser)
     return parser
 
@@ -89,7 +121,11 @@ def _parser() -> argparse.ArgumentParser:
 def _references(board: Board, given: argparse.Namespace) -> list[Reference]:
     """Those of training and of validation."""
     training = with_cases(board, PARTS[0], given.seed)
-    cells = [cell for cell in training.cells(given.cells) if not board.manoeuvres[cell.manoeuvre].searched]
+    cells = [
+        cell
+        for cell in training.cells(given.cells)
+        if not board.manoeuvres[cell.manoeuvre].searched
+    ]
     if not cells:
         raise ParameterError("--cells leaves none to tune on: entry speeds are not tuned for")
     kept = {(cell.manoeuvre, cell.road) for cell in cells}
@@ -97,7 +133,9 @@ def _references(board: Board, given: argparse.Namespace) -> list[Reference]:
     others = [cell for cell in validation.cells() if (cell.manoeuvre, cell.road) in kept]
     if not others:
         raise ParameterError("--cells leaves none to validate on: no validation car drives them")
-    return [Reference(of, each, given.threads) for of, each in ((training, cells), (validation, others))]
+    return [
+        Reference(of, each, given.threads) for of, each in ((training, cells), (validation, others))
+    ]
 
 
 def _free(board: Board, law: str, given: argparse.Namespace) -> list[Free]:
@@ -105,7 +143,9 @@ def _free(board: Board, law: str, given: argparse.Namespace) -> list[Free]:
     training = with_cases(board, PARTS[0], given.seed)
     cell = training.cells(given.cells)[0]
     patterns = given.free.split(",") if given.free is not None else board.tuned.get(law, ["*"])
-    return free_parameters(law, law_of(training, law, run_of(training, cell, values_of(training, cell))), patterns)
+    return free_parameters(
+        law, law_of(training, law, run_of(training, cell, values_of(training, cell))), patterns
+    )
 
 
 def _tune(
@@ -149,10 +189,14 @@ def _tune(
         _write_history(folder.directory / HISTORY, history)
     if answers.taken > taken:
         print(f"went on behind {answers.taken - taken} generations of an earlier search")
-    print(f"{len(history)} candidates of {training.runs} runs; parameters: {folder.directory / result}")
+    print(
+        f"{len(history)} candidates of {training.runs} runs; parameters: {folder.directory / result}"
+    )
 
 
-def search_key(references: Sequence[Reference], law: str, free: Sequence[Free], given: argparse.Namespace) -> str:
+def search_key(
+    references: Sequence[Reference], law: str, free: Sequence[Free], given: argparse.Namespace
+) -> str:
     """A digest of all that the costs of a law depend on but the candidates: its runs, and those of the reference."""
     runs = [KeptCells(of.board, of.cells, [of.board.reference, law], {}).names for of in references]
     scales = [of.board.scales for of in references]
@@ -161,9 +205,15 @@ def search_key(references: Sequence[Reference], law: str, free: Sequence[Free], 
 
 def _write(path: Path, free: Sequence[Free], best: Candidate, lines: Sequence[str]) -> None:
     """A parameter file; the numbers are as exact as they were driven, and beside them is what they were before."""
-    text, before = [f"# {line}" for line in lines], by_role({each.name: each.start for each in free})
+    text, before = (
+        [f"# {line}" for line in lines],
+        by_role({each.name: each.start for each in free}),
+    )
     for role, values in by_role(best.values).items():
-        rows = [f"    {name}: {value!r}    # before: {before[role][name]:g}" for name, value in values.items()]
+        rows = [
+            f"    {name}: {value!r}    # before: {before[role][name]:g}"
+            for name, value in values.items()
+        ]
         text += [f"/**/{role}:", "  ros__parameters:", *rows] if rows else []
     with atomic_file(path) as file:
         file.write("\n".join([*text, ""]).encode())

@@ -23,7 +23,14 @@ from ev_study.measured.comparisons.comparison import table as comparison_table
 from ev_study.studies.study import Case, CaseResult, Measure
 from ev_study.studies.workers import drive_cases
 from ev_study.verdicts.need import Driven, Need, drive, kept_by_user
-from ev_study.verdicts.panels_page import INDEX, PublishedPanel, draw_panels, file_name, images_by_id, panels
+from ev_study.verdicts.panels_page import (
+    INDEX,
+    PublishedPanel,
+    draw_panels,
+    file_name,
+    images_by_id,
+    panels,
+)
 from ev_study.verdicts.panels_page import write_page as write_panels
 from ev_study.verdicts.sources import published, sources
 from ev_study.verdicts.verdict import FILES, Verdict, counts, plain_table, verdict, wanted, write
@@ -35,18 +42,32 @@ def _parser(name: str, about: str) -> Parser:
     parser = Parser(prog=f"run.sh {name}", description=f"scripts/run.sh {name}: {about}")
     folder = Path("results") / name
     parser.add_argument(
-        "--out", type=output_folder, metavar="DIR", default=folder, help=f"output folder; default {folder}"
+        "--out",
+        type=output_folder,
+        metavar="DIR",
+        default=folder,
+        help=f"output folder; default {folder}",
     )
     return parser
 
 
 def run_verdicts(argv: Sequence[str]) -> None:
     """Drive, judge, print and write."""
-    parser = _parser("verdicts", "drive what the verdicts on all published numbers need, and print and write them.")
-    parser.add_argument(
-        "--only", nargs="+", action="extend", default=[], metavar="SOURCE", help="sources, ids or beginnings of ids"
+    parser = _parser(
+        "verdicts",
+        "drive what the verdicts on all published numbers need, and print and write them.",
     )
-    parser.add_argument("--quick", action="store_true", help="leave out what takes more than a few seconds to drive")
+    parser.add_argument(
+        "--only",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="SOURCE",
+        help="sources, ids or beginnings of ids",
+    )
+    parser.add_argument(
+        "--quick", action="store_true", help="leave out what takes more than a few seconds to drive"
+    )
     parser.add_argument(
         "--data",
         type=Path,
@@ -58,10 +79,14 @@ def run_verdicts(argv: Sequence[str]) -> None:
     only = [name for name in given.only if name != MEASURED or given.data is None]
     found = judge_driven(only, given.quick)[0] if only or not given.only else []
     if only and not found:
-        raise ParameterError(f"--only {' '.join(given.only)}: no such id or source; sources: {', '.join(sources())}")
+        raise ParameterError(
+            f"--only {' '.join(given.only)}: no such id or source; sources: {', '.join(sources())}"
+        )
     with OutputFolder(given.out, "verdicts", (*FILES, COMPARISONS)) as folder:
         if found:
-            images = {id: names for source in sources() for id, names in images_by_id(source).items()}
+            images = {
+                id: names for source in sources() for id, names in images_by_id(source).items()
+            }
             write(found, folder.directory, images)
         if given.data is not None and (MEASURED in given.only or not given.only):
             compared = compare(given.data, lambda line: print(line, flush=True))
@@ -77,13 +102,17 @@ def run_verdicts(argv: Sequence[str]) -> None:
     print(f"{time.monotonic() - start:.1f} s; table: {folder.directory}")
 
 
-def judge_driven(only: Sequence[str] = (), quick: bool = False) -> tuple[list[Verdict], Mapping[Need, Driven]]:
+def judge_driven(
+    only: Sequence[str] = (), quick: bool = False
+) -> tuple[list[Verdict], Mapping[Need, Driven]]:
     """The verdicts on some sources or ids, all if none is named, and what was driven for them.
 
     What is not kept yet is driven on all cores.
     """
     chosen = [each for _, each in wanted(only, quick)]
-    driven = drive([need for each in chosen for need in each.needs], kept_by_user(), drive_with_progress)
+    driven = drive(
+        [need for each in chosen for need in each.needs], kept_by_user(), drive_with_progress
+    )
     return [verdict(each, [driven[need] for need in each.needs]) for each in chosen], driven
 
 
@@ -96,15 +125,21 @@ def drive_with_progress(cases: Sequence[Case], measures: Sequence[Measure]) -> l
 def run_figures(argv: Sequence[str]) -> None:
     """Drive, draw and write."""
     parser = _parser("figures", "draw every panel of the sources, on one page.")
-    parser.add_argument("--only", nargs="+", action="extend", default=[], metavar="SOURCE", help="sources")
+    parser.add_argument(
+        "--only", nargs="+", action="extend", default=[], metavar="SOURCE", help="sources"
+    )
     given = parser.parse_args(argv)
     for source in given.only:
         if source not in sources():
             raise ParameterError(f"--only {source} is refused, expected {', '.join(sources())}")
     start = time.monotonic()
-    shown = {source: panels(source) for source in sources() if not given.only or source in given.only}
+    shown = {
+        source: panels(source) for source in sources() if not given.only or source in given.only
+    }
     every = [(source, panel) for source, of_source in shown.items() for panel in of_source]
-    driven = drive([need for _, panel in every for need in panel.needs], kept_by_user(), drive_with_progress)
+    driven = drive(
+        [need for _, panel in every for need in panel.needs], kept_by_user(), drive_with_progress
+    )
     files = [file_name(source, panel) for source, panel in every]
     with OutputFolder(given.out, "figures", [INDEX, *files]) as folder:
         for source, of_source in shown.items():

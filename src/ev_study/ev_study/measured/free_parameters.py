@@ -14,7 +14,8 @@ from ev_core.vehicle.driveline import AXLES
 from ev_core.vehicle.tyre import MF_NAMES
 from ev_msgs_py.refusal import ParameterError, unknown_name
 
-_MF = {name: f"vehicle.tyre.{name}_mf" for name in AXLES}  # arrays, of which single elements may be free
+# arrays, of which single elements may be free
+_MF = {name: f"vehicle.tyre.{name}_mf" for name in AXLES}
 
 
 def _both(*names: str) -> tuple[str, ...]:
@@ -31,12 +32,23 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
     "lag": ("vehicle.tyre.lateral_stiffness", "plant.load_transfer_lag"),
     "combined": ("plant.imposed_front_braking", *_both("rby1")),
     "steering": ("steering_column.scale", "steering_column.offset", "steering_column.delay"),
-    "curve": ("vehicle.tyre.coefficients.0", "vehicle.tyre.coefficients.1", "vehicle.tyre.load_sensitivity"),
+    "curve": (
+        "vehicle.tyre.coefficients.0",
+        "vehicle.tyre.coefficients.1",
+        "vehicle.tyre.load_sensitivity",
+    ),
 }
 
-# Least and largest coefficients of the Magic Formula that tyres of cars have, wide: their declaration knows no ends.
+# Least and largest coefficients of the Magic Formula that tyres of cars have, wide: their
+# declaration knows no ends.
 _MF_ENDS = {
-    **{"pdy1": (0.3, 3.0), "pdy2": (-1.0, 0.5), "pcy1": (1.0, 2.0), "pey1": (-10.0, 1.0), "pey2": (-10.0, 10.0)},
+    **{
+        "pdy1": (0.3, 3.0),
+        "pdy2": (-1.0, 0.5),
+        "pcy1": (1.0, 2.0),
+        "pey1": (-10.0, 1.0),
+        "pey2": (-10.0, 10.0),
+    },
     **{"pky1": (3.0, 100.0), "pky2": (0.2, 10.0), "rby1": (1.0, 40.0)},
 }
 
@@ -64,16 +76,26 @@ class FreeParameter:
         return self.name.startswith("vehicle.")
 
 
-def free_parameters(asked: Sequence[str], configurations: Mapping[str, Configuration]) -> tuple[FreeParameter, ...]:
+def free_parameters(
+    asked: Sequence[str], configurations: Mapping[str, Configuration]
+) -> tuple[FreeParameter, ...]:
     """Those of groups and single names, each once; ParameterError for one that the graph of the car does not have.
 
-    The scale is the start, where that is 0 a tenth of the range; a range that is wider than a tenth to ten times the
-    start is cut to that.
+    The scale is the start, where that is 0 a tenth of the range; a range that is wider than a tenth
+    to ten times the start is cut to that.
     """
     names = dict.fromkeys(name for each in asked for name in GROUPS.get(each, (each,)))
     known = {
-        **{f"{role}.{e.name}": e for role, c in configurations.items() for e in entries(c.parameters)},
-        **{e.name: e for e in entries(configurations["plant"].common) if e.name.startswith("vehicle.")},
+        **{
+            f"{role}.{e.name}": e
+            for role, c in configurations.items()
+            for e in entries(c.parameters)
+        },
+        **{
+            e.name: e
+            for e in entries(configurations["plant"].common)
+            if e.name.startswith("vehicle.")
+        },
     }
     return tuple(_free(name, known) for name in names)
 
@@ -85,10 +107,14 @@ def _free(name: str, known: Mapping[str, Any]) -> FreeParameter:
         entry, values = known[array], known[array].default
         if array in _MF.values() and not values:
             allowed = "a car with tyres of curve mf_tyre; of others the group curve"
-            raise ParameterError(f"--free {name} is refused: the car has no {array}, expected {allowed}")
+            raise ParameterError(
+                f"--free {name} is refused: the car has no {array}, expected {allowed}"
+            )
         names = MF_NAMES if array in _MF.values() else tuple(map(str, range(len(values))))
         if element not in names[: len(values)]:
-            raise unknown_name(f"element of {array}, which has {len(values)} of them,", element, names)
+            raise unknown_name(
+                f"element of {array}, which has {len(values)} of them,", element, names
+            )
         place = names.index(element)
     if entry is None or entry.type is not float or (entry.is_array and place < 0):
         numbers = [n for n, e in known.items() if e.type is float and not e.is_array]
@@ -103,7 +129,9 @@ def _free(name: str, known: Mapping[str, Any]) -> FreeParameter:
         high = min(high, max(0.1 * start, 10.0 * start)) if high * start > 0 else high
     scale = abs(start) or 0.1 * (high - low)
     if not low <= start <= high or not np.isfinite(scale):
-        raise ParameterError(f"--free {name} starts at {start:g} {unit}, expected {low:g} to {high:g}")
+        raise ParameterError(
+            f"--free {name} starts at {start:g} {unit}, expected {low:g} to {high:g}"
+        )
     return FreeParameter(name, unit, low, high, start, scale, place)
 
 

@@ -13,9 +13,11 @@ from ev_study.measured.records.record import LONGITUDINAL, SIDESLIP, YAW_RATE
 from ev_study.measured.replays.open_loop import OpenLoop
 from ev_study.studies.result_store import Answers
 
-STEP = 1e-3  # of a scale, for forward differences: far above rounding, far below any curvature of the errors
+# of a scale, for forward differences: far above rounding, far below any curvature of the errors
+STEP = 1e-3
 WORST = 50.0  # weighted error of a window whose car has left all numbers behind
-# Least weights where a mapping declares no noise: what good sensors of cars are off by, 0.2 deg/s and 0.1 deg.
+# Least weights where a mapping declares no noise: what good sensors of cars are off by, 0.2 deg/s
+# and 0.1 deg.
 FLOORS = {YAW_RATE: 0.0035, SIDESLIP: 0.0017}
 FLOOR = 0.01  # of other signals, in shares of their standard deviation
 
@@ -24,8 +26,9 @@ FLOOR = 0.01  # of other signals, in shares of their standard deviation
 class Fitted:
     """Parameters (n,), errors over their weights (windows, m), their derivatives by scaled parameters, and how it went.
 
-    `weights` are the RMS errors by signal that are left, in the unit of the signal, and at least its noise; `costs`
-    those of all starts. `converged`: the best search came to its end before its steps did.
+    `weights` are the RMS errors by signal that are left, in the unit of the signal, and at least
+    its noise; `costs` those of all starts. `converged`: the best search came to its end before its
+    steps did.
     """
 
     values: np.ndarray
@@ -65,9 +68,14 @@ class Residuals:
         return self._answers.answer(self.weights, points, self._computed)
 
     def _computed(self, points: np.ndarray) -> np.ndarray:
-        cars = changes(self._free, np.clip(points, *self.ends) * self.scale, self._replay.configurations)
+        cars = changes(
+            self._free, np.clip(points, *self.ends) * self.scale, self._replay.configurations
+        )
         found = self._replay.simulate(cars)
-        errors = [(found[n][:, :, :: self._every] - self._measured[n]) / w for n, w in self.weights.items()]
+        errors = [
+            (found[n][:, :, :: self._every] - self._measured[n]) / w
+            for n, w in self.weights.items()
+        ]
         for each, measured in zip(errors, self._measured.values(), strict=True):
             each[:, ~np.isfinite(measured)] = 0.0  # not measured there
         return np.clip(np.nan_to_num(np.concatenate(errors, axis=2), nan=WORST), -WORST, WORST)
@@ -108,7 +116,9 @@ class Residuals:
 def floors_of(replay: OpenLoop, signals: Sequence[str]) -> dict[str, float]:
     """By signal the noise that is declared of its sensor, or that of a good one."""
     deviations = {name: float(np.nanstd(replay.measured(name))) for name in signals}
-    return {n: replay.record.noise.get(n) or FLOORS.get(n, FLOOR * of) for n, of in deviations.items()}
+    return {
+        n: replay.record.noise.get(n) or FLOORS.get(n, FLOOR * of) for n, of in deviations.items()
+    }
 
 
 def moved_by_scales(
@@ -116,7 +126,8 @@ def moved_by_scales(
 ) -> dict[str, np.ndarray]:
     """By measured input how far each parameter moves for a per cent that its sensor shows too much, in its unit, (n,).
 
-    One step of Gauss and Newton from the optimum. A fit cannot see such an error: other parameters reproduce it.
+    One step of Gauss and Newton from the optimum. A fit cannot see such an error: other parameters
+    reproduce it.
     """
     scale, found = np.array([each.scale for each in free]), {}
     by_parameters = fitted.derivatives.reshape(-1, len(free))
@@ -143,13 +154,16 @@ def identify(
 ) -> Fitted:
     """The best of several starts: that of the file, and others up to 20 % of a scale beside it, drawn by the seed.
 
-    Errors are weighed by what is left of them in the median window, the likeliest weights where nobody knows the
-    noise: a first fit weighs each signal by a tenth of its standard deviation, the second by what the first has left.
-    No weight is below the noise that is declared of its sensor, or below `FLOORS`: a signal that happens to fit well
-    would else buy its last hundredth with much of another one.
+    Errors are weighed by what is left of them in the median window, the likeliest weights where
+    nobody knows the noise: a first fit weighs each signal by a tenth of its standard deviation, the
+    second by what the first has left. No weight is below the noise that is declared of its sensor,
+    or below `FLOORS`: a signal that happens to fit well would else buy its last hundredth with much
+    of another one.
     """
     floors = floors_of(replay, signals)
-    weights = {name: max(0.1 * float(np.nanstd(replay.measured(name))), floors[name]) for name in signals}
+    weights = {
+        name: max(0.1 * float(np.nanstd(replay.measured(name))), floors[name]) for name in signals
+    }
     of = Residuals(replay, free, weights, every, width, answers)
     first = of.fit(of.begin, most)
     progress(f"start 1: cost {first.cost:.6g} in {first.nfev} steps, by a tenth of each signal")
@@ -159,7 +173,9 @@ def identify(
     for number in range(starts):
         beside = of.begin + random.uniform(-0.2, 0.2, len(free)) if number else first.x
         found.append(of.fit(beside, most))
-        progress(f"start {number + 1}: cost {found[-1].cost:.6g} in {found[-1].nfev} steps, by the errors left")
+        progress(
+            f"start {number + 1}: cost {found[-1].cost:.6g} in {found[-1].nfev} steps, by the errors left"
+        )
     best = min(found, key=lambda each: float(each.cost))
     return Fitted(
         best.x * of.scale,

@@ -24,7 +24,8 @@ from ev_study.measured.vehicle_text import parameter_text, vehicle_text
 CAR, BESIDE = "vehicle.yaml", "parameters.yaml"
 FILES_OF_IDENTIFICATION = (*FILES, CAR, BESIDE)
 PARTS = ("training", "held out")
-# Share of an RMS error above which its mean counts: all windows have it, so their differences do not show it.
+# Share of an RMS error above which its mean counts: all windows have it, so their differences do
+# not show it.
 CONSTANT = 0.5
 
 
@@ -32,8 +33,9 @@ CONSTANT = 0.5
 class Identified:
     """A fit, what it knows, and by part of the record the replays of start and result.
 
-    `stated` is what was given of the vehicle by dotted name, `beside` what else by ROLE.PARAMETER. `moved` is by input
-    what one per cent of its sensor's scale moves each parameter by, (parameters,), empty if nobody asks.
+    `stated` is what was given of the vehicle by dotted name, `beside` what else by ROLE.PARAMETER.
+    `moved` is by input what one per cent of its sensor's scale moves each parameter by,
+    (parameters,), empty if nobody asks.
     """
 
     free: Sequence[FreeParameter]
@@ -52,7 +54,9 @@ class Identified:
         found = {}
         for part, replay in self.replays.items():
             both = replay.simulate(changes(self.free, points, replay.configurations))
-            before, after = (Validation(replay, {n: v[i] for n, v in both.items()}, 0.0) for i in range(2))
+            before, after = (
+                Validation(replay, {n: v[i] for n, v in both.items()}, 0.0) for i in range(2)
+            )
             found[part] = (before, after)
         return found
 
@@ -70,12 +74,20 @@ class Identified:
             was, now = (each.judged[name] for each in (before, after))
             typical = float(np.nanstd(training.measured(name)))
             if not now.median_window < (1.0 - CLEAR) ** 0.5 * typical:
-                off = f"the fit is {now.median_window:.3g} {now.unit} off {name} in the median window"
-                found.append(f"{off}, which itself deviates by {typical:.3g}: another clock, sensor or car")
+                off = (
+                    f"the fit is {now.median_window:.3g} {now.unit} off {name} in the median window"
+                )
+                found.append(
+                    f"{off}, which itself deviates by {typical:.3g}: another clock, sensor or car"
+                )
             constant = now.errors.bias
             if abs(constant) > max(CONSTANT * now.errors.rms, floors[name]):
-                found.append(f"the fit is {constant:+.3g} {now.unit} off {name} on average: offset of a sensor")
-            if now.median_window > was.median_window + 0.05 * max(was.median_window, self.fitted.weights[name]):
+                found.append(
+                    f"the fit is {constant:+.3g} {now.unit} off {name} on average: offset of a sensor"
+                )
+            if now.median_window > was.median_window + 0.05 * max(
+                was.median_window, self.fitted.weights[name]
+            ):
                 found.append(f"{name} is reproduced worse than at the start: {_change(was, now)}")
             if late := now.is_late(name):
                 found.append(late)
@@ -90,7 +102,9 @@ class Identified:
                     continue
                 was, now = before.judged[name], after.judged[name]
                 if now.median_window > 1.05 * was.median_window:
-                    lines.append(f"{part}: {name} is reproduced worse than at the start: {_change(was, now)}")
+                    lines.append(
+                        f"{part}: {name} is reproduced worse than at the start: {_change(was, now)}"
+                    )
         return lines
 
     def _why_none(self, place: int) -> str:
@@ -130,7 +144,16 @@ class Identified:
             moved = (f"{of[len(rows)]:+.2g}" for of in self.moved.values())
             rows.append([each.name, f"{each.start:.6g}", f"{value:.6g}", *given, *moved, each.unit])
         scales = ("1 % of speed" if name == LONGITUDINAL else "1 % of angle" for name in self.moved)
-        columns = ("parameter", "start", "identified", "2.5 %", "97.5 %", "deviation", *scales, "unit")
+        columns = (
+            "parameter",
+            "start",
+            "identified",
+            "2.5 %",
+            "97.5 %",
+            "deviation",
+            *scales,
+            "unit",
+        )
         errors = [
             [
                 part,
@@ -142,7 +165,16 @@ class Identified:
             for part, both in self.judged.items()
             for name in both[0].names
         ]
-        heads = ("part", "signal", "unit", "rms before", "median window", "rms after", "median", "windows left")
+        heads = (
+            "part",
+            "signal",
+            "unit",
+            "rms before",
+            "median window",
+            "rms after",
+            "median",
+            "windows left",
+        )
         unknown = in_words(self.known, self.free)
         lines = [f"not determined by this record: {line}; kept near the start" for line in unknown]
         lines += [f"no interval: {line}" for line in self.doubts]
@@ -153,7 +185,12 @@ class Identified:
         ]
         lines += self.worse()
         return "\n".join(
-            [text_table(columns, rows, ("parameter", "unit")), "", text_table(heads, errors, heads[:3]), *lines]
+            [
+                text_table(columns, rows, ("parameter", "unit")),
+                "",
+                text_table(heads, errors, heads[:3]),
+                *lines,
+            ]
         )
 
     def write(self, folder: Path, page: bool) -> None:
@@ -167,7 +204,9 @@ class Identified:
         ]
         vehicle = replay.configurations["plant"].common.vehicle
         texts = {
-            CAR: vehicle_text(self.stated, vehicle, self.free, self.fitted.values, self.notes(), head),
+            CAR: vehicle_text(
+                self.stated, vehicle, self.free, self.fitted.values, self.notes(), head
+            ),
             BESIDE: parameter_text(self.beside, self.free, self.fitted.values, self.notes(), head),
         }
         for name, text in texts.items():
@@ -187,18 +226,30 @@ class Identified:
                     "interval": None if self._why_none(place) else interval.tolist(),
                     "deviation": None if self._why_none(place) else float(deviation),
                 },
-                "moved_by_one_per_cent": {channel: float(of[place]) for channel, of in self.moved.items()},
+                "moved_by_one_per_cent": {
+                    channel: float(of[place]) for channel, of in self.moved.items()
+                },
                 **{"unit": each.unit, "source": source},
             }
             for place, (each, value, interval, deviation) in enumerate(
-                zip(self.free, self.fitted.values, self.intervals, self.known.deviation, strict=True)
+                zip(
+                    self.free, self.fitted.values, self.intervals, self.known.deviation, strict=True
+                )
             )
         }
         errors = {
             part: {
-                name: dict(zip(("rms_before", "median_before", "rms_after", "median_after"), numbers, strict=True))
+                name: dict(
+                    zip(
+                        ("rms_before", "median_before", "rms_after", "median_after"),
+                        numbers,
+                        strict=True,
+                    )
+                )
                 for name in both[0].names
-                if np.isfinite(numbers := [v for each in both for v in _rms_and_median(each, name)]).all()
+                if np.isfinite(
+                    numbers := [v for each in both for v in _rms_and_median(each, name)]
+                ).all()
             }
             for part, both in self.judged.items()
         }

@@ -12,15 +12,16 @@ from ev_study.measured.free_parameters import FreeParameter
 
 DRAWS = 1000
 LEVEL, NORMAL = 0.95, 1.96  # of an interval, and half its width in standard deviations
-UNKNOWN = 0.5  # standard deviation, in scales, from which on a direction counts as one that the record cannot tell
+# standard deviation, in scales, from which on a direction counts as one that the record cannot tell
+UNKNOWN = 0.5
 
 
 @dataclass(frozen=True)
 class Knowledge:
     """By parameter: standard deviation (Jacobian), 95 % interval (with bootstrap over windows), in its unit.
 
-    `unknown`: each direction that the record cannot tell as shares of scales, (directions, parameters), of length 1,
-    and its standard deviation in scales.
+    `unknown`: each direction that the record cannot tell as shares of scales, (directions,
+    parameters), of length 1, and its standard deviation in scales.
     """
 
     deviation: np.ndarray
@@ -39,14 +40,16 @@ def knowledge(
 ) -> Knowledge:
     """Of a fit at its optimum.
 
-    Residuals (windows, m) over their standard deviations and derivatives (windows, m, parameters) by scaled parameters.
-    Errors within a window go together, so their number counts for less: the covariance (J'J)^-1 is multiplied by the
-    mean ratio of the variance of the gradients of windows to that of independent errors. The bootstrap draws windows
-    with replacement and takes one step of Gauss and Newton from the optimum in each draw. Draws of n windows are too
-    much alike where these are few, so their ends are stretched by the root of n/(n - 1) and by Student's over the
-    normal quantile (Hesterberg, The American Statistician 69, 2015, expanded percentile interval). An interval reaches
-    at least 1.96 standard deviations far, and ends where the range of the parameter does. `width` [scales] is that of
-    the prior about the start, which keeps what the record cannot tell.
+    Residuals (windows, m) over their standard deviations and derivatives (windows, m, parameters)
+    by scaled parameters. Errors within a window go together, so their number counts for less: the
+    covariance (J'J)^-1 is multiplied by the mean ratio of the variance of the gradients of windows
+    to that of independent errors. The bootstrap draws windows with replacement and takes one step
+    of Gauss and Newton from the optimum in each draw. Draws of n windows are too much alike where
+    these are few, so their ends are stretched by the root of n/(n - 1) and by Student's over the
+    normal quantile (Hesterberg, The American Statistician 69, 2015, expanded percentile interval).
+    An interval reaches at least 1.96 standard deviations far, and ends where the range of the
+    parameter does. `width` [scales] is that of the prior about the start, which keeps what the
+    record cannot tell.
     """
     windows, _, count = derivatives.shape
     scale = np.array([each.scale for each in free])
@@ -59,13 +62,19 @@ def knowledge(
     covariance = np.linalg.inv(whole / together + prior)
     random = np.random.Generator(np.random.PCG64(seed))
     drawn = random.multinomial(windows, np.full(windows, 1.0 / windows), DRAWS)
-    # The gradient of all windows at the optimum is that of the prior and of the loss; it moves no draw.
+    # The gradient of all windows at the optimum is that of the prior and of the loss; it moves no
+    # draw.
     centred = gradients - gradients.mean(axis=0)
-    steps = [-np.linalg.solve(np.tensordot(w, information, 1) + prior, w @ centred) for w in drawn.astype(float)]
+    steps = [
+        -np.linalg.solve(np.tensordot(w, information, 1) + prior, w @ centred)
+        for w in drawn.astype(float)
+    ]
     drawn_ends = np.quantile(steps, [(1.0 - LEVEL) / 2.0, (1.0 + LEVEL) / 2.0], axis=0)
     by_normal = NORMAL * np.sqrt(np.diag(covariance))
     if windows > 1:
-        drawn_ends *= stdtrit(windows - 1, (1.0 + LEVEL) / 2.0) / NORMAL * np.sqrt(windows / (windows - 1.0))
+        drawn_ends *= (
+            stdtrit(windows - 1, (1.0 + LEVEL) / 2.0) / NORMAL * np.sqrt(windows / (windows - 1.0))
+        )
     ends = np.array([np.minimum(drawn_ends[0], -by_normal), np.maximum(drawn_ends[1], by_normal)])
     sizes, directions = np.linalg.eigh(whole / together)
     deviations = 1.0 / np.sqrt(np.maximum(sizes, 1e-12))
@@ -86,5 +95,7 @@ def in_words(known: Knowledge, free: Sequence[FreeParameter]) -> list[str]:
         sign = np.sign(direction[order[0]])
         parts = [f"{'+' if sign * direction[n] > 0 else '-'} {free[n].name}" for n in order]
         what = "alone" if len(parts) == 1 else "together"
-        lines.append(f"{' '.join(parts).removeprefix('+ ')} {what}, to {min(deviation, 99.0):.2g} of the scale")
+        lines.append(
+            f"{' '.join(parts).removeprefix('+ ')} {what}, to {min(deviation, 99.0):.2g} of the scale"
+        )
     return lines

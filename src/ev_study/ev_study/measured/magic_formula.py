@@ -1,7 +1,8 @@
 """The Magic Formula 6.1 for arrays, with inclination, pressure and shifts, which the tyres of the plant leave out.
 
-Axes ISO: a slip angle to the left of the wheel is positive and makes a side force to the right, so P_Ky1 is negative.
-Source: Pacejka, Tire and Vehicle Dynamics, 3rd ed. 2012, eqs 4.E1 to 4.E67, without turn slip; all scale factors are 1.
+Axes ISO: a slip angle to the left of the wheel is positive and makes a side force to the right, so
+P_Ky1 is negative. Source: Pacejka, Tire and Vehicle Dynamics, 3rd ed. 2012, eqs 4.E1 to 4.E67,
+without turn slip; all scale factors are 1.
 """
 
 from __future__ import annotations
@@ -69,12 +70,19 @@ def lateral(c: Coefficients, x: Points) -> np.ndarray:
     stiffness = stiffness * np.sin(c["PKY4"] * np.arctan(at))
     shift_v = x.load * (c["PVY3"] + c["PVY4"] * dfz) * camber
     of_camber = x.load * (c["PKY6"] + c["PKY7"] * dfz) * (1 + c["PPY5"] * dp)
-    angle = np.tan(x.slip_angle) + c["PHY1"] + c["PHY2"] * dfz + (of_camber * camber - shift_v) / stiffness
+    angle = (
+        np.tan(x.slip_angle)
+        + c["PHY1"]
+        + c["PHY2"] * dfz
+        + (of_camber * camber - shift_v) / stiffness
+    )
     d = _lateral_friction(c, x) * x.load
     bend = 1 + c["PEY5"] * camber**2 - (c["PEY3"] + c["PEY4"] * camber) * np.sign(angle)
     e = (c["PEY1"] + c["PEY2"] * dfz) * bend
     return (
-        _curve(d, c["PCY1"], stiffness / (c["PCY1"] * d), e, angle) + x.load * (c["PVY1"] + c["PVY2"] * dfz) + shift_v
+        _curve(d, c["PCY1"], stiffness / (c["PCY1"] * d), e, angle)
+        + x.load * (c["PVY1"] + c["PVY2"] * dfz)
+        + shift_v
     )
 
 
@@ -96,5 +104,9 @@ def combined_lateral(c: Coefficients, x: Points) -> np.ndarray:
     b = (c["RBY1"] + c["RBY4"] * camber**2) * np.cos(np.arctan(c["RBY2"] * (tangent - c["RBY3"])))
     centre = c["RHY1"] + c["RHY2"] * dfz
     of_slip = _lateral_friction(c, x) * x.load * (c["RVY1"] + c["RVY2"] * dfz + c["RVY3"] * camber)
-    of_slip = of_slip * np.cos(np.arctan(c["RVY4"] * tangent)) * np.sin(c["RVY5"] * np.arctan(c["RVY6"] * x.slip_ratio))
+    of_slip = (
+        of_slip
+        * np.cos(np.arctan(c["RVY4"] * tangent))
+        * np.sin(c["RVY5"] * np.arctan(c["RVY6"] * x.slip_ratio))
+    )
     return lateral(c, x) * _weight(c["RCY1"], b, x.slip_ratio + centre, centre) + of_slip

@@ -33,7 +33,8 @@ _SHOWN = 2.0  # percentage points, where the colours of the map end
 class MotorFit:
     """Losses by parameter of `vehicle.motor`, and by point speed [rad/s], torque [N m], efficiency and model's [1].
 
-    `held_out` marks the points that the fit has not seen; `left_out` rows of the file have no number.
+    `held_out` marks the points that the fit has not seen; `left_out` rows of the file have no
+    number.
     """
 
     losses: Mapping[str, float]
@@ -54,8 +55,9 @@ class MotorFit:
 def fit_motor(file: Path) -> MotorFit:
     """Least squares in the efficiency, no loss below zero; every third point is held out.
 
-    The file has columns `speed_rpm`, `torque_nm` (of a motor, both above zero) and the efficiency from inverter to
-    shaft; rows without all three are left out. Loss: `ev_core.vehicle.losses`. ParameterError if it has not.
+    The file has columns `speed_rpm`, `torque_nm` (of a motor, both above zero) and the efficiency
+    from inverter to shaft; rows without all three are left out. Loss: `ev_core.vehicle.losses`.
+    ParameterError if it has not.
     """
     columns, digest, units, _ = read_columns(file)
     refuse_other_units(file, units, _UNITS)
@@ -66,8 +68,15 @@ def fit_motor(file: Path) -> MotorFit:
     whole = np.isfinite(rows).all(axis=0)
     speed, torque, efficiency = rows[:, whole]
     speed = speed * UNITS["rpm"]
-    if (speed <= 0.0).any() or (torque <= 0.0).any() or (efficiency <= 0.0).any() or (efficiency > 1.0).any():
-        raise ParameterError(f"{file}: expected speed and torque above 0, and efficiencies above 0 and at most 1")
+    if (
+        (speed <= 0.0).any()
+        or (torque <= 0.0).any()
+        or (efficiency <= 0.0).any()
+        or (efficiency > 1.0).any()
+    ):
+        raise ParameterError(
+            f"{file}: expected speed and torque above 0, and efficiencies above 0 and at most 1"
+        )
     held_out = np.arange(len(speed)) % _EVERY == _EVERY - 1
     terms = {
         "copper_loss": torque**2,
@@ -77,7 +86,9 @@ def fit_motor(file: Path) -> MotorFit:
         "inverter_torque_loss": torque,
     }
     if np.sum(~held_out) < len(terms):
-        raise ParameterError(f"{file} has {len(speed)} points with numbers, expected {2 * len(terms)} or more")
+        raise ParameterError(
+            f"{file} has {len(speed)} points with numbers, expected {2 * len(terms)} or more"
+        )
     power = speed * torque
     weight = efficiency**2 / power  # a watt of loss in the efficiency
     matrix = np.stack([*terms.values()], axis=1)
@@ -92,7 +103,8 @@ def fit_motor(file: Path) -> MotorFit:
 def motor_table(fit: MotorFit) -> str:
     """The losses, and the errors of the efficiency on both parts."""
     rows = [
-        [part, *(f"{error:.2f}" for error in fit.errors(held))] for part, held in (("seen", False), ("held out", True))
+        [part, *(f"{error:.2f}" for error in fit.errors(held))]
+        for part, held in (("seen", False), ("held out", True))
     ]
     columns = ("points", "median error [%]", "90 % within", "largest")
     losses = [[f"vehicle.motor.{name}", f"{value:.5g}"] for name, value in fit.losses.items()]
@@ -102,17 +114,32 @@ def motor_table(fit: MotorFit) -> str:
 def write_motor(folder: Path, fit: MotorFit, command: str) -> None:
     """Parameters for --params, the numbers, and the map of the errors, into a folder."""
     head = f"identified from a motor map, SHA-256 {fit.digest[:12]}: {len(fit.speed)} points, {fit.left_out} left out"
-    lines = [f"# {head}", f"# {command}", "/**:", "  ros__parameters:", "    vehicle:", "      motor:"]
+    lines = [
+        f"# {head}",
+        f"# {command}",
+        "/**:",
+        "  ros__parameters:",
+        "    vehicle:",
+        "      motor:",
+    ]
     lines += [f"        {name}: {value!r}" for name, value in fit.losses.items()]
     with atomic_file(folder / MOTOR) as file:
         file.write(("\n".join(lines) + "\n").encode())
     names = ("median", "ninety_percent_within", "largest")
     errors = {
-        part: dict(zip(names, fit.errors(held), strict=True)) for part, held in (("seen", False), ("held_out", True))
+        part: dict(zip(names, fit.errors(held), strict=True))
+        for part, held in (("seen", False), ("held_out", True))
     }
-    write_summary(folder / SUMMARY, {"about": head, "command": command, "losses": dict(fit.losses), "errors": errors})
+    write_summary(
+        folder / SUMMARY,
+        {"about": head, "command": command, "losses": dict(fit.losses), "errors": errors},
+    )
     panel = Panel(
-        "error of the efficiency", "torque [N m]", ground=partial(_draw, fit=fit), xlabel="speed [rpm]", shape=0.8
+        "error of the efficiency",
+        "torque [N m]",
+        ground=partial(_draw, fit=fit),
+        xlabel="speed [rpm]",
+        shape=0.8,
     )
     save_figures({"error_map": Sheet([panel]).figure()}, folder)
 

@@ -15,7 +15,8 @@ from ev_study.measured.magic_formula import Points
 from ev_study.measured.records.tables import read_columns
 from ev_study.measured.records.units import refuse_other_units
 
-# The names of the FSAE Tire Test Consortium, SAE axes, with the factor to SI and ISO: z is down there, y to the right.
+# The names of the FSAE Tire Test Consortium, SAE axes, with the factor to SI and ISO: z is down
+# there, y to the right.
 _COLUMNS = {
     "slip_ratio": ("SL", 1.0),
     "slip_angle": ("SA", -np.pi / 180),
@@ -30,8 +31,10 @@ _UNITS = {"ET": "s", "SA": "deg", "IA": "deg", "FZ": "N", "P": "kPa", "FX": "N",
 SETTINGS = {"FZ": 150.0, "IA": 0.5, "P": 5.0}  # N, deg, kPa
 AROUND = 50  # samples, half a second at 100 Hz: load and inclination take as long to settle
 LEAST_PRESSURE, MOST_PRESSURE = 40.0, 1200.0  # kPa; a tyre at 6 psi has 41, that of a lorry 900
-GAP = 0.5  # [s] without samples between two sweeps: the rig changes load, inclination or pressure there
-ROLLS_FREELY = 0.01  # largest slip ratio of a sweep of the slip angle alone, and slip angle [rad] of one of the ratio
+# [s] without samples between two sweeps: the rig changes load, inclination or pressure there
+GAP = 0.5
+# largest slip ratio of a sweep of the slip angle alone, and slip angle [rad] of one of the ratio
+ROLLS_FREELY = 0.01
 
 
 @dataclass(frozen=True)
@@ -72,8 +75,12 @@ def read_rig(paths: list[Path]) -> Sweeps:
     tables, digests = [], []
     for path in paths:
         columns, digest = _mat(path) if path.suffix == ".mat" else _table(path)
-        if lacking := [name for name in ("ET", *(n for n, _ in _COLUMNS.values())) if name not in columns]:
-            raise ParameterError(f"{path}: lacks {', '.join(lacking)}, expected a table of the FSAE TTC (SAE, SI)")
+        if lacking := [
+            name for name in ("ET", *(n for n, _ in _COLUMNS.values())) if name not in columns
+        ]:
+            raise ParameterError(
+                f"{path}: lacks {', '.join(lacking)}, expected a table of the FSAE TTC (SAE, SI)"
+            )
         _check_units(path, columns)
         tables.append(columns)
         digests.append(digest[:12])
@@ -83,9 +90,14 @@ def read_rig(paths: list[Path]) -> Sweeps:
         number.append(of)
         last = int(of[-1])
     points = Points(
-        **{name: factor * np.concatenate([t[column] for t in tables]) for name, (column, factor) in _COLUMNS.items()}
+        **{
+            name: factor * np.concatenate([t[column] for t in tables])
+            for name, (column, factor) in _COLUMNS.items()
+        }
     )
-    whole = np.all([np.isfinite(getattr(points, name)) for name in _COLUMNS], axis=0) & (points.load > 0.0)
+    whole = np.all([np.isfinite(getattr(points, name)) for name in _COLUMNS], axis=0) & (
+        points.load > 0.0
+    )
     numbers = np.unique(np.concatenate(number)[whole], return_inverse=True)[1]
     found = Sweeps(points.some(whole), numbers, " ".join(digests), int(np.sum(~whole)))
     _check_signs(", ".join(map(str, paths)), found)
@@ -119,7 +131,9 @@ def _check_units(path: Path, columns: Mapping[str, np.ndarray]) -> None:
     """Refuse loads and pressures that are none in N and kPa, and loads that are not below zero."""
     load, pressure = float(np.nanmedian(columns["FZ"])), float(np.nanmedian(columns["P"]))
     if load >= 0.0:
-        raise ParameterError(f"{path}: FZ is {load:.4g} N in the median, expected below 0 (SAE: z is down)")
+        raise ParameterError(
+            f"{path}: FZ is {load:.4g} N in the median, expected below 0 (SAE: z is down)"
+        )
     if not LEAST_PRESSURE <= pressure <= MOST_PRESSURE:
         expected = f"expected {LEAST_PRESSURE:g} to {MOST_PRESSURE:g} kPa: the unit of P, and of the forces with it?"
         raise ParameterError(f"{path}: P is {pressure:.4g} kPa in the median, {expected}")
@@ -133,7 +147,11 @@ def _check_signs(where: str, sweeps: Sweeps) -> None:
         ("FX", points.longitudinal_force, points.slip_ratio, sweeps.is_longitudinal, 1.0),
     ):
         if sign * float(np.sum(force[chosen] * slip[chosen])) < 0.0:
-            expected = "SA, expected the opposite one" if name == "FY" else "the opposite of SL, expected the same"
+            expected = (
+                "SA, expected the opposite one"
+                if name == "FY"
+                else "the opposite of SL, expected the same"
+            )
             raise ParameterError(f"{where}: {name} has the sign of {expected} (SAE)")
 
 

@@ -8,25 +8,72 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from ev_study.measured.magic_formula import Points, combined_lateral, combined_longitudinal, lateral, longitudinal
+from ev_study.measured.magic_formula import (
+    Points,
+    combined_lateral,
+    combined_longitudinal,
+    lateral,
+    longitudinal,
+)
 from ev_study.measured.rig import Sweeps
 
-# By step of the fit each coefficient with its start, least and largest value. What is not here is fixed (FIXED).
+# By step of the fit each coefficient with its start, least and largest value. What is not here is
+# fixed (FIXED).
 _LATERAL = {
-    **{"PCY1": (1.4, 1.0, 2.5), "PDY1": (1.5, 0.1, 5.0), "PDY2": (-0.1, -2.0, 2.0), "PDY3": (0.0, -20.0, 20.0)},
-    **{"PEY1": (-0.5, -20.0, 1.0), "PEY2": (0.0, -20.0, 20.0), "PEY3": (0.0, -5.0, 5.0), "PEY4": (0.0, -50.0, 50.0)},
+    **{
+        "PCY1": (1.4, 1.0, 2.5),
+        "PDY1": (1.5, 0.1, 5.0),
+        "PDY2": (-0.1, -2.0, 2.0),
+        "PDY3": (0.0, -20.0, 20.0),
+    },
+    **{
+        "PEY1": (-0.5, -20.0, 1.0),
+        "PEY2": (0.0, -20.0, 20.0),
+        "PEY3": (0.0, -5.0, 5.0),
+        "PEY4": (0.0, -50.0, 50.0),
+    },
     **{"PKY1": (-30.0, -200.0, -1.0), "PKY2": (1.5, 0.1, 20.0), "PKY3": (0.0, -5.0, 5.0)},
     **{"PKY6": (-1.0, -10.0, 10.0), "PKY7": (0.0, -10.0, 10.0)},
-    **{"PHY1": (0.0, -0.05, 0.05), "PHY2": (0.0, -0.05, 0.05), "PVY1": (0.0, -0.2, 0.2), "PVY2": (0.0, -0.2, 0.2)},
-    **{"PVY3": (0.0, -5.0, 5.0), "PVY4": (0.0, -5.0, 5.0), "PPY1": (0.0, -3.0, 3.0), "PPY2": (0.0, -3.0, 3.0)},
+    **{
+        "PHY1": (0.0, -0.05, 0.05),
+        "PHY2": (0.0, -0.05, 0.05),
+        "PVY1": (0.0, -0.2, 0.2),
+        "PVY2": (0.0, -0.2, 0.2),
+    },
+    **{
+        "PVY3": (0.0, -5.0, 5.0),
+        "PVY4": (0.0, -5.0, 5.0),
+        "PPY1": (0.0, -3.0, 3.0),
+        "PPY2": (0.0, -3.0, 3.0),
+    },
     **{"PPY3": (0.0, -3.0, 3.0), "PPY4": (0.0, -3.0, 3.0), "PPY5": (0.0, -3.0, 3.0)},
 }
 _LONGITUDINAL = {
-    **{"PCX1": (1.5, 1.0, 2.5), "PDX1": (1.5, 0.1, 5.0), "PDX2": (-0.1, -2.0, 2.0), "PDX3": (0.0, -20.0, 20.0)},
-    **{"PEX1": (0.0, -20.0, 1.0), "PEX2": (0.0, -20.0, 20.0), "PEX3": (0.0, -20.0, 20.0), "PEX4": (0.0, -1.0, 1.0)},
+    **{
+        "PCX1": (1.5, 1.0, 2.5),
+        "PDX1": (1.5, 0.1, 5.0),
+        "PDX2": (-0.1, -2.0, 2.0),
+        "PDX3": (0.0, -20.0, 20.0),
+    },
+    **{
+        "PEX1": (0.0, -20.0, 1.0),
+        "PEX2": (0.0, -20.0, 20.0),
+        "PEX3": (0.0, -20.0, 20.0),
+        "PEX4": (0.0, -1.0, 1.0),
+    },
     **{"PKX1": (40.0, 1.0, 200.0), "PKX2": (0.0, -100.0, 100.0), "PKX3": (0.0, -2.0, 2.0)},
-    **{"PHX1": (0.0, -0.05, 0.05), "PHX2": (0.0, -0.05, 0.05), "PVX1": (0.0, -0.2, 0.2), "PVX2": (0.0, -0.2, 0.2)},
-    **{"PPX1": (0.0, -3.0, 3.0), "PPX2": (0.0, -3.0, 3.0), "PPX3": (0.0, -3.0, 3.0), "PPX4": (0.0, -3.0, 3.0)},
+    **{
+        "PHX1": (0.0, -0.05, 0.05),
+        "PHX2": (0.0, -0.05, 0.05),
+        "PVX1": (0.0, -0.2, 0.2),
+        "PVX2": (0.0, -0.2, 0.2),
+    },
+    **{
+        "PPX1": (0.0, -3.0, 3.0),
+        "PPX2": (0.0, -3.0, 3.0),
+        "PPX3": (0.0, -3.0, 3.0),
+        "PPX4": (0.0, -3.0, 3.0),
+    },
 }
 _COMBINED_X = {
     **{"RBX1": (10.0, 0.1, 100.0), "RBX2": (8.0, -100.0, 100.0), "RBX3": (0.0, -100.0, 100.0)},
@@ -36,11 +83,17 @@ _COMBINED_Y = {
     **{"RBY1": (10.0, 0.1, 100.0), "RBY2": (8.0, -100.0, 100.0), "RBY3": (0.0, -0.2, 0.2)},
     **{"RBY4": (0.0, -100.0, 100.0)},
     **{"RCY1": (1.1, 0.3, 2.0), "RHY1": (0.0, -0.1, 0.1), "RHY2": (0.0, -0.1, 0.1)},
-    **{"RVY1": (0.0, -1.0, 1.0), "RVY2": (0.0, -1.0, 1.0), "RVY3": (0.0, -10.0, 10.0), "RVY4": (10.0, 0.0, 100.0)},
+    **{
+        "RVY1": (0.0, -1.0, 1.0),
+        "RVY2": (0.0, -1.0, 1.0),
+        "RVY3": (0.0, -10.0, 10.0),
+        "RVY4": (10.0, 0.0, 100.0),
+    },
     **{"RVY5": (1.9, 0.1, 3.0), "RVY6": (10.0, -100.0, 100.0)},
 }
 FIXED = {"PKY4": 2.0, "PKY5": 0.0, "PEY5": 0.0, "REX1": 0.0, "REX2": 0.0, "REY1": 0.0, "REY2": 0.0}
-PER_SWEEP = 60  # samples of each sweep that the fit sees, evenly spread: they are far closer than a tyre can change
+# samples of each sweep that the fit sees, evenly spread: they are far closer than a tyre can change
+PER_SWEEP = 60
 KINDS = ("lateral", "longitudinal", "combined longitudinal", "combined lateral")
 
 
@@ -60,7 +113,10 @@ class TyreFit:
 def fit_tyre(sweeps: Sweeps, held_out: int = 3) -> TyreFit:
     """Fit to all sweeps but every `held_out`-th; what a kind of sweep is not there for stays at its start."""
     points = sweeps.points
-    nominal = {"FNOMIN": float(np.median(points.load)), "NOMPRES": float(np.median(points.pressure))}
+    nominal = {
+        "FNOMIN": float(np.median(points.load)),
+        "NOMPRES": float(np.median(points.pressure)),
+    }
     every = (*_LATERAL.items(), *_LONGITUDINAL.items(), *_COMBINED_X.items(), *_COMBINED_Y.items())
     found = {**FIXED, **nominal, **{name: start for name, (start, _, _) in every}}
     unseen = sweeps.number % held_out == held_out - 1
@@ -95,7 +151,9 @@ def fit_tyre(sweeps: Sweeps, held_out: int = 3) -> TyreFit:
 def _thinned(number: np.ndarray, chosen: np.ndarray) -> np.ndarray:
     places = np.flatnonzero(chosen)
     sweeps = np.split(places, np.flatnonzero(np.diff(number[places])) + 1)
-    return np.concatenate([s[np.linspace(0, len(s) - 1, min(PER_SWEEP, len(s))).astype(int)] for s in sweeps])
+    return np.concatenate(
+        [s[np.linspace(0, len(s) - 1, min(PER_SWEEP, len(s))).astype(int)] for s in sweeps]
+    )
 
 
 def _fitted(
@@ -114,7 +172,9 @@ def _fitted(
 
     scale = np.maximum(np.abs(starts), 0.05 * np.minimum(highs - lows, 2.0))
     ends = (lows, highs)
-    found = least_squares(errors, starts, bounds=ends, x_scale=scale, loss="soft_l1", f_scale=0.1, max_nfev=200)
+    found = least_squares(
+        errors, starts, bounds=ends, x_scale=scale, loss="soft_l1", f_scale=0.1, max_nfev=200
+    )
     return {name: float(value) for name, value in zip(free, found.x, strict=True)}
 
 

@@ -41,9 +41,13 @@ def _not_identified(fit: TyreFit) -> list[str]:
     return [f"not identified, no sweep is there for them, assumed: {', '.join(fit.at_start)}"]
 
 
-def write_tyre(folder: Path, fit: TyreFit, sweeps: Sweeps, friction_scale: float, command: str) -> None:
+def write_tyre(
+    folder: Path, fit: TyreFit, sweeps: Sweeps, friction_scale: float, command: str
+) -> None:
     """Everything into a folder."""
-    head = "\n".join([f"identified from rig data, SHA-256 {sweeps.digest}", command, *_not_identified(fit)])
+    head = "\n".join(
+        [f"identified from rig data, SHA-256 {sweeps.digest}", command, *_not_identified(fit)]
+    )
     with atomic_file(folder / TYRE) as file:
         file.write(property_file(fit, friction_scale, head).encode())
     content = {
@@ -62,14 +66,25 @@ def curves(fit: TyreFit, sweeps: Sweeps) -> Sheet:
     """Forces of the sweeps over their slip, with the curve of the fit at the means of each; unseen ones in orange."""
 
     def over_slip(axes: Axes, slip: str, force: str, chosen: np.ndarray) -> None:
-        model, factor = (combined_lateral, np.degrees(1.0)) if slip == _ANGLE else (combined_longitudinal, 1.0)
-        for number in np.unique(sweeps.number[chosen])[:: max(len(np.unique(sweeps.number[chosen])) // 12, 1)]:
+        model, factor = (
+            (combined_lateral, np.degrees(1.0)) if slip == _ANGLE else (combined_longitudinal, 1.0)
+        )
+        for number in np.unique(sweeps.number[chosen])[
+            :: max(len(np.unique(sweeps.number[chosen])) // 12, 1)
+        ]:
             data = sweeps.points.some(np.flatnonzero(sweeps.number == number)[::10])
             grid = np.linspace(getattr(data, slip).min(), getattr(data, slip).max(), 200)
             names = data.__dataclass_fields__
             mean = replace(data, **{n: np.full(200, getattr(data, n).mean()) for n in names})
             colour, label = ("#E69F00", "unseen") if number % 3 == 2 else ("0.6", "seen by the fit")
-            axes.plot(factor * getattr(data, slip), getattr(data, force), ".", color=colour, markersize=2, label=label)
+            axes.plot(
+                factor * getattr(data, slip),
+                getattr(data, force),
+                ".",
+                color=colour,
+                markersize=2,
+                label=label,
+            )
             values = model(fit.coefficients, replace(mean, **{slip: grid}))
             axes.plot(factor * grid, values, color=HUES[0], label="fit")
 
@@ -93,10 +108,25 @@ def property_file(fit: TyreFit, friction_scale: float, head: str) -> str:
     """A tyre property file of MF 6.1; `friction_scale` from the belt of the rig to the road is LMUX and LMUY."""
     groups = (
         ("MODEL", {"FITTYP": "61", "TYRESIDE": "'LEFT'"}),
-        ("UNITS", {"LENGTH": "'meter'", "FORCE": "'newton'", "ANGLE": "'radians'", "MASS": "'kg'", "TIME": "'second'"}),
+        (
+            "UNITS",
+            {
+                "LENGTH": "'meter'",
+                "FORCE": "'newton'",
+                "ANGLE": "'radians'",
+                "MASS": "'kg'",
+                "TIME": "'second'",
+            },
+        ),
         ("SCALING_COEFFICIENTS", {"LMUX": f"{friction_scale:g}", "LMUY": f"{friction_scale:g}"}),
-        ("COEFFICIENTS", {n: f"{v:.9g}" for n, v in sorted(fit.coefficients.items()) if n not in fit.at_start}),
-        ("COEFFICIENTS_THAT_ARE_ASSUMED", {n: f"{fit.coefficients[n]:.9g}" for n in sorted(fit.at_start)}),
+        (
+            "COEFFICIENTS",
+            {n: f"{v:.9g}" for n, v in sorted(fit.coefficients.items()) if n not in fit.at_start},
+        ),
+        (
+            "COEFFICIENTS_THAT_ARE_ASSUMED",
+            {n: f"{fit.coefficients[n]:.9g}" for n in sorted(fit.at_start)},
+        ),
     )
     lines = [f"$ {line}" for line in head.splitlines()]
     for title, entries in groups:

@@ -53,7 +53,11 @@ def parameter_text(
 ) -> str:
     """A ROS parameter file beside the vehicle's: what was given `beside` it by ROLE.PARAMETER, and the free values."""
     found = {name: (value, "") for name, value in beside.items()}
-    found |= {f.name: (float(v), n) for f, v, n in zip(free, values, notes, strict=True) if not f.is_of_vehicle}
+    found |= {
+        f.name: (float(v), n)
+        for f, v, n in zip(free, values, notes, strict=True)
+        if not f.is_of_vehicle
+    }
     lines, last = [f"# {line}" for line in head], ""
     for name in sorted(found):
         role, _, parameter = name.partition(".")
@@ -67,7 +71,9 @@ def parameter_text(
 
 def _flow(value: Any) -> str:
     """A value in one line of YAML."""
-    text = yaml.safe_dump([*value] if isinstance(value, tuple) else value, default_flow_style=True, width=10**6)
+    text = yaml.safe_dump(
+        [*value] if isinstance(value, tuple) else value, default_flow_style=True, width=10**6
+    )
     return text.removesuffix("...\n").strip()
 
 
@@ -77,7 +83,8 @@ def _nested(values: Mapping[str, Any], comments: Mapping[str, Sequence[str]]) ->
     for name in sorted(values, key=_order(values)):
         *groups, last = name.split(".")
         common = next(
-            (n for n, (a, b) in enumerate(zip(before, groups, strict=False)) if a != b), min(len(before), len(groups))
+            (n for n, (a, b) in enumerate(zip(before, groups, strict=False)) if a != b),
+            min(len(before), len(groups)),
         )
         for level in range(common, len(groups)):
             yield f"{'  ' * (level + 2)}{groups[level]}:"

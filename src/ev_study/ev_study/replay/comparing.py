@@ -24,18 +24,23 @@ _JITTER, _LATENCY = "jitter", "latency"
 def latency_of(recorded: Recorded) -> dict[str, Any]:
     """Jitter and latencies of a recorded run; empty where only stamps are known.
 
-    `jitter` by topic, the first one of each role: by how much more or less than the control period two messages of
-    successive instants were apart.
-    `latency` by topic: how long after the last message that its role may read a message came, as the recorder took
-    both; the plant keeps time and has none. Histograms as in `nodes/master/real_time.py`, and medians [s].
+    `jitter` by topic, the first one of each role: by how much more or less than the control period
+    two messages of successive instants were apart. `latency` by topic: how long after the last
+    message that its role may read a message came, as the recorder took both; the plant keeps time
+    and has none. Histograms as in `nodes/master/real_time.py`, and medians [s].
     """
     if not recorded.arrivals:
         return {}
-    of_roles = [[TOPICS[signal] for signal in role.writes if recorded.has(signal)][:1] for role in ROLES.values()]
+    of_roles = [
+        [TOPICS[signal] for signal in role.writes if recorded.has(signal)][:1]
+        for role in ROLES.values()
+    ]
     jitter = {}
     for topic in (topic for topics in of_roles for topic in topics):
         came, there = recorded.arrivals[topic], recorded.came[topic]
-        jitter[topic.name] = _counted(np.abs(np.diff(came)[there[1:] & there[:-1]] - recorded.period))
+        jitter[topic.name] = _counted(
+            np.abs(np.diff(came)[there[1:] & there[:-1]] - recorded.period)
+        )
     return {_JITTER: jitter, _LATENCY: dict(_latencies(recorded))}
 
 
@@ -50,7 +55,10 @@ def _latencies(recorded: Recorded) -> Iterator[tuple[str, dict[str, Any]]]:
         for topic in (TOPICS[signal] for signal in role.writes if recorded.has(signal)):
             count = len(known) - ahead
             both = known[:count] & recorded.came[topic][ahead:]
-            yield topic.name, _counted((recorded.arrivals[topic][ahead:] - last_input[:count])[both])
+            yield (
+                topic.name,
+                _counted((recorded.arrivals[topic][ahead:] - last_input[:count])[both]),
+            )
 
 
 def _counted(nanoseconds: np.ndarray) -> dict[str, Any]:
@@ -63,7 +71,10 @@ def _counted(nanoseconds: np.ndarray) -> dict[str, Any]:
 
 def latency_sheet(timing: Mapping[str, Any]) -> Sheet:
     """Both as histograms."""
-    titles = {_JITTER: "interval of messages, beside the period", _LATENCY: "answer after the last of its inputs"}
+    titles = {
+        _JITTER: "interval of messages, beside the period",
+        _LATENCY: "answer after the last of its inputs",
+    }
     return Sheet([histograms(titles[what], timing[what]) for what in (_JITTER, _LATENCY)])
 
 
@@ -86,9 +97,9 @@ def latencies_in_words(timing: Mapping[str, Any], topics: list[str]) -> list[str
 class Difference:
     """One channel, at the `compared` instants.
 
-    `differing` of them are not bit-identical, the first one is number `step` at `time` [s], with the values
-    `recorded` and `replayed`; None where all are identical. `largest` difference at `at` [s], and `rms` over all that
-    were compared, in `unit`.
+    `differing` of them are not bit-identical, the first one is number `step` at `time` [s], with
+    the values `recorded` and `replayed`; None where all are identical. `largest` difference at `at`
+    [s], and `rms` over all that were compared, in `unit`.
     """
 
     channel: str
@@ -104,7 +115,9 @@ class Difference:
     rms: float
 
 
-def difference_of(name: str, unit: str, before: np.ndarray, replayed: Recording, known: np.ndarray) -> Difference:
+def difference_of(
+    name: str, unit: str, before: np.ndarray, replayed: Recording, known: np.ndarray
+) -> Difference:
     """That of a channel from its recorded values, (n,), at the `known` instants, (n,)."""
     values, before = replayed.channels[name], before[: len(known)]
     differ = np.flatnonzero(known & (values.view(np.int64) != before.view(np.int64)))
@@ -116,10 +129,23 @@ def difference_of(name: str, unit: str, before: np.ndarray, replayed: Recording,
     rms = float(np.sqrt(np.sum(apart**2) / compared))
     pair = float(before[first]), float(values[first])
     begin, at = (float(replayed.time[place]) for place in (first, most))
-    return Difference(name, unit, compared, len(differ), first, begin, *pair, float(apart[most]), at, rms)
+    return Difference(
+        name, unit, compared, len(differ), first, begin, *pair, float(apart[most]), at, rms
+    )
 
 
-_SHOWN = ("channel", "unit", "differing", "step", "time", "recorded", "replayed", "largest", "at", "rms")
+_SHOWN = (
+    "channel",
+    "unit",
+    "differing",
+    "step",
+    "time",
+    "recorded",
+    "replayed",
+    "largest",
+    "at",
+    "rms",
+)
 
 
 def table_of(found: Sequence[Difference]) -> str:

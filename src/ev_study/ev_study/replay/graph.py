@@ -46,7 +46,14 @@ from ev_study.replay.comparing import Difference, difference_of
 from ev_study.replay.recorded import Recorded
 
 _RECORDED, REPLAYED, _LATENCY = "recorded", "replayed", "latency"
-_OF_WALL_TIME = ("mode", "scheduling_priority", "lock_memory", "real_time_factor", "duration", "await_recorder")
+_OF_WALL_TIME = (
+    "mode",
+    "scheduling_priority",
+    "lock_memory",
+    "real_time_factor",
+    "duration",
+    "await_recorder",
+)
 
 
 @dataclass(frozen=True)
@@ -62,20 +69,30 @@ class Replay:
     @property
     def answers(self) -> tuple[type, ...]:
         """The signals that it writes and that were recorded."""
-        return tuple(signal for signal in self.configuration.method.writes if self.recorded.has(signal))
+        return tuple(
+            signal for signal in self.configuration.method.writes if self.recorded.has(signal)
+        )
 
     def run(self, signals: Path) -> Run:
         """The graph, with the recorded signals in a file."""
         configurations = {}
-        common = {name: value for name, value in self.values.items() if name in entries_by_name(CommonParameters, "")}
+        common = {
+            name: value
+            for name, value in self.values.items()
+            if name in entries_by_name(CommonParameters, "")
+        }
         for role in ROLES:
             if role == self.role:
                 configurations[role] = self.configuration
             elif any(map(self.recorded.has, ROLES[role].writes)):
-                configurations[role] = _configured(role, {**common, "method": str(signals)}, self.duration)
+                configurations[role] = _configured(
+                    role, {**common, "method": str(signals)}, self.duration
+                )
         if MASTER not in configurations:
             topics = ", ".join(TOPICS[signal].name for signal in ROLES[MASTER].writes)
-            raise ParameterError(f"{self.recorded.source} has nothing of the {MASTER}, expected any of {topics}")
+            raise ParameterError(
+                f"{self.recorded.source} has nothing of the {MASTER}, expected any of {topics}"
+            )
         return Run(REPLAYED, self.recorded.namespace, configurations, self.duration)
 
     def differences(self, replayed: Recording) -> tuple[Difference, ...]:
@@ -83,7 +100,9 @@ class Replay:
         came, units = self.recorded.came, frame.units()
         known = self._compared()[: len(replayed.time)]
         return tuple(
-            difference_of(name, units[name], self.recorded.recording.channels[name], replayed, known & there)
+            difference_of(
+                name, units[name], self.recorded.recording.channels[name], replayed, known & there
+            )
             for signal in self.answers
             for there in [came[TOPICS[signal]][: len(known)]]
             for name in TOPICS[signal].channels
@@ -95,7 +114,9 @@ class Replay:
         for signal in self.configuration.method.reads:
             if signal is not Instant:
                 there &= self.recorded.came[TOPICS[signal]]
-        return np.append([True], there[:-1]) if ROLES[self.role].kind is RoleKind.INTEGRATES else there
+        return (
+            np.append([True], there[:-1]) if ROLES[self.role].kind is RoleKind.INTEGRATES else there
+        )
 
 
 def _configured(role: str, values: Mapping[str, Any], duration: float) -> Configuration:
@@ -108,13 +129,16 @@ def _configured(role: str, values: Mapping[str, Any], duration: float) -> Config
 def replay_of(recorded: Recorded, role: str, method: str, overrides: Overrides) -> Replay:
     """A role of a recorded run, with the parameters of that run and what differs; `method` may be empty: as recorded.
 
-    ParameterError, in one line, for a role, method, parameter or car that cannot be, and for a topic that is missing.
+    ParameterError, in one line, for a role, method, parameter or car that cannot be, and for a
+    topic that is missing.
     """
     if role not in ROLES:
         raise unknown_name("node", role, ROLES)
     for node, key, _ in overrides.values:
         if node not in ("*", role):
-            raise ParameterError(f"{node}.{key} is refused: {node} says what was recorded, expected {role}.{key}")
+            raise ParameterError(
+                f"{node}.{key} is refused: {node} says what was recorded, expected {role}.{key}"
+            )
     files = [*_car(recorded, overrides.vehicle), *map(ParameterFile, overrides.files)]
     values: dict[str, Any] = {}
     for file in files:
@@ -128,7 +152,9 @@ def replay_of(recorded: Recorded, role: str, method: str, overrides: Overrides) 
         values.pop(name, None)
     duration = recorded.duration if overrides.duration is None else overrides.duration
     if not 0.0 < duration <= recorded.duration:
-        raise ParameterError(f"duration: {duration!r} is refused, expected more than 0 and up to {recorded.duration}")
+        raise ParameterError(
+            f"duration: {duration!r} is refused, expected more than 0 and up to {recorded.duration}"
+        )
     try:
         configuration = _configured(role, values, duration)
     except ParameterError as error:
@@ -145,19 +171,27 @@ def _car(recorded: Recorded, vehicle: str | None) -> Sequence[ParameterFile]:
     given = recorded.parameters
     if given is not None:
         if vehicle:
-            raise ParameterError(f"--vehicle {vehicle} is refused: {given.path} says which car it was")
+            raise ParameterError(
+                f"--vehicle {vehicle} is refused: {given.path} says which car it was"
+            )
         return (given,)
     if not vehicle:
-        raise ParameterError(f"{recorded.source}: no parameters.yaml beside it says which car it was: --vehicle FILE")
+        raise ParameterError(
+            f"{recorded.source}: no parameters.yaml beside it says which car it was: --vehicle FILE"
+        )
     return (vehicle_file(vehicle),)
 
 
-def _refuse_other_car(driven: ParameterFile, namespace: str, role: str, values: Mapping[str, Any]) -> None:
+def _refuse_other_car(
+    driven: ParameterFile, namespace: str, role: str, values: Mapping[str, Any]
+) -> None:
     """ParameterError if the car is not that of the file of what was driven."""
     car = driven.values_for(f"{namespace}/{role}")
     for name, value in values.items():
         if name.startswith(f"{VEHICLE}.") and value != car.get(name, value):
-            raise ParameterError(f"{name} {value} is refused: {car[name]} was driven ({driven.path})")
+            raise ParameterError(
+                f"{name} {value} is refused: {car[name]} was driven ({driven.path})"
+            )
 
 
 def _refuse_not_finite(recorded: Recorded, configuration: Configuration) -> None:
@@ -167,7 +201,9 @@ def _refuse_not_finite(recorded: Recorded, configuration: Configuration) -> None
             values = recorded.recording.channels[name]
             for place in np.flatnonzero(~np.isfinite(values))[:1]:
                 at = f"{name} at {recorded.recording.time[place]:g} s"
-                raise ParameterError(f"{recorded.source}: {at} is {values[place]}, expected a finite number")
+                raise ParameterError(
+                    f"{recorded.source}: {at} is {values[place]}, expected a finite number"
+                )
 
 
 def _refuse_missing(recorded: Recorded, configuration: Configuration) -> None:
@@ -176,20 +212,30 @@ def _refuse_missing(recorded: Recorded, configuration: Configuration) -> None:
     for signal in method.inputs:
         if signal is not Instant and not recorded.has(signal):
             reads = f"which the {role} {method.name} reads"
-            raise ParameterError(f"{recorded.source} has no {TOPICS[signal].name}, {reads}; it has {has}")
+            raise ParameterError(
+                f"{recorded.source} has no {TOPICS[signal].name}, {reads}; it has {has}"
+            )
     if not any(map(recorded.has, method.writes)):
         topics = ", ".join(TOPICS[signal].name for signal in method.writes)
-        raise ParameterError(f"{recorded.source} has no {topics} of the {role} to compare with; it has {has}")
+        raise ParameterError(
+            f"{recorded.source} has no {topics} of the {role} to compare with; it has {has}"
+        )
 
 
 def replay_folder(replay: Replay, out: Path) -> OutputFolder:
     """Where a replay writes; ParameterError if the folder cannot be had, or would replace what is replayed."""
     source = replay.recorded.source.resolve()
-    runs = [Run(name, replay.recorded.namespace, {}, replay.duration) for name in (_RECORDED, REPLAYED)]
+    runs = [
+        Run(name, replay.recorded.namespace, {}, replay.duration) for name in (_RECORDED, REPLAYED)
+    ]
     if any(source.is_relative_to((out / run.name).resolve()) for run in runs):
-        raise ParameterError(f"--out {out}: the run that is replayed is there, expected another folder")
+        raise ParameterError(
+            f"--out {out}: the run that is replayed is there, expected another folder"
+        )
     logs = [f"{REPLAYED}/{LOG}/{role}.log" for role in ROLES]
-    return OutputFolder(out, "replay", [*OF_ALL_RUNS, *TABLES, *figure_files([_LATENCY]), *logs], runs)
+    return OutputFolder(
+        out, "replay", [*OF_ALL_RUNS, *TABLES, *figure_files([_LATENCY]), *logs], runs
+    )
 
 
 def prepared(replay: Replay, folder: OutputFolder) -> Run:
@@ -209,7 +255,9 @@ def _write_told(path: Path, replay: Replay) -> None:
         return
     common = flatten(replay.configuration.common)
     nodes = {"**": {name: value for name, value in common.items() if value != ()}}
-    write_parameter_file(path, Run(_RECORDED, replay.recorded.namespace, {}, replay.duration), nodes)
+    write_parameter_file(
+        path, Run(_RECORDED, replay.recorded.namespace, {}, replay.duration), nodes
+    )
 
 
 @dataclass(frozen=True)
@@ -266,7 +314,9 @@ class Replayed:
 
         signals = Signals("", runs, self.replay.configuration.common.vehicle)
         text = "\n".join(
-            line for line in (comparing.in_words(self.differences), comparing.table_of(self.differences)) if line
+            line
+            for line in (comparing.in_words(self.differences), comparing.table_of(self.differences))
+            if line
         )
         title = f"{self.replay.role} {self._who}, replayed"
         images = images_of(figures, folder.directory)
@@ -276,7 +326,9 @@ class Replayed:
     def _recorded(self) -> Recording:
         """As much of the recorded run as was replayed."""
         recording, count = self.replay.recorded.recording, len(self.outcome.recording.time)
-        return Recording(recording.time[:count], {name: row[:count] for name, row in recording.channels.items()})
+        return Recording(
+            recording.time[:count], {name: row[:count] for name, row in recording.channels.items()}
+        )
 
     def _content(self, runs: dict[str, Recording]) -> dict[str, Any]:
         role, configuration = self.replay.role, self.replay.configuration

@@ -35,9 +35,10 @@ from ev_stack.scenarios.scenario import NAMESPACE
 class Recorded:
     """The signals of a run at its instants, from time zero; a message that is missing holds the one before.
 
-    `period` in nanoseconds. By topic, `came` (n,) marks the instants with a message; `arrivals` (n,) is when it
-    was recorded [ns], -1 if it was not; it is empty of a run in lockstep, whose bag knows stamps alone. `parameters`
-    are those of the nodes of `namespace`, if they are known. `notes`: what has been left out.
+    `period` in nanoseconds. By topic, `came` (n,) marks the instants with a message; `arrivals`
+    (n,) is when it was recorded [ns], -1 if it was not; it is empty of a run in lockstep, whose bag
+    knows stamps alone. `parameters` are those of the nodes of `namespace`, if they are known.
+    `notes`: what has been left out.
     """
 
     source: Path
@@ -67,7 +68,9 @@ class Recorded:
 def refuse_short(source: Path, instants: int) -> None:
     """ParameterError unless there are two instants at least: without a step nothing is answered."""
     if instants < 2:
-        raise ParameterError(f"{source} holds {instants} whole instants of a run, expected two or more")
+        raise ParameterError(
+            f"{source} holds {instants} whole instants of a run, expected two or more"
+        )
 
 
 @dataclass(frozen=True)
@@ -82,7 +85,9 @@ class _Messages:
 def read_bag(bag: Path, namespace: str, given: ParameterFile | None) -> Recorded:
     """The run in a bag; ParameterError, in one line, if there is none, or RunFailed if nothing here can read bags."""
     if None in (find_spec("rosbags"), find_spec("sensor_msgs")):
-        raise RunFailed("a bag needs rosbags and the messages of ROS 2, which are not installed here: give signals.npz")
+        raise RunFailed(
+            "a bag needs rosbags and the messages of ROS 2, which are not installed here: give signals.npz"
+        )
     namespace, found = _messages(bag, namespace)
     period = _period(bag, namespace, found, given)
     first = max(int(messages.stamps.min()) for messages in found.values())
@@ -97,7 +102,9 @@ def read_bag(bag: Path, namespace: str, given: ParameterFile | None) -> Recorded
     by_stamp = all(np.array_equal(messages.stamps, messages.came) for messages in found.values())
     notes = _notes(found, first, last, there)
     recording = recording_of(frames, there)
-    return Recorded(bag, namespace, period, recording, there, {} if by_stamp else arrivals, given, notes)
+    return Recorded(
+        bag, namespace, period, recording, there, {} if by_stamp else arrivals, given, notes
+    )
 
 
 def _messages(bag: Path, wanted: str) -> tuple[str, Mapping[Topic, _Messages]]:
@@ -122,13 +129,18 @@ def _messages(bag: Path, wanted: str) -> tuple[str, Mapping[Topic, _Messages]]:
                         raise ValueError(f"its messages are larger than {SIGNALS // MEGABYTE} MB")
     except MemoryError:
         largest = f"{2 * SIGNALS // MEGABYTE} MB"
-        raise ParameterError(f"{bag}: the bag cannot be read: unfolded it takes more than {largest}") from None
-    except Exception as error:  # whatever the library and its decompressors raise for what is no bag
+        raise ParameterError(
+            f"{bag}: the bag cannot be read: unfolded it takes more than {largest}"
+        ) from None
+    # whatever the library and its decompressors raise for what is no bag
+    except Exception as error:
         raise ParameterError(f"{bag}: the bag cannot be read: {first_line(error)}") from None
     namespaces = sorted({namespace for namespace, _ in data})
     if wanted not in namespaces and (wanted or len(namespaces) != 1):
         have = f"those of {', '.join(namespaces)}" if namespaces else "none"
-        raise ParameterError(f"{bag}: topics of one graph are wanted (--namespace), the bag has {have}")
+        raise ParameterError(
+            f"{bag}: topics of one graph are wanted (--namespace), the bag has {have}"
+        )
     namespace = wanted or namespaces[0]
     order = [TOPICS[signal] for signal in RECORDED if (namespace, TOPICS[signal]) in data]
     try:
@@ -148,8 +160,8 @@ def _messages(bag: Path, wanted: str) -> tuple[str, Mapping[Topic, _Messages]]:
 def _room_at_most(more: int) -> Iterator[None]:
     """MemoryError where a block takes so many bytes more, OSError where a file of it becomes larger than they.
 
-    A compressed chunk unfolds to any size, whatever its header, and a compressed file does on the disk. Only Linux
-    keeps the limit of memory.
+    A compressed chunk unfolds to any size, whatever its header, and a compressed file does on the
+    disk. Only Linux keeps the limit of memory.
     """
     limits = {resource.RLIMIT_FSIZE: more}
     if sys.platform == "linux":
@@ -159,7 +171,9 @@ def _room_at_most(more: int) -> Iterator[None]:
     try:
         for kind, most in limits.items():
             soft, hard = before[kind]
-            resource.setrlimit(kind, (most if soft == resource.RLIM_INFINITY else min(soft, most), hard))
+            resource.setrlimit(
+                kind, (most if soft == resource.RLIM_INFINITY else min(soft, most), hard)
+            )
         yield
     finally:
         for kind, limit in before.items():
@@ -183,7 +197,9 @@ def _meant(name: str, message_type: str) -> tuple[str, Topic] | None:
     return None
 
 
-def _period(bag: Path, namespace: str, found: Mapping[Topic, _Messages], given: ParameterFile | None) -> int:
+def _period(
+    bag: Path, namespace: str, found: Mapping[Topic, _Messages], given: ParameterFile | None
+) -> int:
     """The control period: that of the nodes, if it is known, else what most stamps are apart."""
     values = given.values_for(f"{namespace}/plant") if given else {}
     if "control_period" in values:
@@ -196,18 +212,25 @@ def _period(bag: Path, namespace: str, found: Mapping[Topic, _Messages], given: 
 def _refuse_time(bag: Path, topic: Topic, at: np.ndarray, first: int, period: int) -> None:
     """ParameterError if stamps are between two steps or go back, as after a reset; a repetition may be there."""
     if len(odd := at[(at - first) % period != 0]):
-        allowed = f"multiples of {stamps.to_seconds(period):g} s from {stamps.to_seconds(first):g} s on"
-        raise ParameterError(f"{bag}: {topic.name} at {stamps.to_seconds(int(odd[0]))} s, expected {allowed}")
+        allowed = (
+            f"multiples of {stamps.to_seconds(period):g} s from {stamps.to_seconds(first):g} s on"
+        )
+        raise ParameterError(
+            f"{bag}: {topic.name} at {stamps.to_seconds(int(odd[0]))} s, expected {allowed}"
+        )
     if len(back := np.flatnonzero(np.diff(at) < -2 * period)):
         ends = [f"{stamps.to_seconds(int(stamp)):g} s" for stamp in at[back[0] : back[0] + 2]]
-        raise ParameterError(f"{bag}: {topic.name} goes back from {' to '.join(ends)}, expected a bag of one run")
+        raise ParameterError(
+            f"{bag}: {topic.name} goes back from {' to '.join(ends)}, expected a bag of one run"
+        )
 
 
 def _put(
     bag: Path, topic: Topic, messages: _Messages, first: int, period: int, frames: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Put a topic into the frames; the answers are the instants at which a message was there, and when it came [ns]."""
-    steps, once = np.unique((messages.stamps - first) // period, return_index=True)  # a repetition is the same
+    # a repetition is the same
+    steps, once = np.unique((messages.stamps - first) // period, return_index=True)
     numbers = np.empty((len(once), frame.SIZE))
     try:
         MessageTable(topic).read([messages.data[i] for i in once], numbers)
@@ -227,14 +250,20 @@ def _notes(
     """What a replay of this bag leaves out or makes up."""
     notes = []
     if first >= stamps.RUNS:  # below that it is the first instant of a run behind a reset
-        notes.append(f"time counts from the stamp {stamps.to_seconds(first):g} s on, the first one of all topics")
+        notes.append(
+            f"time counts from the stamp {stamps.to_seconds(first):g} s on, the first one of all topics"
+        )
     ends = {topic.name: int(messages.stamps.max()) for topic, messages in found.items()}
     if max(ends.values()) > last:
         early = [name for name, end in ends.items() if end == last]
-        notes.append(f"ends at {stamps.to_seconds(last):g} s, for that is the last of {', '.join(early)}")
+        notes.append(
+            f"ends at {stamps.to_seconds(last):g} s, for that is the last of {', '.join(early)}"
+        )
     for topic, came in there.items():
         if not came.all():
-            notes.append(f"{topic.name}: {np.sum(~came)} of {len(came)} messages are missing, the one before is held")
+            notes.append(
+                f"{topic.name}: {np.sum(~came)} of {len(came)} messages are missing, the one before is held"
+            )
     return tuple(notes)
 
 
@@ -244,7 +273,8 @@ _METADATA = "metadata.yaml"
 def find_recorded(path: Path, namespace: str = "") -> Recorded:
     """What a folder of a run, a bag or a file of signals holds.
 
-    `namespace` is that of the topics, where a bag has several. ParameterError, in one line, if nothing can be read.
+    `namespace` is that of the topics, where a bag has several. ParameterError, in one line, if
+    nothing can be read.
     """
     storage, folder = _found(path)
     parameters = folder / recording.PARAMETERS
@@ -269,7 +299,9 @@ def _found(path: Path) -> tuple[Path, Path]:
             if (each / recording.BAG).is_dir() or (each / recording.SIGNALS).exists()
         )
         if below:
-            raise ParameterError(f"{path} has several runs, expected one: {', '.join(str(path / b) for b in below)}")
+            raise ParameterError(
+                f"{path} has several runs, expected one: {', '.join(str(path / b) for b in below)}"
+            )
     elif path.suffix in (".mcap", ".db3"):
         bag = path.parent / _METADATA
         return path, path.parent.parent if bag.exists() else path.parent
@@ -277,7 +309,9 @@ def _found(path: Path) -> tuple[Path, Path]:
         return path, path.parent
     if not path.exists():
         raise ParameterError(f"{path}: no such bag")
-    raise ParameterError(f"{path} is no recorded run: neither a bag (metadata.yaml, .mcap, .db3) nor signals.npz")
+    raise ParameterError(
+        f"{path} is no recorded run: neither a bag (metadata.yaml, .mcap, .db3) nor signals.npz"
+    )
 
 
 def _of_signals(file: Path, given: ParameterFile | None) -> Recorded:
@@ -291,9 +325,22 @@ def _of_signals(file: Path, given: ParameterFile | None) -> Recorded:
     refuse_short(file, len(steps))
     period = int(steps[1])
     if period <= 0 or not np.array_equal(steps, np.arange(len(steps)) * period):
-        raise ParameterError(f"{file}: its instants are not those of a control period from time zero on")
-    topics = [TOPICS[signal] for signal in RECORDED if set(TOPICS[signal].channels) <= set(recording.channels)]
+        raise ParameterError(
+            f"{file}: its instants are not those of a control period from time zero on"
+        )
+    topics = [
+        TOPICS[signal]
+        for signal in RECORDED
+        if set(TOPICS[signal].channels) <= set(recording.channels)
+    ]
     there = np.ones(len(steps), bool)
-    sections = [section for section in (given.sections if given else ()) if not section.startswith(ANY_NAMESPACE)]
-    namespace = sections[0].rpartition("/")[0] if sections else NAMESPACE  # that of the nodes with parameters
-    return Recorded(file, namespace, period, recording, dict.fromkeys(topics, there), parameters=given)
+    sections = [
+        section
+        for section in (given.sections if given else ())
+        if not section.startswith(ANY_NAMESPACE)
+    ]
+    # that of the nodes with parameters
+    namespace = sections[0].rpartition("/")[0] if sections else NAMESPACE
+    return Recorded(
+        file, namespace, period, recording, dict.fromkeys(topics, there), parameters=given
+    )

@@ -68,15 +68,22 @@ class Situation:
         values = [
             ("driver", "pedals.time", [0.0, 0.5, 0.7, 1.5]),
             ("driver", "pedals.drive_torque", [0.0, 0.0, 0.2 * self.torque, self.torque]),
-            ("driver", "pedals.brake_torque", [1000.0, 1000.0, 0.0, 0.0]),  # holds the car on the hill
+            # holds the car on the hill
+            ("driver", "pedals.brake_torque", [1000.0, 1000.0, 0.0, 0.0]),
             ("plant", "road.left", list(self.left)),
             ("plant", "road.right", list(self.right or self.left)),
             ("plant", "road.grade", [self.grade]),
         ]
         if self.lengths:
-            values += [("plant", "road.pattern", "segments"), ("plant", "road.length", list(self.lengths))]
+            values += [
+                ("plant", "road.pattern", "segments"),
+                ("plant", "road.length", list(self.lengths)),
+            ]
         if self.curvature:
-            values += [("driver", "path.shape", "arcs"), ("driver", "path.length", [STRAIGHT, BEND])]
+            values += [
+                ("driver", "path.shape", "arcs"),
+                ("driver", "path.length", [STRAIGHT, BEND]),
+            ]
             values.append(("driver", "path.curvature", [0.0, self.curvature]))
         return tuple(values)
 
@@ -101,9 +108,11 @@ PERIOD = 0.005  # of control, with which the runs are driven [s]
 ASKED = 0.5  # when the driver begins to pull away [s]
 REACHED = 30 / 3.6  # [m/s]
 SERVED = 0.9  # of the request [1], from which on the torque counts as back
-GRIP, GRIP_TIME = 0.8, 0.5  # friction in use below which for so long nothing had to be limited [1, s]
+# friction in use below which for so long nothing had to be limited [1, s]
+GRIP, GRIP_TIME = 0.8, 0.5
 RIPPLE_WINDOW = 0.1  # [s]
-TRACE_STEP, PATH_STEP = 0.02, 0.05  # [s], between samples of the traced slip, and those compared with the path
+# [s], between samples of the traced slip, and those compared with the path
+TRACE_STEP, PATH_STEP = 0.02, 0.05
 
 
 def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
@@ -118,7 +127,9 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
     step = _samples_in(TRACE_STEP, recording)
     asked = slips[:, time >= ASKED]
     return {
-        "time_to_30": metric(lambda: crossing_time(time, speed(recording), REACHED, "30 km/h"), "s").value,
+        "time_to_30": metric(
+            lambda: crossing_time(time, speed(recording), REACHED, "30 km/h"), "s"
+        ).value,
         "distance": float(distance_on_path(recording)[-1]),
         "peak_slip": float(asked.max()) if asked.size else None,
         "mean_slip": float(asked.mean()) if asked.size else None,
@@ -145,21 +156,27 @@ def _given(recording: Recording, name: str, vehicle: Vehicle) -> tuple[np.ndarra
         return command, command < channel(recording, f"torque_request.drive.{name}")
     gear = drive_train_numbers(vehicle)["gear"][WHEEL_NAMES.index(name)]
     in_reach = channel(recording, SET_POINT + name) < vehicle.motor.maximum_speed / gear
-    return channel(recording, f"wheel_states.effort.{name}") / vehicle.motor.gear_efficiency, in_reach
+    return channel(
+        recording, f"wheel_states.effort.{name}"
+    ) / vehicle.motor.gear_efficiency, in_reach
 
 
 def _farthest(recording: Recording, run: Run) -> float:
     """The largest distance of the centre of mass from the driver's path [m]."""
     path, leg, farthest = path_of(run.configurations["driver"].parameters.path), 0, 0.0
     step = _samples_in(PATH_STEP, recording)
-    for at_x, at_y in zip(*(channel(recording, f"pose.{of}")[::step].tolist() for of in ("x", "y")), strict=True):
+    for at_x, at_y in zip(
+        *(channel(recording, f"pose.{of}")[::step].tolist() for of in ("x", "y")), strict=True
+    ):
         distance, leg = nearest(path, at_x, at_y, leg)
         on_x, on_y = point_at(path, distance, leg)
         farthest = max(farthest, hypot(at_x - on_x, at_y - on_y))
     return farthest
 
 
-def _wheel(recording: Recording, name: str, vehicle: Vehicle) -> tuple[np.ndarray, float, float | None, int]:
+def _wheel(
+    recording: Recording, name: str, vehicle: Vehicle
+) -> tuple[np.ndarray, float, float | None, int]:
     """What is measured of one driven wheel: its slip over time, energy [J], ripple [N m], false triggers."""
     time = recording.time
     of_tyre = ("slip_ratio", "longitudinal_force", "load", "friction_coefficient")
@@ -175,7 +192,8 @@ def _wheel(recording: Recording, name: str, vehicle: Vehicle) -> tuple[np.ndarra
 
 def _ripple(values: np.ndarray, time: np.ndarray) -> float | None:
     """Root mean square of values less their mean over RIPPLE_WINDOW around each instant, in their unit."""
-    half, middle = RIPPLE_WINDOW / 2, (time[:-1] + time[1:]) / 2  # of a period, in which a command holds
+    # of a period, in which a command holds
+    half, middle = RIPPLE_WINDOW / 2, (time[:-1] + time[1:]) / 2
     inner = (middle >= time[0] + half) & (middle <= time[-1] - half)
     if not inner.any():
         return None
@@ -188,12 +206,18 @@ def _recovery(recording: Recording, vehicle: Vehicle) -> float | None:
     """From where the friction has risen under a wheel until it gets most of its request, the longest time [s]."""
     times = []
     for name in vehicle.driven_wheels:
-        rises = np.flatnonzero(np.diff(channel(recording, f"tire_forces.friction_coefficient.{name}")) > 0.0)
+        rises = np.flatnonzero(
+            np.diff(channel(recording, f"tire_forces.friction_coefficient.{name}")) > 0.0
+        )
         if len(rises):
             least = SERVED * channel(recording, f"torque_request.drive.{name}")
             risen = rises[-1] + 1
             back = np.flatnonzero((_given(recording, name, vehicle)[0] >= least)[risen:])
-            times.append(float(recording.time[risen + back[0]] - recording.time[risen]) if len(back) else math.inf)
+            times.append(
+                float(recording.time[risen + back[0]] - recording.time[risen])
+                if len(back)
+                else math.inf
+            )
     return max(times) if times and max(times) < math.inf else None
 
 
@@ -202,7 +226,10 @@ SCENARIO, RUN = "launch_split_mu", "steered"
 DURATION = 8.0  # [s]
 SHORTEST = 1.0  # [s]; the driver asks for torque from 0.5 s on
 NOISE = {"wheel_speed": 0.03, "wheel_torque": 0.5, "imu_acceleration": 0.05, "imu_yaw_rate": 0.002}
-COMMON = [("*", "control_period", PERIOD), *(("plant", f"sensors.{of}.noise", noise) for of, noise in NOISE.items())]
+COMMON = [
+    ("*", "control_period", PERIOD),
+    *(("plant", f"sensors.{of}.noise", noise) for of, noise in NOISE.items()),
+]
 TRACED = ("snow", "wet", "snow, then dry", "dry, then ice")
 DRAWN = ("off", "least_squares", "slip_window", "pi_slip")
 
@@ -231,12 +258,22 @@ SUMS = tuple(f"{quantity}_" for quantity in SUMMED)
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """A part of the controls and roads instead of all."""
-    parser.add_argument("--controls", nargs="+", choices=controls(), metavar="ASR", help="these only; default: all")
-    parser.add_argument("--roads", nargs="+", choices=list(SITUATIONS), metavar="ROAD", help="these only; default: all")
+    parser.add_argument(
+        "--controls", nargs="+", choices=controls(), metavar="ASR", help="these only; default: all"
+    )
+    parser.add_argument(
+        "--roads",
+        nargs="+",
+        choices=list(SITUATIONS),
+        metavar="ROAD",
+        help="these only; default: all",
+    )
 
 
 def _chosen(given: argparse.Namespace) -> tuple[list[str], list[str]]:
-    return getattr(given, "roads", None) or list(SITUATIONS), getattr(given, "controls", None) or controls()
+    return getattr(given, "roads", None) or list(SITUATIONS), getattr(
+        given, "controls", None
+    ) or controls()
 
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:
@@ -269,7 +306,9 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     roads, names = _chosen(given)
 
     def all_of(control: str, quantity: str) -> np.ndarray:
-        return np.array([results[name_of(road, control)].measured.get(quantity) for road in roads], float)
+        return np.array(
+            [results[name_of(road, control)].measured.get(quantity) for road in roads], float
+        )
 
     return {
         f"{quantity}_{name}": metric(partial(add, all_of(name, quantity)), unit)
@@ -293,5 +332,7 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
             for name in DRAWN
             if name in names and (measured := results[name_of(road, name)].measured)
         ]
-        panels.append(Panel(f"{road}: slip of the front left wheel", "slip ratio [1]", tuple(curves)))
+        panels.append(
+            Panel(f"{road}: slip of the front left wheel", "slip ratio [1]", tuple(curves))
+        )
     return {"slip": Sheet(panels)}

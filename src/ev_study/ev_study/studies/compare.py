@@ -25,12 +25,26 @@ from ev_stack.recording.recording import Recording
 from ev_stack.report.reports import further_metrics, measured_metrics, row_of
 from ev_stack.report.tables import tables_by_width
 from ev_stack.scenarios.scenario import Run
-from ev_study.studies.study import Case, CaseResult, Results, better_by_column, not_measured, run_of_command
+from ev_study.studies.study import (
+    Case,
+    CaseResult,
+    Results,
+    better_by_column,
+    not_measured,
+    run_of_command,
+)
 
 ABOUT = "Every electronic differential on the same car in any scenario, one table and one figure"
 ROLE = "electronic_differential"
 ALL = "all"
-QUANTITIES = ("peak_sideslip", "yaw_rate_error", "peak_slip", "slip_energy", "drive_energy", "time_over_limit")
+QUANTITIES = (
+    "peak_sideslip",
+    "yaw_rate_error",
+    "peak_slip",
+    "slip_energy",
+    "drive_energy",
+    "time_over_limit",
+)
 CURVES = {  # over time, with their units
     "x": "m", "y": "m", "yaw_rate": "rad/s", "sideslip": "deg", "speed": "m/s", "torque_difference": "N m"
 }  # fmt: skip
@@ -39,9 +53,14 @@ CURVES = {  # over time, with their units
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Which scenario, which of its runs, which methods."""
     parser.add_argument("--scenario", default="double_lane_change", help="default: %(default)s")
-    parser.add_argument("--run", default="", help="of a scenario with several runs; default: the first")
     parser.add_argument(
-        "--methods", default=ALL, metavar="NAME,NAME", help="or my_law.py[:NAME]; default: all that are registered"
+        "--run", default="", help="of a scenario with several runs; default: the first"
+    )
+    parser.add_argument(
+        "--methods",
+        default=ALL,
+        metavar="NAME,NAME",
+        help="or my_law.py[:NAME]; default: all that are registered",
     )
     add_metrics(parser, f"default: {', '.join(QUANTITIES)}")
 
@@ -58,7 +77,9 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
         find_method(ROLE, method)
         name = _name_of(method)
         if name in names:
-            raise ParameterError(f"--methods: {names[name]} and {method} are both called {name}, expected two names")
+            raise ParameterError(
+                f"--methods: {names[name]} and {method} are both called {name}, expected two names"
+            )
         names[name] = method
     # The usual ones are measured where they can be, those that are asked for have to be.
     metrics = further_metrics(run, listed(given.metrics) or QUANTITIES, bool(given.metrics))
@@ -100,7 +121,10 @@ def _shown(given: argparse.Namespace, results: Results) -> dict[str, str]:
 
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     """Each metric of each method that could be driven."""
-    shown, driven = _shown(given, results), {n: r.measured for n, r in results.items() if not r.refused}
+    shown, driven = (
+        _shown(given, results),
+        {n: r.measured for n, r in results.items() if not r.refused},
+    )
     return {
         f"{name}_{law}": Metric(
             measured["metrics"].get(name),
@@ -115,9 +139,15 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
 
 def table(given: argparse.Namespace, results: Results) -> tuple[Sequence[str], list[list[Any]]]:
     """Columns, and for each method that could be driven a row of its metrics."""
-    shown, driven = _shown(given, results), {n: r.measured for n, r in results.items() if not r.refused}
+    shown, driven = (
+        _shown(given, results),
+        {n: r.measured for n, r in results.items() if not r.refused},
+    )
     columns = ("method", *(f"{name} [{unit}]" for name, unit in shown.items()))
-    return columns, [[law, *(measured["metrics"].get(name) for name in shown)] for law, measured in driven.items()]
+    return columns, [
+        [law, *(measured["metrics"].get(name) for name in shown)]
+        for law, measured in driven.items()
+    ]
 
 
 def better(given: argparse.Namespace, results: Results) -> dict[str, str]:
@@ -141,7 +171,11 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
     driven = {name: result for name, result in results.items() if not result.refused}
 
     def over_time(title: str, ylabel: str, quantity: str, factor: float = 1.0) -> Panel:
-        return Panel(title, ylabel, [_curve(name, of, "time", quantity, factor) for name, of in driven.items()])
+        return Panel(
+            title,
+            ylabel,
+            [_curve(name, of, "time", quantity, factor) for name, of in driven.items()],
+        )
 
     panels = [
         over_time("Yaw rate", "yaw rate [deg/s]", "yaw_rate", math.degrees(1.0)),
@@ -164,6 +198,8 @@ def marked(name: str, of: CaseResult) -> str:
 
 def _right_minus_left(recording: Recording) -> np.ndarray:
     def of(side: str) -> np.ndarray:
-        return sum(channel(recording, f"torque_request.drive.{axle}_{side}") for axle in ("front", "rear"))
+        return sum(
+            channel(recording, f"torque_request.drive.{axle}_{side}") for axle in ("front", "rear")
+        )
 
     return of("right") - of("left")

@@ -1,8 +1,9 @@
 """What the numbers of a run depend on beside its values and files: the texts of sources, as a digest.
 
-Those of ours are one digest for all that is driven. Those of somebody else's methods, reports and studies count where
-they are used, so that an edit of one law leaves the rows of the others. The data files of their packages, such as
-published.csv, count with them; those in their config folders are read, and counted, with what is driven.
+Those of ours are one digest for all that is driven. Those of somebody else's methods, reports and
+studies count where they are used, so that an edit of one law leaves the rows of the others. The
+data files of their packages, such as published.csv, count with them; those in their config folders
+are read, and counted, with what is driven.
 """
 
 from __future__ import annotations
@@ -38,17 +39,24 @@ def imported_files(module: str, but: Collection[str]) -> list[Path]:
     waiting, own = [module], module.partition(".")[0]
     for name in waiting:
         top = name.partition(".")[0]
-        file = None if name in found or top in but or top in sys.stdlib_module_names else _file(name)
+        file = (
+            None if name in found or top in but or top in sys.stdlib_module_names else _file(name)
+        )
         if file is not None:
             found[name] = file
-            waiting += _imports(name, file) if top == own or not _INSTALLED.intersection(file.parts) else ()
+            waiting += (
+                _imports(name, file)
+                if top == own or not _INSTALLED.intersection(file.parts)
+                else ()
+            )
     return list(dict.fromkeys(found.values()))
 
 
 def _file(module: str) -> Path | None:
     try:
         spec = find_spec(module)
-    except (ImportError, AttributeError, ValueError):  # a name in a module, no module; or none of this machine
+    # a name in a module, no module; or none of this machine
+    except (ImportError, AttributeError, ValueError):
         return None
     return Path(spec.origin) if spec is not None and spec.has_location and spec.origin else None
 
@@ -58,7 +66,8 @@ def _imports(module: str, file: Path) -> Iterator[str]:
     package = module if file.name == "__init__.py" else module.rpartition(".")[0]
     try:
         tree = ast.parse(file.read_bytes() if file.suffix == ".py" else "")
-    except (SyntaxError, ValueError):  # what is imported where it can be, such as of another Python: its text counts
+    # what is imported where it can be, such as of another Python: its text counts
+    except (SyntaxError, ValueError):
         return
     for node in ast.walk(tree):
         if isinstance(node, ast.Import | ast.ImportFrom):
@@ -119,15 +128,24 @@ def _data_of(package: str) -> Iterator[tuple[str, Path]]:
 def _published() -> str:
     """A digest of what our sources have published."""
     tops = [Path(import_module(package).__file__ or "").parent for package in OURS]
-    return _digest("", ((path.relative_to(top).as_posix(), path) for top in tops for path in top.rglob("*.csv")))
+    return _digest(
+        "",
+        ((path.relative_to(top).as_posix(), path) for top in tops for path in top.rglob("*.csv")),
+    )
 
 
-def digest_of_sources(without: Sequence[str] = NEVER_DRIVES, config: bool = False, others: bool = False) -> str:
+def digest_of_sources(
+    without: Sequence[str] = NEVER_DRIVES, config: bool = False, others: bool = False
+) -> str:
     """The digest of our sources but for some folders, and of package versions.
 
     Of the config folders as well if wanted, and of all `others` that are installed for us.
     """
-    modules = sorted({point.value for group in _GROUPS for point in entry_points(group=group)}) if others else ()
+    modules = (
+        sorted({point.value for group in _GROUPS for point in entry_points(group=group)})
+        if others
+        else ()
+    )
     head = sorted(versions().items()), [_texts_of(each) for each in modules]
     return _digest(repr(head), [*_sources(without), *(_config() if config else ())])
 
@@ -150,7 +168,9 @@ def _sources(without: Sequence[str]) -> Iterable[tuple[str, Path]]:
         for path in (top / package).rglob("*.py"):
             name = path.relative_to(top).as_posix()
             # What the compiler leaves beside the sources follows from them.
-            if "__pycache__" not in path.parts and not name.startswith(tuple(f"{each}/" for each in without)):
+            if "__pycache__" not in path.parts and not name.startswith(
+                tuple(f"{each}/" for each in without)
+            ):
                 yield name, path
 
 

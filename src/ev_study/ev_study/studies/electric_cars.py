@@ -1,7 +1,8 @@
 """Electric cars of an EPA test car list, the named assumptions about their drives, and their consumption by sums.
 
-The sums over a cycle are quasi-static: speed and acceleration follow the cycle exactly, so the work at the wheels and
-the losses are integrals that need no run. They serve to fit the assumptions. The study `energy` drives the plant.
+The sums over a cycle are quasi-static: speed and acceleration follow the cycle exactly, so the work
+at the wheels and the losses are integrals that need no run. They serve to fit the assumptions. The
+study `energy` drives the plant.
 """
 
 from __future__ import annotations
@@ -25,8 +26,10 @@ POUND, POUND_FORCE, MILE_PER_HOUR, MILE = 0.45359237, 4.4482216, 0.44704, 1609.3
 ENERGY_OF_A_GALLON = 33_705.0  # W h, of gasoline: what the EPA's miles per gallon equivalent count
 REFERENCE_MASS = 2000.0  # kg: idle and copper losses are in proportion to the car's mass over this
 CLASSES, ASSUMPTIONS = "energy/drive_classes.csv", "energy/assumptions.csv"
-FITTED = "fitted"  # quantity of a row of the assumptions whose class is the code of a vehicle that they were fitted to
-_ONE, _TWO = "one machine", "two machines"  # of cars that no line of the classes names, by their driven axles
+# quantity of a row of the assumptions whose class is the code of a vehicle that they were fitted to
+FITTED = "fitted"
+# of cars that no line of the classes names, by their driven axles
+_ONE, _TWO = "one machine", "two machines"
 _MOST = 1 << 22  # bytes of a file
 _LARGEST = 1e4  # of an assumption in its unit: no car has 10 kW of auxiliaries
 _INTERVAL = 0.2  # s, of the sums
@@ -51,9 +54,10 @@ class ElectricCar:
 class Assumptions:
     """What is assumed of all cars, and of each class of drives: idle force [N] and recovery [m/s^2].
 
-    `copper` is a loss over the squared force at the wheels [W/N^2], `idle` a force that the machines take at any speed,
-    both for a car of REFERENCE_MASS; `recovery` is the deceleration up to which the drives brake. `fitted` has the
-    codes of the vehicles that they were fitted to: other cars are new to them.
+    `copper` is a loss over the squared force at the wheels [W/N^2], `idle` a force that the
+    machines take at any speed, both for a car of REFERENCE_MASS; `recovery` is the deceleration up
+    to which the drives brake. `fitted` has the codes of the vehicles that they were fitted to:
+    other cars are new to them.
     """
 
     gear_efficiency: float
@@ -68,13 +72,15 @@ class Assumptions:
 def read_cars(file: Path | str) -> list[ElectricCar]:
     """The cars of a list; ParameterError that names line and column of what is missing or no number.
 
-    Columns: model, vehicle, configuration, drive, test_weight_lb, A_lbf, B_lbf_per_mph, C_lbf_per_mph2, udds_mpge and
-    hwfet_mpge. Further ones are not read.
+    Columns: model, vehicle, configuration, drive, test_weight_lb, A_lbf, B_lbf_per_mph,
+    C_lbf_per_mph2, udds_mpge and hwfet_mpge. Further ones are not read.
     """
     cars = []
     for line, row in _rows(file):
 
-        def number(column: str, least: float, line: int = line, row: Mapping[str, str] = row) -> float:
+        def number(
+            column: str, least: float, line: int = line, row: Mapping[str, str] = row
+        ) -> float:
             text = row.get(column) or ""
             try:
                 value = float(text)
@@ -90,7 +96,9 @@ def read_cars(file: Path | str) -> list[ElectricCar]:
         drive, name = row.get("drive") or "", f"{row.get('model')} {row.get('configuration')}"
         if drive not in _DRIVEN_AXLES:
             allowed = ", ".join(_DRIVEN_AXLES)
-            raise ParameterError(f"{file}, line {line}, column drive: {quoted(drive)} is refused, allowed: {allowed}")
+            raise ParameterError(
+                f"{file}, line {line}, column drive: {quoted(drive)} is refused, allowed: {allowed}"
+            )
         per_mile = {cycle: ENERGY_OF_A_GALLON / number(f"{cycle}_mpge", 0.0) for cycle in CYCLES}
         axles = _DRIVEN_AXLES[drive]
         cars.append(
@@ -160,14 +168,21 @@ def read_assumptions(file: Path | str | None = None) -> Assumptions:
         most = 1.0 if quantity.endswith("efficiency") else _LARGEST
         if not (0.0 < value <= most or (value == 0.0 and most > 1.0)):
             expected = "above 0 and at most 1" if most == 1.0 else f"0 to {most:g}"
-            raise ParameterError(f"{path}, line {line}: {quantity} of {drive} is {value:g}, expected {expected}")
+            raise ParameterError(
+                f"{path}, line {line}: {quantity} of {drive} is {value:g}, expected {expected}"
+            )
         if (quantity, drive) in values:
-            raise ParameterError(f"{path}, line {line}: {quantity} of {drive} is there twice, expected once")
+            raise ParameterError(
+                f"{path}, line {line}: {quantity} of {drive} is there twice, expected once"
+            )
         values[quantity, drive] = value
     classes = tuple(dict.fromkeys((_ONE, _TWO, *(drive for _, drive in _classes()))))
     try:
         return Assumptions(
-            *(values[name, "all"] for name in ("gear_efficiency", "copper", "auxiliary_power", "charger_efficiency")),
+            *(
+                values[name, "all"]
+                for name in ("gear_efficiency", "copper", "auxiliary_power", "charger_efficiency")
+            ),
             idle={drive: values["idle", drive] for drive in classes},
             recovery={drive: values["recovery", drive] for drive in classes},
             fitted=frozenset(fitted),
@@ -181,11 +196,14 @@ def read_assumptions(file: Path | str | None = None) -> Assumptions:
 def _cycle(name: str) -> tuple[np.ndarray, np.ndarray, float]:
     """Mean speeds [m/s] and accelerations [m/s^2] of the intervals of a cycle, (n,), and their length [s]."""
     profile = with_profile_from_file(SpeedProfileParameters(file=f"cycles/{name}.csv"), "cycle")
-    speeds = np.interp(np.arange(0.0, profile.time[-1] + 1e-9, _INTERVAL), profile.time, profile.speed)
+    speeds = np.interp(
+        np.arange(0.0, profile.time[-1] + 1e-9, _INTERVAL), profile.time, profile.speed
+    )
     return (speeds[1:] + speeds[:-1]) / 2, np.diff(speeds) / _INTERVAL, _INTERVAL
 
 
-# Of compact_ev, which the plant drives: wheels, and a rotor with its gear, as mass [kg]; slip stiffness over load [1].
+# Of compact_ev, which the plant drives: wheels, and a rotor with its gear, as mass [kg]; slip
+# stiffness over load [1].
 WHEELS, ROTOR, SLIP_STIFFNESS = 43.0, 13.8, 20.0
 
 
@@ -193,7 +211,12 @@ def consumption(car: ElectricCar, cycle: str, a: Assumptions) -> float:
     """Consumption from the wall [W h/km] by sums over the cycle."""
     speed, acceleration, h = _cycle(cycle)
     inertia = car.mass + WHEELS + ROTOR * 2 * car.driven_axles
-    force = car.constant * (speed > 0.0) + car.linear * speed + car.quadratic * speed**2 + inertia * acceleration
+    force = (
+        car.constant * (speed > 0.0)
+        + car.linear * speed
+        + car.quadratic * speed**2
+        + inertia * acceleration
+    )
     size, efficiency = car.mass / REFERENCE_MASS, a.gear_efficiency
     driving = np.maximum(force, 0.0)
     braking = np.minimum(np.maximum(-force, 0.0), a.recovery[car.drive] * car.mass)
@@ -218,7 +241,8 @@ _SPREAD = 0.03  # relative deviation of the measured consumption beyond which a 
 def fit(cars: Sequence[ElectricCar]) -> Assumptions:
     """The assumptions that fit the measured consumption of cars best, held to what is expected beforehand.
 
-    A robust loss (soft L1) keeps rows that do not fit from deciding. The same cars give the same numbers.
+    A robust loss (soft L1) keeps rows that do not fit from deciding. The same cars give the same
+    numbers.
     """
     classes = list(read_assumptions().idle)
     common = [name for name in _BOUNDS if name not in ("idle", "recovery")]
@@ -233,7 +257,11 @@ def fit(cars: Sequence[ElectricCar]) -> Assumptions:
 
     def residuals(scaled: np.ndarray) -> np.ndarray:
         a = assumptions(scaled)
-        errors = [consumption(car, cycle, a) / car.measured[cycle] - 1.0 for car in cars for cycle in CYCLES]
+        errors = [
+            consumption(car, cycle, a) / car.measured[cycle] - 1.0
+            for car in cars
+            for cycle in CYCLES
+        ]
         return np.concatenate((np.array(errors) / _SPREAD, scaled))
 
     bounds = ((low - expected) / firm - 1e-12, (high - expected) / firm)
@@ -249,7 +277,12 @@ def held_out(cars: Sequence[ElectricCar]) -> set[str]:
 
 def assumption_rows(a: Assumptions) -> list[tuple[str, str, str, str]]:
     """Quantity, class, value and unit, as in the file of the assumptions; the fitted vehicles last."""
-    units = {"gear_efficiency": "1", "copper": "W/N^2", "auxiliary_power": "W", "charger_efficiency": "1"}
+    units = {
+        "gear_efficiency": "1",
+        "copper": "W/N^2",
+        "auxiliary_power": "W",
+        "charger_efficiency": "1",
+    }
     rows = [(name, "all", f"{getattr(a, name):.4g}", unit) for name, unit in units.items()]
     rows += [("idle", drive, f"{force:.3g}", "N") for drive, force in a.idle.items()]
     rows += [("recovery", drive, f"{limit:.3g}", "m/s^2") for drive, limit in a.recovery.items()]

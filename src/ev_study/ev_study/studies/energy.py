@@ -1,8 +1,8 @@
 """Energy of electric cars from the wall to the wheels on UDDS and HWFET, compared with an EPA test car list.
 
-The plant is compact_ev with the mass, the road load and the driven axles of each car, and with the assumptions about
-its class of drives (`electric_cars`). The tyres, wheels and gear ratio of compact_ev stand for all cars, and neither
-motors nor battery have a limit.
+The plant is compact_ev with the mass, the road load and the driven axles of each car, and with the
+assumptions about its class of drives (`electric_cars`). The tyres, wheels and gear ratio of
+compact_ev stand for all cars, and neither motors nor battery have a limit.
 """
 
 from __future__ import annotations
@@ -40,7 +40,12 @@ from ev_study.studies.study import Case, Results
 
 ABOUT = "Energy of the electric cars of an EPA test car list, wall to wheels, on UDDS and HWFET"
 _OF_A_CYCLE = ("W h/km", "measured", "error")
-COLUMNS = ("car", "drive", "part", *(f"{cycle}: {what}" for cycle in CYCLES for what in _OF_A_CYCLE))
+COLUMNS = (
+    "car",
+    "drive",
+    "part",
+    *(f"{cycle}: {what}" for cycle in CYCLES for what in _OF_A_CYCLE),
+)
 LEFT = 3
 SUMS = ("median", "ninety")
 _SCENARIO, _VEHICLE = "coast_down", "compact_ev"
@@ -50,14 +55,24 @@ _FIT, _NEW = "fit", "new"
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """The list of cars, the assumptions, and which cars."""
-    parser.add_argument("cars", type=Path, metavar="CARS.csv", help="test car list (docs/energy.md)")
-    parser.add_argument("--assumptions", type=Path, metavar="FILE", help="default: config/energy/assumptions.csv")
+    parser.add_argument(
+        "cars", type=Path, metavar="CARS.csv", help="test car list (docs/energy.md)"
+    )
+    parser.add_argument(
+        "--assumptions", type=Path, metavar="FILE", help="default: config/energy/assumptions.csv"
+    )
     parser.add_argument(
         "--fit",
         action="store_true",
         help="fit the assumptions to the cars of this list that are not held out, and print them",
     )
-    parser.add_argument("--only", nargs="+", default=[], metavar="TEXT", help="cars whose name has one of these texts")
+    parser.add_argument(
+        "--only",
+        nargs="+",
+        default=[],
+        metavar="TEXT",
+        help="cars whose name has one of these texts",
+    )
 
 
 def _cars(given: argparse.Namespace) -> list[ElectricCar]:
@@ -79,7 +94,9 @@ def _fitted(file: Path) -> Assumptions:
 def cases(given: argparse.Namespace) -> Sequence[Case]:
     """Each car on each cycle; ParameterError for a duration, with which a part would be held against the whole."""
     if given.duration is not None:
-        raise ParameterError(f"--duration {given.duration:g} is refused: what was measured is of whole cycles")
+        raise ParameterError(
+            f"--duration {given.duration:g} is refused: what was measured is of whole cycles"
+        )
     assumptions = _assumptions(given)
     return [
         Case(
@@ -98,7 +115,8 @@ def _values(car: ElectricCar, cycle: str, a: Assumptions) -> tuple[tuple[str, st
     base = vehicle_of(_VEHICLE)
     machines, radius, gear = 2 * car.driven_axles, base.wheel_radius, base.gear_ratio
     size = car.mass / REFERENCE_MASS
-    torques = (gear * a.gear_efficiency / radius) ** 2  # squared force at the wheel over squared torque at the shaft
+    # squared force at the wheel over squared torque at the shaft
+    torques = (gear * a.gear_efficiency / radius) ** 2
     vehicle = {
         "mass": car.mass,
         "rolling_resistance": 0.0,
@@ -114,8 +132,12 @@ def _values(car: ElectricCar, cycle: str, a: Assumptions) -> tuple[tuple[str, st
         "maximum_brake_torque": _LARGE_TORQUE,
         "battery.capacity": 1000.0,
         "battery.resistance": 1e-3,
-        **dict.fromkeys(("motor.eddy_loss", "motor.inverter_loss", "motor.inverter_torque_loss"), 0.0),
-        **dict.fromkeys(("motor.peak_torque", "motor.nominal_torque", "motor.generator_torque"), _LARGE_TORQUE),
+        **dict.fromkeys(
+            ("motor.eddy_loss", "motor.inverter_loss", "motor.inverter_torque_loss"), 0.0
+        ),
+        **dict.fromkeys(
+            ("motor.peak_torque", "motor.nominal_torque", "motor.generator_torque"), _LARGE_TORQUE
+        ),
         **dict.fromkeys(("motor.peak_power", "motor.generator_power"), _NO_LIMIT),
         **dict.fromkeys(("battery.discharge_power", "battery.charge_power"), _NO_LIMIT),
     }
@@ -142,12 +164,16 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
     wanted = run.configurations["driver"].parameters.speed_profile
     asked = np.interp(recording.time, wanted.time, wanted.speed)
     return {
-        "consumption": float((power[1:] * np.diff(recording.time)).sum()) / 3600.0 / (distance / 1000.0),
+        "consumption": float((power[1:] * np.diff(recording.time)).sum())
+        / 3600.0
+        / (distance / 1000.0),
         "speed_error": float(np.abs(motion.speed(recording) - asked).max()),
     }
 
 
-def _compared(given: argparse.Namespace, results: Results) -> list[tuple[ElectricCar, bool, list[tuple[float, float]]]]:
+def _compared(
+    given: argparse.Namespace, results: Results
+) -> list[tuple[ElectricCar, bool, list[tuple[float, float]]]]:
     """Each car that was driven, whether it is new to the assumptions, and by cycle ours and measured [W h/km]."""
     assumed = _assumptions(given)
     found = []
@@ -155,7 +181,13 @@ def _compared(given: argparse.Namespace, results: Results) -> list[tuple[Electri
         driven = [results[f"{car.name}: {cycle}"].measured for cycle in CYCLES]
         if all(driven):
             ours = (each["consumption"] / assumed.charger_efficiency for each in driven)
-            found.append((car, car.vehicle not in assumed.fitted, list(zip(ours, car.measured.values(), strict=True))))
+            found.append(
+                (
+                    car,
+                    car.vehicle not in assumed.fitted,
+                    list(zip(ours, car.measured.values(), strict=True)),
+                )
+            )
     return found
 
 
@@ -179,7 +211,11 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
             *(
                 text
                 for ours, measured in pairs
-                for text in (f"{ours:.0f}", f"{measured:.0f}", f"{100 * (ours / measured - 1):+.1f} %")
+                for text in (
+                    f"{ours:.0f}",
+                    f"{measured:.0f}",
+                    f"{100 * (ours / measured - 1):+.1f} %",
+                )
             ),
         )
         for car, new, pairs in _compared(given, results)
@@ -189,14 +225,22 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
 def tables(given: argparse.Namespace, results: Results) -> str:
     """The assumptions, the rows, and the errors in sum."""
     names = ("quantity", "class", "value", "unit")
-    # The codes of the fitted cars only for a fit of this list, whose assumptions somebody may want to keep.
+    # The codes of the fitted cars only for a fit of this list, whose assumptions somebody may want
+    # to keep.
     shown = [row for row in assumption_rows(_assumptions(given)) if given.fit or row[0] != FITTED]
     assumed = text_table(names, shown, left=names[:2])
-    errors = {name: 100.0 * float(metric.value or 0.0) for name, metric in metrics(given, results).items()}
+    errors = {
+        name: 100.0 * float(metric.value or 0.0) for name, metric in metrics(given, results).items()
+    }
     sums = [
         f"{which}: median error {errors[f'median_error{part}']:.1f} %, 90 % of the rows within "
         f"{errors[f'ninety_percent_within{part}']:.1f} %"
-        for part, which in (("", "all cars"), ("_new", "cars that the assumptions were not fitted to"))
+        for part, which in (
+            ("", "all cars"),
+            ("_new", "cars that the assumptions were not fitted to"),
+        )
         if f"median_error{part}" in errors
     ]
-    return "\n".join([assumed, "", text_table(COLUMNS, rows(given, results), left=COLUMNS[:LEFT]), *sums])
+    return "\n".join(
+        [assumed, "", text_table(COLUMNS, rows(given, results), left=COLUMNS[:LEFT]), *sums]
+    )

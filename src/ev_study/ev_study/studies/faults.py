@@ -24,11 +24,13 @@ DURATION = 10.0  # [s]
 SCENARIO = "double_lane_change"
 ROADS = {"dry": "dry_asphalt", "wet": "wet_asphalt_1"}
 BY_WIRE = ("drive_by_wire", "steer_by_wire")
-POWERED = " (powered)"  # behind the name of a law: on the column of Shchur (2019), whose lever is half the track
+# behind the name of a law: on the column of Shchur (2019), whose lever is half the track
+POWERED = " (powered)"
 SOUND = "none"
 
-# 40 m straight on, then a circle of 100 m radius at 60 km/h; from 4 s on the driver goes up to 75 km/h within 5 s. The
-# gains of the hands are softer than those of other path followers, with which the assistance of the steering swings.
+# 40 m straight on, then a circle of 100 m radius at 60 km/h; from 4 s on the driver goes up to 75
+# km/h within 5 s. The gains of the hands are softer than those of other path followers, with which
+# the assistance of the steering swings.
 TURN: tuple[tuple[str, str, Any], ...] = (
     ("plant", "initial_x", 0.0),
     ("plant", "initial_speed", 60 / 3.6),
@@ -61,7 +63,10 @@ FAULTS: dict[str, dict[str, list[str]]] = {  # what is wrong -> by role
     "accelerometer tilted by 0.1": {"plant": ["tilted imu.longitudinal_acceleration 0.1"]},
     "steering angle 0.2 rad off": {"steering_column": [f"offset {_COLUMN}.angle 0.2"]},
     "hand torque sensor lost": {"steering_column": [f"constant {_COLUMN}.hand_torque 0"]},
-    "every third message lost": {"steering_column": [f"lost {_COLUMN} 0.333"], "plant": ["lost wheel_states 0.333"]},
+    "every third message lost": {
+        "steering_column": [f"lost {_COLUMN} 0.333"],
+        "plant": ["lost wheel_states 0.333"],
+    },
     "law restarted for 0.5 s": {"electronic_differential": [f"restarted {_LAW}"]},
 }
 OF_MOTORS = ("inner motor dead", "outer motor dead", "inner motor at half", "outer motor stuck")
@@ -80,14 +85,19 @@ def values_of(road: str, law: str, asr: str, fault: str) -> tuple[tuple[str, str
         ("electronic_differential", "method", name),
         ("asr", "method", asr),
         ("steering_column", "method", column),
-        *((("asr", "plausibility.keep_difference", column != "manual"),) if asr == "limp_home" else ()),
-        *((role, "faults", [f"{each} from {BEGIN:g}{until}" for each in of]) for role, of in FAULTS[fault].items()),
+        *(
+            (("asr", "plausibility.keep_difference", column != "manual"),)
+            if asr == "limp_home"
+            else ()
+        ),
+        *(
+            (role, "faults", [f"{each} from {BEGIN:g}{until}" for each in of])
+            for role, of in FAULTS[fault].items()
+        ),
     )
 
 
-ABOUT = (
-    "Every electronic differential with every fault in mid-turn, on dry and wet roads: path, yaw rate, sideslip, safe?"
-)
+ABOUT = "Every electronic differential with every fault in mid-turn, on dry and wet roads: path, yaw rate, sideslip, safe?"
 ROLE, DRAWN = "electronic_differential", "power_steering"
 OFF, LIMP = "off", "limp_home"
 _ON_A_ROAD = ("path error [m]", "yaw rate error [deg/s]", "sideslip [deg]", "safe")
@@ -105,12 +115,27 @@ def laws() -> list[str]:
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """A part of the laws and faults instead of all, and what counts as safe."""
-    parser.add_argument("--laws", nargs="+", choices=laws(), metavar="LAW", help="these only; default: all")
-    parser.add_argument("--faults", nargs="+", choices=list(FAULTS), metavar="FAULT", help="these only; default: all")
-    parser.add_argument("--lane", type=real(0.0), default=3.5, help="width of the lane [m]; default: %(default)s")
-    parser.add_argument("--car-width", type=real(0.0), default=1.7, help="of the car [m]; default: %(default)s")
     parser.add_argument(
-        "--sideslip", type=real(0.0, 180.0), default=10.0, help="largest sideslip [deg]; default: %(default)s"
+        "--laws", nargs="+", choices=laws(), metavar="LAW", help="these only; default: all"
+    )
+    parser.add_argument(
+        "--faults",
+        nargs="+",
+        choices=list(FAULTS),
+        metavar="FAULT",
+        help="these only; default: all",
+    )
+    parser.add_argument(
+        "--lane", type=real(0.0), default=3.5, help="width of the lane [m]; default: %(default)s"
+    )
+    parser.add_argument(
+        "--car-width", type=real(0.0), default=1.7, help="of the car [m]; default: %(default)s"
+    )
+    parser.add_argument(
+        "--sideslip",
+        type=real(0.0, 180.0),
+        default=10.0,
+        help="largest sideslip [deg]; default: %(default)s",
     )
 
 
@@ -129,7 +154,12 @@ def name_of(fault: str, law: str, asr: str, road: str) -> str:
 def cases(given: argparse.Namespace) -> Sequence[Case]:
     """Every law with every fault, and with a limp mode where motors are struck; what the car forbids is refused."""
     return [
-        Case(name_of(fault, law, asr, road), SCENARIO, values_of(road, law, asr, fault), duration=DURATION)
+        Case(
+            name_of(fault, law, asr, road),
+            SCENARIO,
+            values_of(road, law, asr, fault),
+            duration=DURATION,
+        )
         for fault, law, asr in _combinations(given)
         for road in ROADS
     ]
@@ -140,7 +170,9 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
     wanted = run.configurations["driver"].parameters.path
     path, after = path_of(wanted), recording.time >= BEGIN
     deviation, leg = np.zeros(len(recording.time)), 0
-    for n, (x, y) in enumerate(zip(channel(recording, "pose.x"), channel(recording, "pose.y"), strict=True)):
+    for n, (x, y) in enumerate(
+        zip(channel(recording, "pose.x"), channel(recording, "pose.y"), strict=True)
+    ):
         _, leg = nearest(path, x, y, leg)
         along_x, along_y = path.along_x[leg], path.along_y[leg]
         deviation[n] = along_x * (y - path.y[leg]) - along_y * (x - path.x[leg])
@@ -168,7 +200,12 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     """For each law the number of faults, dry and wet, with which it is safe without the limp mode."""
     found: dict[str, Metric] = {}
     for law in given.laws or laws():
-        names = [name_of(f, law, OFF, road) for f in given.faults or FAULTS if f != SOUND for road in ROADS]
+        names = [
+            name_of(f, law, OFF, road)
+            for f in given.faults or FAULTS
+            if f != SOUND
+            for road in ROADS
+        ]
         safe = [is_safe(given, results[name].measured) for name in names if results[name].measured]
         if safe:
             found[f"safe_{law}"] = Metric(float(sum(safe)), "1")
@@ -181,14 +218,24 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
     for fault, law, asr in _combinations(given):
         measured = [results[name_of(fault, law, asr, road)].measured for road in ROADS]
         if any(measured):
-            found.append((fault, law, asr, *(cell for of_road in measured for cell in _cells(given, of_road))))
+            found.append(
+                (
+                    fault,
+                    law,
+                    asr,
+                    *(cell for of_road in measured for cell in _cells(given, of_road)),
+                )
+            )
     return found
 
 
 def _cells(given: argparse.Namespace, measured: Mapping[str, Any]) -> tuple[str, ...]:
     if not measured:
         return ("–",) * len(_ON_A_ROAD)
-    numbers = (f"{measured[name]:.{n}f}" for name, n in (("path_error", 2), ("yaw_rate_error", 1), ("sideslip", 1)))
+    numbers = (
+        f"{measured[name]:.{n}f}"
+        for name, n in (("path_error", 2), ("yaw_rate_error", 1), ("sideslip", 1))
+    )
     return (*numbers, "yes" if is_safe(given, measured) else "no")
 
 
@@ -200,8 +247,13 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
     )
     pairs = [(SOUND, OFF), *((fault, asr) for fault in OF_MOTORS[:2] for asr in (OFF, LIMP))]
     panels = []
-    for law, road, (quantity, title, ylabel) in itertools.product((DRAWN, DRAWN + POWERED), ROADS, shown):
-        drawn = {f"{fault}, {readable(asr)}": results.get(name_of(fault, law, asr, road)) for fault, asr in pairs}
+    for law, road, (quantity, title, ylabel) in itertools.product(
+        (DRAWN, DRAWN + POWERED), ROADS, shown
+    ):
+        drawn = {
+            f"{fault}, {readable(asr)}": results.get(name_of(fault, law, asr, road))
+            for fault, asr in pairs
+        }
         curves = [
             Curve(result.measured["time"], result.measured[quantity], label)
             for label, result in drawn.items()

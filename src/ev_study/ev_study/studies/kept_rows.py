@@ -1,7 +1,8 @@
 """Rows of studies that were driven before: a stopped study goes on, and one that has grown drives only what is new.
 
-What the result of a case depends on is a digest: it is taken again while nothing of it changes. (A cache of the
-library's, such as joblib's, knows the arguments of a function, but neither the files that it reads nor our sources.)
+What the result of a case depends on is a digest: it is taken again while nothing of it changes. (A
+cache of the library's, such as joblib's, knows the arguments of a function, but neither the files
+that it reads nor our sources.)
 """
 
 from __future__ import annotations
@@ -28,7 +29,15 @@ from ev_study.studies.study import Case, CaseResult, Measure, run_of
 def case_key(case: Case) -> str:
     """A digest of the content of a case, whatever its name."""
     files = [str(file) for file in case.files]
-    content = (case.scenario, case.values, case.run, files, case.duration, case.vehicle, case.metrics)
+    content = (
+        case.scenario,
+        case.values,
+        case.run,
+        files,
+        case.duration,
+        case.vehicle,
+        case.metrics,
+    )
     return short_digest(content)
 
 
@@ -41,15 +50,18 @@ def row_key(study: str, case: Case) -> str:
 def run_key(make: Callable[[], Run], *choices: object) -> tuple[str, Run]:
     """A digest of choices and of all that driving a run depends on, but for `digest_of_sources`; and the run.
 
-    It is of the run that is made, with all its values, the names and texts of the files that were read for it, and the
-    texts of its methods and of its report that are not ours. ParameterError if it is refused, ValueError if a law
-    refuses its vehicle.
+    It is of the run that is made, with all its values, the names and texts of the files that were
+    read for it, and the texts of its methods and of its report that are not ours. ParameterError if
+    it is refused, ValueError if a law refuses its vehicle.
     """
     with files_read() as files:
         run = make()
         for configuration in run.configurations.values():
             configuration.create()
-    roles = {role: (text_of_method(each.method), each.values()) for role, each in run.configurations.items()}
+    roles = {
+        role: (text_of_method(each.method), each.values())
+        for role, each in run.configurations.items()
+    }
     read = sorted((Path(name).name, digest) for name, digest in files.items())
     measured = run.report, text_of_report(run.report), run.metrics, run.course
     return short_digest((*choices, run.name, run.duration, measured, roles, read)), run
@@ -94,7 +106,9 @@ class KeptRows:
             return
         key = row_key(self._study, case)
         if key != self._keys.get(case.name):
-            raise RunFailed(f"{case.name}: what it depends on has changed while the study was driven: start it again")
+            raise RunFailed(
+                f"{case.name}: what it depends on has changed while the study was driven: start it again"
+            )
         self._results[_name(key)] = as_json(result)
 
 
@@ -111,14 +125,17 @@ class MeasureAndSave:
 
     def __call__(self, recording: Recording, run: Run) -> Mapping[str, Any]:
         self.path.parent.mkdir(exist_ok=True)
-        # The same case under another name, or another command, may write the same bits there at this time.
+        # The same case under another name, or another command, may write the same bits there at
+        # this time.
         save(recording.shown or recording, self.path, replaces=True)
         return self.measure(recording, run)
 
 
 def as_json(result: CaseResult) -> bytes:
     """A result as JSON, to the bit."""
-    fields = {field.name: _encoded(getattr(result, field.name)) for field in dataclasses.fields(result)}
+    fields = {
+        field.name: _encoded(getattr(result, field.name)) for field in dataclasses.fields(result)
+    }
     return json.dumps(fields).encode()
 
 

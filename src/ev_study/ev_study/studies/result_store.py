@@ -1,9 +1,10 @@
 """Results of runs that took long, kept for the user: what was stopped goes on, and nothing is driven twice.
 
-How it works: a result stands under a digest of all that it depends on beside our sources, in a folder that is named
-after the digest of these. So a result of which anything has changed is simply not found. Each file begins with a
-checksum; what a crash or a full disk has left of it counts as missing. Folders of other sources stay for a month, since
-another checkout or branch may come back to them, but recordings, which are large, only those of the last few.
+How it works: a result stands under a digest of all that it depends on beside our sources, in a
+folder that is named after the digest of these. So a result of which anything has changed is simply
+not found. Each file begins with a checksum; what a crash or a full disk has left of it counts as
+missing. Folders of other sources stay for a month, since another checkout or branch may come back
+to them, but recordings, which are large, only those of the last few.
 
 A dict serves in its place where nothing shall outlive the command.
 """
@@ -53,7 +54,8 @@ class ResultStore:
         self.folder = parent / sources
         self._in_use = ExitStack()
         parent.mkdir(parents=True, exist_ok=True)
-        with locked(parent, fcntl.LOCK_EX):  # so that nobody removes what is made here before it is locked
+        # so that nobody removes what is made here before it is locked
+        with locked(parent, fcntl.LOCK_EX):
             self.folder.mkdir(exist_ok=True)
             os.utime(self.folder)
             self._in_use.enter_context(locked(self.folder, fcntl.LOCK_SH))
@@ -101,10 +103,13 @@ class Answers:
         self._own = set[str]()
         self.taken = 0  # that an earlier command has computed
 
-    def answer(self, of: object, points: np.ndarray, compute: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    def answer(
+        self, of: object, points: np.ndarray, compute: Callable[[np.ndarray], np.ndarray]
+    ) -> np.ndarray:
         """The kept answer, else the computed one, which is kept.
 
-        `of` is what one function differs by from the others of the key, as its text: a search asks several at a point.
+        `of` is what one function differs by from the others of the key, as its text: a search asks
+        several at a point.
         """
         asked = f"{self._key} {of!r} {points.dtype.str} {points.shape} ".encode() + points.tobytes()
         name = f"{hashlib.sha256(asked).hexdigest()}.answer"

@@ -55,11 +55,19 @@ def arguments(name: str, argv: Sequence[str]) -> argparse.Namespace:
     study = study_named(name)
     parser = Parser(prog=f"run.sh {name}", description=study.ABOUT)
     where = parser.add_mutually_exclusive_group()
-    where.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="a dask scheduler instead of this machine")
-    where.add_argument("--workers", type=whole(1), metavar="N", help="worker processes here; default: one per core")
-    parser.add_argument("--out", type=output_folder, metavar="DIR", help=f"output folder; default results/{name}")
+    where.add_argument(
+        "--scheduler", metavar="tcp://HOST:PORT", help="a dask scheduler instead of this machine"
+    )
+    where.add_argument(
+        "--workers", type=whole(1), metavar="N", help="worker processes here; default: one per core"
+    )
+    parser.add_argument(
+        "--out", type=output_folder, metavar="DIR", help=f"output folder; default results/{name}"
+    )
     parser.add_argument("--anew", action="store_true", help="drive again what was driven before")
-    parser.add_argument("--signals", action="store_true", help="keep the signals of every run, in DIR/signals")
+    parser.add_argument(
+        "--signals", action="store_true", help="keep the signals of every run, in DIR/signals"
+    )
     add_overrides(parser)
     add_outputs(parser)
     add_traceback(parser)
@@ -70,7 +78,11 @@ def arguments(name: str, argv: Sequence[str]) -> argparse.Namespace:
         metavar="N",
         help="significant ones of table.tex; default: %(default)s",
     )
-    parser.add_argument("--bold", action="store_true", help="best values of table.tex in bold, where one way is better")
+    parser.add_argument(
+        "--bold",
+        action="store_true",
+        help="best values of table.tex in bold, where one way is better",
+    )
     getattr(study, "add_options", lambda parser: None)(parser)
     return parser.parse_args(argv)
 
@@ -78,8 +90,8 @@ def arguments(name: str, argv: Sequence[str]) -> argparse.Namespace:
 def study_cases(study: Study, given: argparse.Namespace) -> list[Case]:
     """The cases of a study with what the command line changes in all of them.
 
-    ParameterError if it sets what a case sets itself, if two cases have one name, or if runs end before there is
-    anything to measure.
+    ParameterError if it sets what a case sets itself, if two cases have one name, or if runs end
+    before there is anything to measure.
     """
     common, cases = overrides(given), study.cases(given)
     shortest = getattr(study, "SHORTEST", 0.0)
@@ -95,7 +107,9 @@ def study_cases(study: Study, given: argparse.Namespace) -> list[Case]:
         names.add(case.name)
         _refuse_what_it_sets(case, changed)
         if common.vehicle and case.vehicle:
-            raise ParameterError(f"--vehicle is refused: case {quoted(case.name)} sets it itself, {case.vehicle}")
+            raise ParameterError(
+                f"--vehicle is refused: case {quoted(case.name)} sets it itself, {case.vehicle}"
+            )
     cases = [
         replace(
             case,
@@ -117,7 +131,10 @@ def _refuse_unused(study: Study, given: argparse.Namespace, cases: Sequence[Case
     named = [*overrides(given).values, *places]
     if not named:
         return
-    alike = {(c.scenario, c.run, c.files, *(str(v) for v in c.values if v[1] == "method")): c for c in cases}
+    alike = {
+        (c.scenario, c.run, c.files, *(str(v) for v in c.values if v[1] == "method")): c
+        for c in cases
+    }
     runs = []
     for case in alike.values():
         with suppress(ParameterError):  # a case that cannot be driven comes back as refused
@@ -137,8 +154,11 @@ def _refuse_what_it_sets(case: Case, changed: Iterable[tuple[str, str]]) -> None
     """ParameterError for what would silently take the place of what a case sets, and is called by."""
     for node, name in changed:
         for its_node, its_name, _ in case.values:
-            # the same parameter, or a file of which that is read: speed_profile.file of speed_profile.time
-            is_it = name == its_name or (name.endswith(_FILE) and its_name.startswith(name.removesuffix(_FILE)))
+            # the same parameter, or a file of which that is read: speed_profile.file of
+            # speed_profile.time
+            is_it = name == its_name or (
+                name.endswith(_FILE) and its_name.startswith(name.removesuffix(_FILE))
+            )
             if is_it and (node == its_node or _EVERY_NODE in (node, its_node)):
                 raise ParameterError(
                     f"{node}.{name} is refused: case {quoted(case.name)} sets {its_node}.{its_name} itself"
@@ -171,7 +191,9 @@ def run_study(words: Sequence[str]) -> None:
         wall_time = time.monotonic() - start
         results = {result.name: result for result in driven}
         if all(result.refused for result in driven):
-            raise RunFailed(f"none of {len(driven)} runs has a row; {driven[0].name}: {driven[0].refused}")
+            raise RunFailed(
+                f"none of {len(driven)} runs has a row; {driven[0].name}: {driven[0].refused}"
+            )
         metrics, sheets, tables, table = _summed_up(study, given, results)
         figures = {} if given.no_report else drawn(sheets)
         folder.claim(figure_files(figures))
@@ -195,11 +217,17 @@ def run_study(words: Sequence[str]) -> None:
     if tables:
         print(tables, end="\n\n")
     # What a table has stands there, and not once more below it.
-    if shown := metrics if table is None else {key: each for key, each in metrics.items() if each.reference}:
+    if (
+        shown := metrics
+        if table is None
+        else {key: each for key, each in metrics.items() if each.reference}
+    ):
         print_metrics(shown)
     for reason in dict.fromkeys(result.refused for result in driven if result.refused):
         of = [result for result in driven if result.refused == reason]
-        print(f"not {'measured' if of[0].signal_hash else 'driven'}: {', '.join(r.name for r in of)}: {reason}")
+        print(
+            f"not {'measured' if of[0].signal_hash else 'driven'}: {', '.join(r.name for r in of)}: {reason}"
+        )
     if spun := [result.name for result in driven if result.spun]:
         more = f" and {len(spun) - _NAMED} more" if len(spun) > _NAMED else ""
         print(f"spun, by more than 90 deg: {', '.join(spun[:_NAMED])}{more}")
@@ -212,19 +240,28 @@ def run_study(words: Sequence[str]) -> None:
 
 
 def _drive(
-    name: str, given: argparse.Namespace, cases: Sequence[Case], paths: Mapping[str, Path], rows: KeptRows
+    name: str,
+    given: argparse.Namespace,
+    cases: Sequence[Case],
+    paths: Mapping[str, Path],
+    rows: KeptRows,
 ) -> tuple[list[CaseResult], int]:
     """The results of all cases, in their order, and how many of them were there already.
 
-    `paths` are those of the signals by case, none if they are not kept. RunFailed if one is not there in the end.
+    `paths` are those of the signals by case, none if they are not kept. RunFailed if one is not
+    there in the end.
     """
     measure = study_named(name).measure
     before = () if given.anew else cases
     found = {case.name: result for case in before if (result := rows.of(case)) is not None}
-    found = {key: result for key, result in found.items() if key not in paths or is_zipfile(paths[key])}
+    found = {
+        key: result for key, result in found.items() if key not in paths or is_zipfile(paths[key])
+    }
     missing = {case.name: case for case in cases if case.name not in found}
     if missing and given.scheduler is None:
-        seconds = timedelta(seconds=math.ceil(estimated_time(list(missing.values()), given.workers)))
+        seconds = timedelta(
+            seconds=math.ceil(estimated_time(list(missing.values()), given.workers))
+        )
         announce(f"{name}: {len(missing)} of them to drive, in about {seconds}")
     with bar_of_runs(name, len(cases), len(found)) as bar:
 
@@ -232,12 +269,20 @@ def _drive(
             rows.keep(missing[result.name], result)
             bar.update()
 
-        measures = [MeasureAndSave(measure, paths[each]) if each in paths else measure for each in missing]
-        driven = drive_cases(list(missing.values()), measures, keep, given.scheduler, given.workers) if missing else []
+        measures = [
+            MeasureAndSave(measure, paths[each]) if each in paths else measure for each in missing
+        ]
+        driven = (
+            drive_cases(list(missing.values()), measures, keep, given.scheduler, given.workers)
+            if missing
+            else []
+        )
     results = {**found, **{result.name: result for result in driven}}
     for case, result in results.items():
         if case in paths and not result.refused and not is_zipfile(paths[case]):
-            raise RunFailed(f"{case}: its worker has written no {paths[case]}, which --signals needs all to see")
+            raise RunFailed(
+                f"{case}: its worker has written no {paths[case]}, which --signals needs all to see"
+            )
     return [results[case.name] for case in cases], len(found)
 
 
@@ -253,7 +298,9 @@ def _summed_up(
         lacking = next((result for result in results.values() if result.refused), None)
         if lacking is None or isinstance(error, ParameterError):
             raise
-        raise RunFailed(f"this study needs all of its cases; {lacking.name}: {lacking.refused}") from error
+        raise RunFailed(
+            f"this study needs all of its cases; {lacking.name}: {lacking.refused}"
+        ) from error
 
 
 def figures_of(study: Study, given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
@@ -265,7 +312,9 @@ def printed(study: Study, given: argparse.Namespace, results: Results) -> str:
     """What a study prints above its metrics, as aligned text; may be empty."""
     if hasattr(study, "tables"):
         return study.tables(given, results)
-    table = text_table(study.COLUMNS, study.rows(given, results), left=study.COLUMNS[: getattr(study, "LEFT", 1)])
+    table = text_table(
+        study.COLUMNS, study.rows(given, results), left=study.COLUMNS[: getattr(study, "LEFT", 1)]
+    )
     return f"{study.HEADING}\n{table}" if hasattr(study, "HEADING") else table
 
 
@@ -294,10 +343,14 @@ def _summary(
     return {
         "study": name,
         "about": study_named(name).ABOUT,
-        "options": {key: str(value) for key, value in sorted(vars(given).items()) if value is not None},
+        "options": {
+            key: str(value) for key, value in sorted(vars(given).items()) if value is not None
+        },
         "metrics": {key: metric.as_json() for key, metric in metrics.items()},
         "signal_hash": hashlib.sha256(hashes.encode()).hexdigest(),
-        "cases": {case.name: _entry(case, results[case.name], signals.get(case.name)) for case in cases},
+        "cases": {
+            case.name: _entry(case, results[case.name], signals.get(case.name)) for case in cases
+        },
         "simulated_time": sum(result.simulated_time for result in results.values()),
         "wall_time": wall_time,
         "versions": versions(),
@@ -305,8 +358,13 @@ def _summary(
 
 
 def _entry(case: Case, result: CaseResult, signals: str | None) -> dict[str, Any]:
-    found = {**result.measured, **result.measured.get("metrics", {})}  # of which the others are no plain values
-    plain = {key: each for key, each in found.items() if isinstance(each, str | int | float | bool | None)}
+    # of which the others are no plain values
+    found = {**result.measured, **result.measured.get("metrics", {})}
+    plain = {
+        key: each
+        for key, each in found.items()
+        if isinstance(each, str | int | float | bool | None)
+    }
     return {
         "scenario": case.scenario,
         "run": case.run,

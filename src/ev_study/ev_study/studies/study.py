@@ -50,7 +50,8 @@ class Case:
 class CaseResult:
     """What a study has measured on a case, or in `refused` one line on why it cannot be driven or measured.
 
-    `simulated_time` and `wall_time` [s] are those of driving, `notes` what its nodes noted, `spun` whether the car has.
+    `simulated_time` and `wall_time` [s] are those of driving, `notes` what its nodes noted, `spun`
+    whether the car has.
     """
 
     name: str
@@ -66,20 +67,32 @@ class CaseResult:
 def drive_case(case: Case, measure: Measure) -> CaseResult:
     """Drive a case offline and measure it; nothing else is kept of its signals than their hash.
 
-    A case that its parameters, a law on this vehicle, or a signal that is not finite forbid comes back as refused, and
-    so does one that is driven, with its hash, and cannot be measured. OSError if its signals cannot be written.
+    A case that its parameters, a law on this vehicle, or a signal that is not finite forbid comes
+    back as refused, and so does one that is driven, with its hash, and cannot be measured. OSError
+    if its signals cannot be written.
     """
     try:
         run = run_of(case)
         start = time.monotonic()
         notes: list[str] = []
         recording = run_offline(
-            run.configurations, run.duration, note=lambda role, text: notes.append(f"{role}: {text}")
+            run.configurations,
+            run.duration,
+            note=lambda role, text: notes.append(f"{role}: {text}"),
         )
-    except ValueError as error:  # a ParameterError or SignalError, or the refusal of a vehicle by a law
+    # a ParameterError or SignalError, or the refusal of a vehicle by a law
+    except ValueError as error:
         return CaseResult(case.name, {}, refused=str(error))
     wall_time = time.monotonic() - start
-    driven = CaseResult(case.name, {}, signal_hash(recording), run.duration, wall_time, "", tuple(dict.fromkeys(notes)))
+    driven = CaseResult(
+        case.name,
+        {},
+        signal_hash(recording),
+        run.duration,
+        wall_time,
+        "",
+        tuple(dict.fromkeys(notes)),
+    )
     try:
         motion = true_motion(recording, run.configurations)
         driven = replace(driven, spun=has_spun(motion))
@@ -88,7 +101,8 @@ def drive_case(case: Case, measure: Measure) -> CaseResult:
         raise
     except NotMeasured as why:
         return replace(driven, refused=str(why))
-    except Exception as error:  # a run too short, or another than was thought of: the other cases are measured
+    # a run too short, or another than was thought of: the other cases are measured
+    except Exception as error:
         last = traceback.extract_tb(error.__traceback__)[-1]
         cause = " ".join(f"{type(error).__name__} {error}".split())
         return replace(driven, refused=f"{cause} ({Path(last.filename).name}, line {last.lineno})")
@@ -96,7 +110,9 @@ def drive_case(case: Case, measure: Measure) -> CaseResult:
 
 def run_of(case: Case) -> Run:
     """The configured graph of a case; ParameterError, in one line, if something in it is refused."""
-    overrides = Overrides(case.files, (), case.duration, case.vehicle, prepared=case.values, metrics=case.metrics)
+    overrides = Overrides(
+        case.files, (), case.duration, case.vehicle, prepared=case.values, metrics=case.metrics
+    )
     scenario = load_scenario(case.scenario, overrides, only=(case.run,) if case.run else ())
     if len(scenario.runs) > 1:
         raise unknown_name(f"run of {case.scenario}", case.run, [run.name for run in scenario.runs])
@@ -107,7 +123,9 @@ def not_measured(names: Sequence[str], results: Results) -> str:
     """A line for each metric that no run has, with the reason that one of them gives; empty if there is none."""
     found = []
     for name in names:
-        reasons = [result.measured["reasons"].get(name) for result in results.values() if result.measured]
+        reasons = [
+            result.measured["reasons"].get(name) for result in results.values() if result.measured
+        ]
         if reasons and all(reasons):
             found.append(f"not measured: {name}: {reasons[0]}")
     return "\n".join(found)
@@ -128,7 +146,9 @@ def run_of_command(given: argparse.Namespace) -> Run:
     """
     changed, runs = overrides(given), load_scenario(given.scenario).runs
     with suppress(ParameterError):
-        prepared = Overrides(changed.files, (), changed.duration, changed.vehicle, changed.all_values)
+        prepared = Overrides(
+            changed.files, (), changed.duration, changed.vehicle, changed.all_values
+        )
         runs = load_scenario(given.scenario, prepared).runs
     names = [run.name for run in runs]
     if given.run and given.run not in names:
@@ -174,7 +194,9 @@ class Study(Protocol):
 def metrics_of_cases(results: Results, units: Mapping[str, str]) -> dict[str, Metric]:
     """Each of some quantities, by unit, that were measured on each case."""
     return {
-        f"{quantity} {name}": metric(lambda measured=result.measured, quantity=quantity: measured[quantity], unit)
+        f"{quantity} {name}": metric(
+            lambda measured=result.measured, quantity=quantity: measured[quantity], unit
+        )
         for name, result in results.items()
         for quantity, unit in units.items()
     }
@@ -188,13 +210,20 @@ def rows_of_cases(results: Results, forms: Mapping[str, str]) -> list[tuple[str,
     rows = []
     for name, result in results.items():
         numbers = ((result.measured.get(quantity), form) for quantity, form in forms.items())
-        rows.append((*name.split(": "), *("–" if value is None else format(value, form) for value, form in numbers)))
+        rows.append(
+            (
+                *name.split(": "),
+                *("–" if value is None else format(value, form) for value, form in numbers),
+            )
+        )
     return rows
 
 
 def own_methods(role: str) -> list[str]:
     """The methods of the package that brings the node of a role."""
-    return [name for name, method in methods_of(role).items() if method.package == node_package(role)]
+    return [
+        name for name, method in methods_of(role).items() if method.package == node_package(role)
+    ]
 
 
 def study_names() -> list[str]:

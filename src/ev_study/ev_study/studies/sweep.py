@@ -24,7 +24,14 @@ from ev_stack.report.reports import further_metrics, measured_metrics, row_of
 from ev_stack.report.tables import cell, tables_by_width
 from ev_stack.scenarios.parameter_file import read_yaml
 from ev_stack.scenarios.scenario import Run
-from ev_study.studies.study import Case, CaseResult, Results, better_by_column, not_measured, run_of_command
+from ev_study.studies.study import (
+    Case,
+    CaseResult,
+    Results,
+    better_by_column,
+    not_measured,
+    run_of_command,
+)
 
 ABOUT = "Any parameters of any scenario over values and seeds - a row for each run, lines with bands or maps"
 SEED = "seed"
@@ -32,8 +39,15 @@ SEED = "seed"
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Which scenario, what varies, and what is shown of it."""
-    parser.add_argument("scenario", nargs="?", default="double_lane_change", help="name or path; default: %(default)s")
-    parser.add_argument("--run", default="", help="of a scenario with several runs; default: the first")
+    parser.add_argument(
+        "scenario",
+        nargs="?",
+        default="double_lane_change",
+        help="name or path; default: %(default)s",
+    )
+    parser.add_argument(
+        "--run", default="", help="of a scenario with several runs; default: the first"
+    )
     parser.add_argument(
         "--vary",
         action="append",
@@ -42,7 +56,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="x,y,z, lists as [x,y],[z], or FIRST:LAST:COUNT for so many numbers; may be repeated, then every value "
         "meets every other",
     )
-    parser.add_argument("--seeds", type=int, default=1, metavar="N", help="runs of each, with the seeds 0 to N - 1")
+    parser.add_argument(
+        "--seeds", type=int, default=1, metavar="N", help="runs of each, with the seeds 0 to N - 1"
+    )
     add_metrics(parser, "default: those of the scenario")
 
 
@@ -57,19 +73,27 @@ def variations(given: argparse.Namespace) -> dict[str, list[Any]]:
     for word in given.vary:
         place, found, text = word.partition("=")
         if not (found and text and place.partition(".")[2]):
-            raise ParameterError(f"--vary {quoted(word)} is refused, expected NODE.PARAM=x,y,z or =FIRST:LAST:COUNT")
+            raise ParameterError(
+                f"--vary {quoted(word)} is refused, expected NODE.PARAM=x,y,z or =FIRST:LAST:COUNT"
+            )
         for other in (*varied, *(["*.seed"] if given.seeds > 1 else [])):
             if _is_same(place, other):
-                raise ParameterError(f"--vary {quoted(word)} is refused: {other} varies already, expected once")
+                raise ParameterError(
+                    f"--vary {quoted(word)} is refused: {other} varies already, expected once"
+                )
         try:
             varied[place] = _values(text)
         except ValueError as why:
             raise ParameterError(f"--vary {quoted(word)} is refused, expected {why}") from None
     runs = given.seeds * math.prod(map(len, varied.values()))
     if runs > MOST:
-        raise ParameterError(f"a sweep of {runs} runs is refused, expected {MOST}; docs/batch.md has what drives more")
+        raise ParameterError(
+            f"a sweep of {runs} runs is refused, expected {MOST}; docs/batch.md has what drives more"
+        )
     if runs == 1 and not varied:
-        raise ParameterError("a sweep of nothing is refused, expected --vary NODE.PARAM=x,y,z, --seeds N, or both")
+        raise ParameterError(
+            "a sweep of nothing is refused, expected --vary NODE.PARAM=x,y,z, --seeds N, or both"
+        )
     return {**varied, **({SEED: list(range(given.seeds))} if given.seeds > 1 else {})}
 
 
@@ -81,7 +105,9 @@ def _is_same(place: str, other: str) -> bool:
 def _values(text: str) -> list[Any]:
     """The values that a text lists or spans; ValueError with what is allowed."""
     numbers = r"\s*[-+.\deE]+\s*"
-    if (text.count(":") == 2 and "," not in text) or re.fullmatch(rf"{numbers}(:{numbers})+:?", text):
+    if (text.count(":") == 2 and "," not in text) or re.fullmatch(
+        rf"{numbers}(:{numbers})+:?", text
+    ):
         return _spanned(text)
     try:
         values: list[Any] = read_yaml(f"[{text}]")
@@ -116,7 +142,10 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
     found = []
     for values in itertools.product(*varied.values()):
         named = dict(zip(varied, values, strict=True))
-        places = [("*", SEED, value) if name == SEED else (*name.split(".", 1), value) for name, value in named.items()]
+        places = [
+            ("*", SEED, value) if name == SEED else (*name.split(".", 1), value)
+            for name, value in named.items()
+        ]
         name = ", ".join(f"{name}={_shown_value(value)}" for name, value in named.items())
         found.append(Case(name, given.scenario, tuple(places), run.name, metrics=metrics))
     return found
@@ -152,7 +181,9 @@ def table(given: argparse.Namespace, results: Results) -> tuple[list[str], list[
     varied, shown = variations(given), _shown(given, results)
     columns = [*varied, *(f"{name} [{unit}]" for name, unit in shown.items())]
     combined = zip(itertools.product(*varied.values()), results.values(), strict=True)
-    return columns, [[*values, *(_values_of(result).get(name) for name in shown)] for values, result in combined]
+    return columns, [
+        [*values, *(_values_of(result).get(name) for name in shown)] for values, result in combined
+    ]
 
 
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
@@ -161,7 +192,10 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     for name, unit in _shown(given, results).items():
         values = [of[name] for of in map(_values_of, results.values()) if name in of]
         if values:
-            found |= {f"{name}_least": Metric(min(values), unit), f"{name}_largest": Metric(max(values), unit)}
+            found |= {
+                f"{name}_least": Metric(min(values), unit),
+                f"{name}_largest": Metric(max(values), unit),
+            }
     return found
 
 
@@ -175,7 +209,11 @@ def tables(given: argparse.Namespace, results: Results) -> str:
     columns, rows = table(given, results)
     given_ones = len(variations(given))
     texts = [[*map(_shown_value, row[:given_ones]), *map(cell, row[given_ones:])] for row in rows]
-    hint = "" if columns[given_ones:] else f"\nno metric was measured: scripts/run.sh {given.scenario} says why"
+    hint = (
+        ""
+        if columns[given_ones:]
+        else f"\nno metric was measured: scripts/run.sh {given.scenario} says why"
+    )
     lacking = not_measured(list(_shown(given, results)), results)
     shown = tables_by_width(columns, texts, given_ones, left=())
     return "\n".join(filter(None, (shown, lacking, hint, _alike(results))))
@@ -196,14 +234,18 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
     """Over one varied number lines with bands of the seeds, over two maps of the means; nothing over more or texts."""
     varied = variations(given)
     seeds = len(varied.pop(SEED, [0]))
-    axes = {name: np.array(values, float) for name, values in varied.items() if _are_numbers(values)}
+    axes = {
+        name: np.array(values, float) for name, values in varied.items() if _are_numbers(values)
+    }
     lengths = [len(values) for values in axes.values()]
     if len(axes) != len(varied) or len(axes) not in (1, 2) or min(lengths) < 2:
         return {}
     panels = []
     for name, unit in _shown(given, results).items():
         found = [_values_of(result).get(name) for result in results.values()]
-        values = np.array([math.nan if value is None else value for value in found]).reshape(*lengths, seeds)
+        values = np.array([math.nan if value is None else value for value in found]).reshape(
+            *lengths, seeds
+        )
         shown, factor = IN_FIGURES.get(unit, (unit, 1.0))
         title, (*y, x) = readable(name), axes.items()
         panels.append(

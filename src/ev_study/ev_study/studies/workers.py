@@ -1,7 +1,8 @@
 """Cases of a study, and other jobs, on worker processes: those of this machine, or of a dask scheduler elsewhere.
 
-Here they are forked when all that a job needs is loaded, so that they begin at once; a pool of the library ends as a
-whole with one lost worker and does not name its job, and a dask cluster of this machine loads all of it anew.
+Here they are forked when all that a job needs is loaded, so that they begin at once; a pool of the
+library ends as a whole with one lost worker and does not name its job, and a dask cluster of this
+machine loads all of it anew.
 """
 
 from __future__ import annotations
@@ -48,10 +49,11 @@ def perform_jobs(
 ) -> None:
     """Perform jobs; `done` is called with number and result of each as it comes, and nothing else is kept of it.
 
-    `scheduler` is the address of a running scheduler (tcp://HOST:PORT); without it `workers` processes (as many as
-    there are cores) live on this machine until the end. The job of a worker that is lost is performed again by another
-    one. RunFailed if a job, by its `name`, loses all its workers, if there is no such scheduler, if it has no workers,
-    or if one computes with other versions, sources or files.
+    `scheduler` is the address of a running scheduler (tcp://HOST:PORT); without it `workers`
+    processes (as many as there are cores) live on this machine until the end. The job of a worker
+    that is lost is performed again by another one. RunFailed if a job, by its `name`, loses all its
+    workers, if there is no such scheduler, if it has no workers, or if one computes with other
+    versions, sources or files.
     """
     if scheduler is not None:
         _perform_on_cluster(perform, jobs, done, scheduler)
@@ -64,7 +66,8 @@ def _perform_on_cluster(perform: Perform, jobs: Sequence[Job], done: Done, sched
 
     with _client(scheduler) as client:
         refuse_others(client)
-        # dask would perform the same job once only and take the rest from its cache; here each one is performed.
+        # dask would perform the same job once only and take the rest from its cache; here each one
+        # is performed.
         futures = client.map(partial(_performed, perform), *zip(*jobs, strict=True), pure=False)
         numbers = {future.key: number for number, future in enumerate(futures)}
         for future, (result, *read) in as_completed(futures, with_results=True):
@@ -96,10 +99,14 @@ def refuse_others(client: Client) -> None:
     for worker, theirs in client.run(versions).items():
         for package, version in theirs.items():
             if version != own[package]:
-                raise RunFailed(f"worker {worker} has {package} {version}, expected {own[package]} as here")
+                raise RunFailed(
+                    f"worker {worker} has {package} {version}, expected {own[package]} as here"
+                )
     for worker, digest in client.run(digest_of_sources, config=True, others=True).items():
         if digest != sources:
-            raise RunFailed(f"worker {worker} has other sources or config files, expected those of here")
+            raise RunFailed(
+                f"worker {worker} has other sources or config files, expected those of here"
+            )
 
 
 def _performed(perform: Perform, *job: Any) -> tuple[Any, str, Path, dict[str, str]]:
@@ -112,7 +119,11 @@ def _performed(perform: Perform, *job: Any) -> tuple[Any, str, Path, dict[str, s
     with files_read() as read:
         result = perform(*job)
     config = config_folders()
-    own = {path: digest for path, digest in read.items() if not any(map(Path(path).is_relative_to, config))}
+    own = {
+        path: digest
+        for path, digest in read.items()
+        if not any(map(Path(path).is_relative_to, config))
+    }
     return result, get_worker().address, Path.cwd(), own
 
 
@@ -126,7 +137,9 @@ def refuse_other_files(worker: str, folder: Path, files: Mapping[str, str]) -> N
         if here.is_relative_to(folder) and here.relative_to(folder).is_file():
             here = here.relative_to(folder)
         if not (here.is_file() and digest_of(here) == digest):
-            raise RunFailed(f"worker {worker} has read another {path} than {here} here, expected the same file")
+            raise RunFailed(
+                f"worker {worker} has read another {path} than {here} here, expected the same file"
+            )
 
 
 def drive_cases(
@@ -138,8 +151,8 @@ def drive_cases(
 ) -> list[CaseResult]:
     """The results of all cases, in their order, whatever the number of workers; `progress` is called with each one.
 
-    `measure` is one function for all cases, or one for each of them. `scheduler` and `workers`, and what is raised, are
-    those of `perform_jobs`.
+    `measure` is one function for all cases, or one for each of them. `scheduler` and `workers`, and
+    what is raised, are those of `perform_jobs`.
     """
     jobs = [*zip(cases, [measure] * len(cases) if callable(measure) else measure, strict=True)]
     results: dict[int, CaseResult] = {}
@@ -180,7 +193,9 @@ def estimated_time(cases: Sequence[Case], workers: int | None = None) -> float:
     return 0.0
 
 
-def _perform_here(perform: Perform, jobs: Sequence[Job], done: Done, count: int, name: Callable[..., str]) -> None:
+def _perform_here(
+    perform: Perform, jobs: Sequence[Job], done: Done, count: int, name: Callable[..., str]
+) -> None:
     waiting = list(reversed(range(len(jobs))))
     losses = [0] * len(jobs)
     busy: list[Worker] = []
@@ -196,7 +211,9 @@ def _perform_here(perform: Perform, jobs: Sequence[Job], done: Done, count: int,
                 except WorkerLost:
                     losses[number] += 1
                     if losses[number] == _LOSSES:
-                        raise RunFailed(f"{name(*jobs[number])}: {_LOSSES} workers were lost with it") from None
+                        raise RunFailed(
+                            f"{name(*jobs[number])}: {_LOSSES} workers were lost with it"
+                        ) from None
                     waiting.append(number)
                 else:
                     done(number, result)
@@ -212,7 +229,9 @@ def _perform_here(perform: Perform, jobs: Sequence[Job], done: Done, count: int,
 
 def _load(cases: Sequence[Case]) -> None:
     """Compile what the cases need, and load what driving them needs once, for all workers that are forked then."""
-    alike = {(case.scenario, case.run, case.vehicle, case.files, _methods(case)): case for case in cases}
+    alike = {
+        (case.scenario, case.run, case.vehicle, case.files, _methods(case)): case for case in cases
+    }
     runs = []
     for case in alike.values():
         with suppress(ValueError):  # a case that is refused comes back as refused when it is driven

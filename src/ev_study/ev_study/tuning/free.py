@@ -48,21 +48,31 @@ class Free:
         return (self.start - self.low) / (self.high - self.low)
 
 
-def free_parameters(law: str, configurations: Mapping[str, Configuration], patterns: Sequence[str]) -> list[Free]:
+def free_parameters(
+    law: str, configurations: Mapping[str, Configuration], patterns: Sequence[str]
+) -> list[Free]:
     """The numbers of a law whose names fit, as a board names them, except what the board draws for it.
 
-    ParameterError if a pattern fits none, if one that fits has no bounds and no positive start, or if fewer than two
-    fit: CMA-ES needs two.
+    ParameterError if a pattern fits none, if one that fits has no bounds and no positive start, or
+    if fewer than two fit: CMA-ES needs two.
     """
     known = {}
     for role, configuration in configurations.items():
         for each in entries(configuration.parameters):
-            if each.type is float and not (each.is_array or each.spec.read_only) and each.name not in BELIEF:
+            if (
+                each.type is float
+                and not (each.is_array or each.spec.read_only)
+                and each.name not in BELIEF
+            ):
                 known[each.name if role == ROLE else f"{role}.{each.name}"] = each
     for pattern in patterns:
         if not any(fnmatchcase(name, pattern) for name in known):
             raise unknown_name(f"number of law {law}", pattern, known)
-    fitting = {name: of for name, of in known.items() if any(fnmatchcase(name, pattern) for pattern in patterns)}
+    fitting = {
+        name: of
+        for name, of in known.items()
+        if any(fnmatchcase(name, pattern) for pattern in patterns)
+    }
     found = [_free(law, name, float(of.default), of.spec) for name, of in fitting.items()]
     if len(found) < 2:
         raise ParameterError(
@@ -84,5 +94,7 @@ def _free(law: str, name: str, start: float, spec: Spec) -> Free:
             "high= where it is declared, or other numbers by --free"
         )
     if not low < high:
-        raise ParameterError(f"number {name} of law {law} has nothing between {low:g} and {high:g}, expected a range")
+        raise ParameterError(
+            f"number {name} of law {law} has nothing between {low:g} and {high:g}, expected a range"
+        )
     return Free(name, start, low, high)

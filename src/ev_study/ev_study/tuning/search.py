@@ -24,11 +24,14 @@ class Candidate(NamedTuple):
     cost: float
 
 
-def search(training: Training, free: Sequence[Free], budget: int, seed: int, answer: Answer) -> Iterator[Candidate]:
+def search(
+    training: Training, free: Sequence[Free], budget: int, seed: int, answer: Answer
+) -> Iterator[Candidate]:
     """Candidates, the start first, one after the other until the budget of them is used up.
 
-    `answer` is asked for the costs at shares (n, parameters) and a function that computes them: it may know them. The
-    same seed gives the same candidates on the same machine; the eigenvectors are those of its linear algebra.
+    `answer` is asked for the costs at shares (n, parameters) and a function that computes them: it
+    may know them. The same seed gives the same candidates on the same machine; the eigenvectors are
+    those of its linear algebra.
     """
     import cma  # slow to import
 
@@ -52,7 +55,11 @@ def search(training: Training, free: Sequence[Free], budget: int, seed: int, ans
 
 
 def chosen(
-    found: Sequence[Candidate], validation: Training, free: Sequence[Free], finalists: int, answer: Answer
+    found: Sequence[Candidate],
+    validation: Training,
+    free: Sequence[Free],
+    finalists: int,
+    answer: Answer,
 ) -> tuple[Candidate, float, float]:
     """The candidate of the least cost on other runs, among the start and the best ones; its cost and the start's there.
 
@@ -66,7 +73,9 @@ def chosen(
     return best[least], costs[least], costs[0]
 
 
-def _judged(training: Training, free: Sequence[Free], shares: np.ndarray, answer: Answer) -> list[Candidate]:
+def _judged(
+    training: Training, free: Sequence[Free], shares: np.ndarray, answer: Answer
+) -> list[Candidate]:
     values = [_values(free, row) for row in shares]
     costs = answer(shares, lambda _: training.costs(values))
     return [Candidate(*each) for each in zip(values, shares, costs.tolist(), strict=True)]
@@ -75,4 +84,6 @@ def _judged(training: Training, free: Sequence[Free], shares: np.ndarray, answer
 def _values(free: Sequence[Free], shares: np.ndarray) -> dict[str, float]:
     """The values at some shares; the start to the bit."""
     pairs = zip(free, shares.tolist(), strict=True)
-    return {each.name: each.start if share == each.share else each.value(share) for each, share in pairs}
+    return {
+        each.name: each.start if share == each.share else each.value(share) for each, share in pairs
+    }

@@ -11,7 +11,13 @@ from ev_stack.batches.by_period import batch_by_period
 from ev_stack.measures.own_metrics import named_metrics
 from ev_study.benchmark.board import Board, Cell, by_role
 from ev_study.benchmark.driving import DrivenCell, LawInCell, drive_cell, laws_in_cell
-from ev_study.benchmark.ranking.scores import LARGEST, WORST, costs_of, interquartile_mean, tail_mean
+from ev_study.benchmark.ranking.scores import (
+    LARGEST,
+    WORST,
+    costs_of,
+    interquartile_mean,
+    tail_mean,
+)
 
 Answer = Callable[[np.ndarray, Callable[[np.ndarray], np.ndarray]], np.ndarray]
 
@@ -19,7 +25,8 @@ Answer = Callable[[np.ndarray, Callable[[np.ndarray], np.ndarray]], np.ndarray]
 def robust_cost(costs: np.ndarray) -> np.ndarray:
     """What candidates are compared by, of the costs of their runs along the last axis.
 
-    Their interquartile mean and their worst tenth, which both rank laws; the tenth counts as the tenth that it is.
+    Their interquartile mean and their worst tenth, which both rank laws; the tenth counts as the
+    tenth that it is.
     """
     return interquartile_mean(costs) + WORST * tail_mean(costs)
 
@@ -36,11 +43,16 @@ class Reference:
         return [self._driven(cell, number, answer) for number, cell in enumerate(self.cells)]
 
     def _driven(self, cell: Cell, number: int, answer: Answer) -> DrivenCell:
-        law, names = self.board.reference, [*named_metrics(self.board.manoeuvres[cell.manoeuvre].measured)]
+        law, names = (
+            self.board.reference,
+            [*named_metrics(self.board.manoeuvres[cell.manoeuvre].measured)],
+        )
 
         def measured(_: np.ndarray) -> np.ndarray:
             if cell not in self._metrics:
-                self._metrics[cell] = drive_cell(self.board, cell, [law], self._threads).metrics[law]
+                self._metrics[cell] = drive_cell(self.board, cell, [law], self._threads).metrics[
+                    law
+                ]
             return np.array([self._metrics[cell][name] for name in names])
 
         self._metrics[cell] = dict(zip(names, answer(np.array([number]), measured), strict=True))
@@ -50,7 +62,14 @@ class Reference:
 class Training:
     """All draws of some cells, against those of the reference in the same cells, which are driven before."""
 
-    def __init__(self, board: Board, law: str, reference: Sequence[DrivenCell], cost: str, threads: int | None) -> None:
+    def __init__(
+        self,
+        board: Board,
+        law: str,
+        reference: Sequence[DrivenCell],
+        cost: str,
+        threads: int | None,
+    ) -> None:
         self._board, self._cost, self._threads = board, cost, threads
         self._cells = [(laws_in_cell(board, of.cell, [law])[law], of) for of in reference]
 
@@ -65,13 +84,18 @@ class Training:
         board, law, found = self._board, self._board.reference, []
         for _, of in self._cells:
             unstable = ~(of.metrics[law]["peak_sideslip"] < board.unstable)[None, :]
-            found.append(costs_of(board, board.manoeuvres[of.cell.manoeuvre], self._cost, of.metrics, unstable))
+            found.append(
+                costs_of(
+                    board, board.manoeuvres[of.cell.manoeuvre], self._cost, of.metrics, unstable
+                )
+            )
         return float(robust_cost(np.concatenate(found, axis=1)[0]))
 
     def costs(self, candidates: Sequence[Mapping[str, float]]) -> np.ndarray:
         """The cost of each candidate, by names its values, (candidates,).
 
-        Values that are allowed one by one and do not fit together cost the most, and are not driven.
+        Values that are allowed one by one and do not fit together cost the most, and are not
+        driven.
         """
         fitting = [n for n, each in enumerate(candidates) if self._fits(each)]
         costs = np.full(len(candidates), robust_cost(np.full(1, LARGEST)))
@@ -89,16 +113,30 @@ class Training:
             return False
         return True
 
-    def _of_cell(self, candidates: Sequence[Mapping[str, float]], law: LawInCell, of: DrivenCell) -> np.ndarray:
-        board, manoeuvre, count = self._board, self._board.manoeuvres[of.cell.manoeuvre], len(candidates)
+    def _of_cell(
+        self, candidates: Sequence[Mapping[str, float]], law: LawInCell, of: DrivenCell
+    ) -> np.ndarray:
+        board, manoeuvre, count = (
+            self._board,
+            self._board.manoeuvres[of.cell.manoeuvre],
+            len(candidates),
+        )
         vary = {name: list(column) * count for name, column in law.vary.items()}
         for role, values in by_role(candidates[0]).items():
             for name in values:
-                vary[f"{role}.{name}"] = [by_role(each)[role][name] for each in candidates for _ in range(board.draws)]
+                vary[f"{role}.{name}"] = [
+                    by_role(each)[role][name] for each in candidates for _ in range(board.draws)
+                ]
         metrics = batch_by_period(
-            law.run.configurations, manoeuvre.duration, vary, metrics=manoeuvre.measured, threads=self._threads
+            law.run.configurations,
+            manoeuvre.duration,
+            vary,
+            metrics=manoeuvre.measured,
+            threads=self._threads,
         ).metrics
-        reference = {name: np.tile(each, count) for name, each in of.metrics[board.reference].items()}
+        reference = {
+            name: np.tile(each, count) for name, each in of.metrics[board.reference].items()
+        }
         both = {board.reference: reference, "": metrics}
         unstable = np.stack([~(each["peak_sideslip"] < board.unstable) for each in both.values()])
         costs = costs_of(board, manoeuvre, self._cost, both, unstable)

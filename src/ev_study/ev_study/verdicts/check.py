@@ -10,7 +10,15 @@ from typing import Any
 
 from ev_msgs_py.refusal import ParameterError, quoted
 from ev_stack.measures.metric import Band, Metric, NotMeasured, Reference, metric, within
-from ev_study.verdicts.measure import EMPTY, Call, Expression, Measures, Template, compared, measured_by
+from ev_study.verdicts.measure import (
+    EMPTY,
+    Call,
+    Expression,
+    Measures,
+    Template,
+    compared,
+    measured_by,
+)
 from ev_study.verdicts.need import Need
 
 
@@ -18,7 +26,8 @@ from ev_study.verdicts.need import Need
 class Tolerance:
     """A band around a published value (a fraction of it or a distance in its unit), or a band with given ends.
 
-    `why` is the reason of its width: what the source leaves open, or what sampling costs; never a wish.
+    `why` is the reason of its width: what the source leaves open, or what sampling costs; never a
+    wish.
     """
 
     why: str
@@ -33,7 +42,9 @@ class Tolerance:
         ParameterError for any other text, and if the reason is missing.
         """
         if not why:
-            raise ParameterError(f"the tolerance {quoted(text)} has no reason, expected one in the column why")
+            raise ParameterError(
+                f"the tolerance {quoted(text)} has no reason, expected one in the column why"
+            )
         try:
             if ".." in text:
                 low, _, high = text.partition("..")
@@ -59,12 +70,17 @@ class Tolerance:
         """Width and reason, for a table."""
         if self.ends:
             low, high = self.ends
-            inside = f"{low:.6g} .. {high:.6g}" if math.isfinite(high) and math.isfinite(low) else _open(low, high)
+            inside = (
+                f"{low:.6g} .. {high:.6g}"
+                if math.isfinite(high) and math.isfinite(low)
+                else _open(low, high)
+            )
             width = f"{inside} {unit}".removesuffix(" 1")
         elif self.relative or not self.absolute:
             width = f"{100 * self.relative:g} %"
         else:
-            # A distance between percentages is in points, so that it is not taken for a fraction of the number.
+            # A distance between percentages is in points, so that it is not taken for a fraction of
+            # the number.
             width = f"{self.absolute:.3g} {'points' if unit == '%' else unit}".removesuffix(" 1")
         return f"{width}: {self.why}"
 
@@ -77,10 +93,10 @@ def _open(low: float, high: float) -> str:
 class Check:
     """A number that is held against a published one within a tolerance.
 
-    `name` distinguishes the numbers of one id and is empty for the first. `than`: the claim in words is that the
-    magnitude of `measure` is larger or, if not `is_larger`, smaller than that of `than` by more than the tolerance, a
-    fraction of the larger one. `tolerance` and its reason `why` are empty for what is shown beside and not judged;
-    `value` is None for both.
+    `name` distinguishes the numbers of one id and is empty for the first. `than`: the claim in
+    words is that the magnitude of `measure` is larger or, if not `is_larger`, smaller than that of
+    `than` by more than the tolerance, a fraction of the larger one. `tolerance` and its reason
+    `why` are empty for what is shown beside and not judged; `value` is None for both.
     """
 
     name: str
@@ -98,20 +114,28 @@ class Check:
         """Whether it is held against a published number, and not only shown beside."""
         return bool(self.tolerance.parts)
 
-    def metric(self, reference: Callable[[float, Band, str], Reference], driven: Sequence[Any]) -> Metric:
+    def metric(
+        self, reference: Callable[[float, Band, str], Reference], driven: Sequence[Any]
+    ) -> Metric:
         """The number with its reference; of a claim in words the ratio [1], with both numbers in its source."""
         if not self.is_judged:
             return metric(lambda: self.measure(driven), self.unit)
         band = self._tolerance(driven).band(1.0 if self.value is None else self.value)
         if self.value is not None:
-            return metric(lambda: self.measure(driven), self.unit, reference=reference(self.value, band, ""))
+            return metric(
+                lambda: self.measure(driven), self.unit, reference=reference(self.value, band, "")
+            )
         assert self.than is not None
         try:
             value, other = abs(self.measure(driven)), abs(self.than(driven))
         except NotMeasured as why:
             return Metric(None, "1", reference(1.0, band, ""), str(why))
         compared = f"; measured {value:.5g} against {other:.5g} {self.unit}".removesuffix(" 1")
-        return metric(lambda: value / other if other else math.inf, "1", reference=reference(1.0, band, compared))
+        return metric(
+            lambda: value / other if other else math.inf,
+            "1",
+            reference=reference(1.0, band, compared),
+        )
 
     def allowed(self, driven: Sequence[Any]) -> str:
         """Width and reason of the tolerance, for a table."""
@@ -134,12 +158,16 @@ class Check:
         """A value with its unit, a judged angle in degrees as well; a ratio as a change."""
         if self.than:
             return f"{100 * (value - 1):+.3g} %" if math.isfinite(value) else "from nothing"
-        degrees = f" ({math.degrees(value):.2f} deg)" if self.unit == "rad" and self.is_judged else ""
+        degrees = (
+            f" ({math.degrees(value):.2f} deg)" if self.unit == "rad" and self.is_judged else ""
+        )
         return f"{value:.5g} {self.unit}{degrees}".removesuffix(" 1")
 
     def renamed(self, words: Mapping[str | float, str | float]) -> Check:
         """The same number with other words for its measures, such as the names of other runs."""
-        return replace(self, measure=self.measure.renamed(words), than=self.than and self.than.renamed(words))
+        return replace(
+            self, measure=self.measure.renamed(words), than=self.than and self.than.renamed(words)
+        )
 
 
 SHOWN = "shown"  # in place of a value: the number stands beside and is not judged
@@ -154,11 +182,15 @@ def check_of(row: Mapping[str, str], measures: Measures, needs: tuple[Need, ...]
     check = Check(row["name"], row["unit"], needs, measured_by(first, measures, needs))
     if value == SHOWN:
         if row["tolerance"] or row["why"]:
-            raise ParameterError(f"the tolerance {quoted(row['tolerance'])} is refused, allowed beside {SHOWN} is none")
+            raise ParameterError(
+                f"the tolerance {quoted(row['tolerance'])} is refused, allowed beside {SHOWN} is none"
+            )
         return check
     check = replace(check, tolerance=tolerance, why=why)
     if not row["tolerance"]:
-        raise ParameterError(f"the tolerance is missing, expected one with its reason, or {SHOWN!r} for the value")
+        raise ParameterError(
+            f"the tolerance is missing, expected one with its reason, or {SHOWN!r} for the value"
+        )
     if tolerance.is_plain and why.is_plain:
         found = Tolerance.of(row["tolerance"], row["why"])
         if sign and not 0.0 < found.relative < 1.0:
@@ -168,18 +200,42 @@ def check_of(row: Mapping[str, str], measures: Measures, needs: tuple[Need, ...]
             )
     if sign:
         if value:
-            raise ParameterError(f"the value {quoted(value)} is refused, allowed for a comparison is none")
+            raise ParameterError(
+                f"the value {quoted(value)} is refused, allowed for a comparison is none"
+            )
         return replace(check, than=measured_by(than, measures, needs), is_larger=sign == ">")
     try:
         number = float(value)
     except ValueError:
         number = math.nan
     if not math.isfinite(number):
-        raise ParameterError(f"the value {quoted(value)} is refused, expected a finite number or {SHOWN!r}")
+        raise ParameterError(
+            f"the value {quoted(value)} is refused, expected a finite number or {SHOWN!r}"
+        )
     return replace(check, value=number)
 
 
-_SYMBOLS = {"1", "%", "m", "s", "rad", "deg", "kg", "N", "W", "J", "V", "A", "Hz", "Pa", "K", "h", "min", "km", "rpm"}
+_SYMBOLS = {
+    "1",
+    "%",
+    "m",
+    "s",
+    "rad",
+    "deg",
+    "kg",
+    "N",
+    "W",
+    "J",
+    "V",
+    "A",
+    "Hz",
+    "Pa",
+    "K",
+    "h",
+    "min",
+    "km",
+    "rpm",
+}
 _SYMBOLS |= {"kN", "kW", "kWh", "kJ", "MJ", "degC", "g", "mm", "ms", "kPa", "Ohm"}
 
 

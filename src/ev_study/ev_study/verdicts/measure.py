@@ -15,7 +15,8 @@ from ev_stack.measures.metric import NotMeasured, run_named
 from ev_stack.measures.named import DrivenRun
 from ev_study.verdicts.need import Need, ScenarioRuns, StudyNeed
 
-# A measure gets what was driven, one argument for each need, and the words behind its name; it may raise NotMeasured.
+# A measure gets what was driven, one argument for each need, and the words behind its name; it may
+# raise NotMeasured.
 Measure = Callable[..., Any]
 Measures = Mapping[str, Measure]
 
@@ -28,7 +29,9 @@ def measures_of(*modules: ModuleType) -> dict[str, Measure]:
             if function.__module__ == module.__name__ and not name.startswith("_") and found.setdefault(
                 name, function
             ) is not function:  # fmt: skip
-                raise ValueError(f"{name} of {module.__name__} is a measure of {found[name].__module__} as well")
+                raise ValueError(
+                    f"{name} of {module.__name__} is a measure of {found[name].__module__} as well"
+                )
     return found
 
 
@@ -87,7 +90,9 @@ class Template:
     def of(cls, text: str, measures: Measures, needs: Sequence[Need]) -> Template:
         """The template of a text; ParameterError as `Call.of`."""
         parts = _CALLS.split(text)
-        return cls(tuple(Call.of(part, measures, needs) if n % 2 else part for n, part in enumerate(parts)))
+        return cls(
+            tuple(Call.of(part, measures, needs) if n % 2 else part for n, part in enumerate(parts))
+        )
 
     @property
     def is_plain(self) -> bool:
@@ -107,8 +112,8 @@ EMPTY = Template()
 class Expression:
     """An expression of docs/metrics.md over a run: `rate: at(imu.yaw_rate, 3)` is its value for the run `rate`.
 
-    Of two needs it is the value for the first one over that for the second one. `runs` has one run for each need,
-    which is empty where a need drives one run only.
+    Of two needs it is the value for the first one over that for the second one. `runs` has one run
+    for each need, which is empty where a need drives one run only.
     """
 
     runs: tuple[str, ...]
@@ -122,10 +127,14 @@ class Expression:
         runs = []
         for need in needs:
             if isinstance(need, StudyNeed):
-                raise ParameterError("an expression is of the runs of a scenario, and a study keeps none")
+                raise ParameterError(
+                    "an expression is of the runs of a scenario, and a study keeps none"
+                )
             runs.append(need.runs[0] if not run and len(need.runs) == 1 else run)
         if not 1 <= len(runs) <= 2:
-            raise ParameterError(f"{len(runs)} are driven, expected one scenario, or two for a ratio")
+            raise ParameterError(
+                f"{len(runs)} are driven, expected one scenario, or two for a ratio"
+            )
         return cls(tuple(runs), number_of(parsed(expression)))
 
     def __call__(self, driven: Sequence[ScenarioRuns]) -> float:
@@ -139,7 +148,9 @@ class Expression:
 
     def _value(self, driven: ScenarioRuns, run: str) -> float:
         if not run and len(driven.runs) > 1:
-            raise NotMeasured(f"no run is named, expected one of {', '.join(driven.runs)} in front of the expression")
+            raise NotMeasured(
+                f"no run is named, expected one of {', '.join(driven.runs)} in front of the expression"
+            )
         recording = run_named(driven.runs, run or next(iter(driven.runs)))
         return self.of(DrivenRun(recording, driven.vehicle))
 

@@ -79,12 +79,14 @@ Need = ScenarioNeed | StudyNeed
 def need_of(text: str) -> Need:
     """The need that a text means, which is as on the command line: a scenario, or a study with its options.
 
-    A scenario may have --set, --duration, --runs (those that are driven, all if it is left out) and --slow; a study
-    counts as slow unless there is --quick. ParameterError if the text is refused.
+    A scenario may have --set, --duration, --runs (those that are driven, all if it is left out) and
+    --slow; a study counts as slow unless there is --quick. ParameterError if the text is refused.
     """
     name, *words = shlex.split(text) or [""]
     if name in study_names():
-        return StudyNeed(name, tuple(word for word in words if word != "--quick"), slow="--quick" not in words)
+        return StudyNeed(
+            name, tuple(word for word in words if word != "--quick"), slow="--quick" not in words
+        )
     parser = _Parser(add_help=False)
     add_changes(parser)
     parser.add_argument("--runs", nargs="+", default=())
@@ -140,8 +142,9 @@ def kept_by_user(folder: Path | None = None) -> ResultStore:
 def path_of(kept: ResultStore, study: str, case: Case) -> Path:
     """Where what a study has measured on a case is kept; the signals of a case without a study.
 
-    Where the case may name a file, its name is not enough: then the run is made, and the texts of all files count
-    that it reads. Else these stand in the config folders, whose texts count for all.
+    Where the case may name a file, its name is not enough: then the run is made, and the texts of
+    all files count that it reads. Else these stand in the config folders, whose texts count for
+    all.
     """
     key = case_key(case)
     given = case.scenario, case.vehicle, case.files, tuple(value for _, _, value in case.values)
@@ -165,7 +168,9 @@ def _keep_signals(path: Path, recording: Recording, run: Run) -> Mapping[str, An
     return {}
 
 
-def keep_measured(path: Path, measure: Measure, recording: Recording, run: Run) -> Mapping[str, Any]:
+def keep_measured(
+    path: Path, measure: Measure, recording: Recording, run: Run
+) -> Mapping[str, Any]:
     """What a worker does with the case of a study: it measures and writes, so that what is done outlives a stop."""
     measured = measure(recording, run)
     _keep(CaseResult("", measured), path)
@@ -190,8 +195,9 @@ Drive = Callable[[Sequence[Case], Sequence[Measure]], Sequence[CaseResult]]
 def drive(needs: Iterable[Need], kept: ResultStore, drive_cases: Drive) -> dict[Need, Driven]:
     """What was driven for each need; what `kept` already has is not driven again.
 
-    `drive_cases` drives cases, each with its own function that measures, and returns the results in their order.
-    ParameterError if a scenario or study is refused, RunFailed if a run of a scenario cannot be driven.
+    `drive_cases` drives cases, each with its own function that measures, and returns the results in
+    their order. ParameterError if a scenario or study is refused, RunFailed if a run of a scenario
+    cannot be driven.
     """
     wanted = {need: _resolved(need) for need in dict.fromkeys(needs)}
     paths: dict[Need, list[Path]] = {}
@@ -222,14 +228,25 @@ def _resolved(need: Need) -> tuple[list[Case], Mapping[str, Configuration]]:
     """The cases of a need, and the configurations of the first run of a scenario."""
     if isinstance(need, StudyNeed):
         return study_cases(study_named(need.study), arguments(need.study, need.options)), {}
-    runs = load_scenario(need.scenario, Overrides(values=need.values, duration=need.duration), only=need.runs).runs
+    runs = load_scenario(
+        need.scenario, Overrides(values=need.values, duration=need.duration), only=need.runs
+    ).runs
     cases = [
-        Case(f"{need.command} {run.name}", need.scenario, need.values, run.name, duration=need.duration) for run in runs
+        Case(
+            f"{need.command} {run.name}",
+            need.scenario,
+            need.values,
+            run.name,
+            duration=need.duration,
+        )
+        for run in runs
     ]
     return cases, runs[0].configurations
 
 
-def _driven(need: Need, paths: Sequence[Path], cases: Sequence[Case], first: Mapping[str, Configuration]) -> Driven:
+def _driven(
+    need: Need, paths: Sequence[Path], cases: Sequence[Case], first: Mapping[str, Configuration]
+) -> Driven:
     at = list(zip(cases, paths, strict=True))
     if isinstance(need, StudyNeed):
         results = {case.name: _measured_at(path, case.name) for case, path in at}

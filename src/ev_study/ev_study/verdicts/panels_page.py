@@ -21,8 +21,9 @@ Draw = Callable[..., Sheet]  # takes what was driven, one argument for each of t
 class PublishedPanel:
     """One panel of a source: `figure` is its number there, `letter` that of the panel, empty if there is one only.
 
-    `row`: what the panels have in common that stand side by side. `ids`: the published ids that it shows.
-    `needs`: what is driven; `draw` makes the figure of it. A panel that cannot be drawn has `why_not` instead.
+    `row`: what the panels have in common that stand side by side. `ids`: the published ids that it
+    shows. `needs`: what is driven; `draw` makes the figure of it. A panel that cannot be drawn has
+    `why_not` instead.
     """
 
     figure: str
@@ -36,7 +37,9 @@ class PublishedPanel:
     @property
     def name(self) -> str:
         """Name of the file without suffix and source."""
-        return "_".join(["fig", self.figure.replace(".", "_"), *([self.letter] if self.letter else [])])
+        return "_".join(
+            ["fig", self.figure.replace(".", "_"), *([self.letter] if self.letter else [])]
+        )
 
     @property
     def title(self) -> str:
@@ -52,7 +55,8 @@ def over_time(
 ) -> Draw:
     """The function that draws one pair of axes over time, or over another abscissa.
 
-    `start` is the begin of the abscissa, `ends` are those of the ordinate where the source has them.
+    `start` is the begin of the abscissa, `ends` are those of the ordinate where the source has
+    them.
     """
 
     def draw(*driven: object) -> Sheet:
@@ -68,7 +72,9 @@ def cannot_be_drawn(figure: str, letter: str, row: str, why: str, *ids: str) -> 
 
 def scheme(figure: str, of: str, id: str) -> PublishedPanel:
     """A figure that is a scheme of something, in the row of all schemes."""
-    return cannot_be_drawn(figure, "", "Schemes", f"a scheme of {of}, no quantity over another one", id)
+    return cannot_be_drawn(
+        figure, "", "Schemes", f"a scheme of {of}, no quantity over another one", id
+    )
 
 
 INDEX = "index.html"

@@ -25,7 +25,8 @@ GROUP = "ev_stack.sources"  # of entry points: the name of a source, and its mod
 def sources() -> dict[str, ModuleType]:
     """The module of each source by name, in their `ORDER`.
 
-    It has PANELS (its figures), published.csv beside it and, for what no expression measures, the functions MEASURES.
+    It has PANELS (its figures), published.csv beside it and, for what no expression measures, the
+    functions MEASURES.
     """
     found = {name: source_named(name) for name in offered(GROUP)}
     return dict(sorted(found.items(), key=lambda each: (each[1].ORDER, each[0])))
@@ -46,14 +47,15 @@ NOTES = (ASSUMPTION, INPUTS, IN_PART, *NO_VERDICT)
 class Published:
     """A number, curve or claim of a source, and how it is judged.
 
-    `kind`: printed (stands in the source), follows (not printed, but follows from printed equations and parameters
-    alone), words (stated in words), axes (the range of an axis is left), lost (a curve of which only the caption is
-    left). `where`: equation, axes or panel. `quantity` and `printed` are what was published, in words and numbers.
-    `needs`: what is driven, none for what follows from equations alone; `checks`: the numbers.
-    `note`: what had to be added to the source (assumption), why the number cannot fail by physics, because it comes
-    from the inputs of the run (inputs), which part of it holds where its first number, as the source defines it, does
-    not (in part), or why there is no verdict (not judgeable, no verdict), with the needs of what is filled into its
-    text; empty if there is none.
+    `kind`: printed (stands in the source), follows (not printed, but follows from printed equations
+    and parameters alone), words (stated in words), axes (the range of an axis is left), lost (a
+    curve of which only the caption is left). `where`: equation, axes or panel. `quantity` and
+    `printed` are what was published, in words and numbers. `needs`: what is driven, none for what
+    follows from equations alone; `checks`: the numbers. `note`: what had to be added to the source
+    (assumption), why the number cannot fail by physics, because it comes from the inputs of the run
+    (inputs), which part of it holds where its first number, as the source defines it, does not (in
+    part), or why there is no verdict (not judgeable, no verdict), with the needs of what is filled
+    into its text; empty if there is none.
     """
 
     id: str
@@ -74,7 +76,11 @@ class Published:
 
     def noted(self, note: str, driven: Mapping[Need, Driven]) -> str:
         """The text of the note if it is one of this sort, with what was driven for it filled in; else empty."""
-        return self.text.filled([driven[need] for need in self.text_needs]) if self.note == note else ""
+        return (
+            self.text.filled([driven[need] for need in self.text_needs])
+            if self.note == note
+            else ""
+        )
 
     def metrics(self, driven: Mapping[Need, Driven]) -> dict[str, Metric]:
         """The numbers of this id by name of the check."""
@@ -85,12 +91,18 @@ class Published:
             source = f"{self.kind}{': ' if self.where else ''}{self.where}{compared}"
             return Reference(value, band, source, assumption, inputs)
 
-        found = {of.name: of.metric(reference, [driven[need] for need in of.needs]) for of in self.checks}
-        return found if self.is_judged else {name: replace(each, reference=None) for name, each in found.items()}
+        found = {
+            of.name: of.metric(reference, [driven[need] for need in of.needs]) for of in self.checks
+        }
+        return (
+            found
+            if self.is_judged
+            else {name: replace(each, reference=None) for name, each in found.items()}
+        )
 
 
-# Of an id further rows have its further numbers, and nothing in the columns up to printed. What is driven stands in its
-# first row, or in each where that differs; the note stands in one of them.
+# Of an id further rows have its further numbers, and nothing in the columns up to printed. What is
+# driven stands in its first row, or in each where that differs; the note stands in one of them.
 COLUMNS = (
     *("id", "kind", "where", "quantity", "printed", "driven", "note"),
     *("name", "measure", "unit", "value", "tolerance", "why"),
@@ -121,25 +133,39 @@ def _published(id: str, rows: list[_Row], measures: Measures) -> Published:
     try:
         for row in rows:
             place = row["place"]
-            of_row = tuple(need_of(each) for each in row["driven"].split(";")) if row["driven"] else of_row
+            of_row = (
+                tuple(need_of(each) for each in row["driven"].split(";"))
+                if row["driven"]
+                else of_row
+            )
             needs += of_row
             if row["measure"]:
                 checks.append(check_of(row, measures, of_row))
             elif any(row[name] for name in COLUMNS[7:]):
-                raise ParameterError("the measure is missing, expected its name with the words that it takes")
+                raise ParameterError(
+                    "the measure is missing, expected its name with the words that it takes"
+                )
             if row["note"]:
                 note, _, text = row["note"].partition(": ")
                 if note not in NOTES or not text or entry.note:
                     refused = "a second note" if entry.note else f"the note {quoted(row['note'])}"
-                    raise ParameterError(f"{refused} is refused, expected one that begins with {': , '.join(NOTES)}: ")
-                entry = replace(entry, note=note, text=Template.of(text, measures, of_row), text_needs=of_row)
+                    raise ParameterError(
+                        f"{refused} is refused, expected one that begins with {': , '.join(NOTES)}: "
+                    )
+                entry = replace(
+                    entry, note=note, text=Template.of(text, measures, of_row), text_needs=of_row
+                )
         place = first["place"]
         if entry.kind not in KINDS:
-            raise ParameterError(f"kind {quoted(entry.kind)} is refused, expected {', '.join(KINDS)}")
+            raise ParameterError(
+                f"kind {quoted(entry.kind)} is refused, expected {', '.join(KINDS)}"
+            )
         if len({check.name for check in checks}) < len(checks):
             raise ParameterError("two of its numbers have one name, expected one each")
         if entry.is_judged and not checks:
-            raise ParameterError("nothing is measured, expected that with a note why there is no verdict")
+            raise ParameterError(
+                "nothing is measured, expected that with a note why there is no verdict"
+            )
     except ParameterError as error:
         raise ParameterError(f"{place}: {error}") from None
     return replace(entry, needs=tuple(dict.fromkeys(needs)), checks=tuple(checks))
@@ -184,7 +210,9 @@ def _lines(path: Path, columns: tuple[str, ...]) -> Iterator[tuple[int, list[str
     rows = ((lines.line_num, row) for row in lines if row)
     line, header = next(rows, (1, []))
     if tuple(header) != columns:
-        raise ParameterError(f"{path}, line {line}: the columns are refused, expected {','.join(columns)}")
+        raise ParameterError(
+            f"{path}, line {line}: the columns are refused, expected {','.join(columns)}"
+        )
     for line, row in rows:
         if len(row) > len(columns):
             raise ParameterError(

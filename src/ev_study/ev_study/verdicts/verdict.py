@@ -13,11 +13,27 @@ from ev_stack.measures.metric import FROM_INPUTS, NOT_MEASURED, NOT_REPRODUCED, 
 from ev_stack.recording.recording import atomic_file
 from ev_stack.report.tables import text_table
 from ev_study.verdicts.need import Driven, Need, ScenarioNeed, ScenarioRuns
-from ev_study.verdicts.sources import ASSUMPTION, IN_PART, INPUTS, NO_VERDICT, Published, published, sources
+from ev_study.verdicts.sources import (
+    ASSUMPTION,
+    IN_PART,
+    INPUTS,
+    NO_VERDICT,
+    Published,
+    published,
+    sources,
+)
 
 # The sorts of verdicts, by the words with which their texts begin.
 WITH_ASSUMPTION = "reproduced with assumption"
-SORTS = (WITH_ASSUMPTION, REPRODUCED, IN_PART, NOT_REPRODUCED, FROM_INPUTS, *NO_VERDICT, NOT_MEASURED)
+SORTS = (
+    WITH_ASSUMPTION,
+    REPRODUCED,
+    IN_PART,
+    NOT_REPRODUCED,
+    FROM_INPUTS,
+    *NO_VERDICT,
+    NOT_MEASURED,
+)
 
 
 def sort_of(text: str) -> str:
@@ -40,7 +56,11 @@ class Verdict:
         if not self.published.is_judged:
             return self.published.note
         first, *others = (metric.judgement for metric in self.metrics.values() if metric.reference)
-        if self.published.note == IN_PART and first == NOT_REPRODUCED and set(others) == {REPRODUCED}:
+        if (
+            self.published.note == IN_PART
+            and first == NOT_REPRODUCED
+            and set(others) == {REPRODUCED}
+        ):
             return IN_PART
         for worst in (NOT_MEASURED, NOT_REPRODUCED):
             if worst in (first, *others):
@@ -57,7 +77,9 @@ class Verdict:
         """The verdict in one line, with its reason or assumption."""
         judgement = self.judgement
         if judgement == NOT_MEASURED:
-            return f"{judgement}: " + "; ".join(metric.reason for metric in self.metrics.values() if metric.reason)
+            return f"{judgement}: " + "; ".join(
+                metric.reason for metric in self.metrics.values() if metric.reason
+            )
         if judgement in (FROM_INPUTS, IN_PART) or not self.published.is_judged:
             return f"{judgement}: {self.note}"
         if judgement == REPRODUCED and self.assumption:
@@ -104,7 +126,9 @@ class Verdict:
 def verdict(of: Published, results: Sequence[Driven]) -> Verdict:
     """The verdict on an id; `results` are those of its needs, in their order."""
     driven = dict(zip(of.needs, results, strict=True))
-    tolerances = {check.name: check.allowed([driven[need] for need in check.needs]) for check in of.checks}
+    tolerances = {
+        check.name: check.allowed([driven[need] for need in check.needs]) for check in of.checks
+    }
     return Verdict(of, of.metrics(driven), tolerances, of.noted(of.note, driven))
 
 
@@ -114,7 +138,8 @@ def wanted(only: Sequence[str], quick: bool) -> list[tuple[str, Published]]:
         (source, each)
         for source in sources()
         for each in published(source).values()
-        if not only or any(word in (source, each.id) or each.id.startswith(f"{word}.") for word in only)
+        if not only
+        or any(word in (source, each.id) or each.id.startswith(f"{word}.") for word in only)
         if not (quick and any(need.slow for need in each.needs))
     ]
 
@@ -126,15 +151,23 @@ def metrics_at_hand(source: str, scenario: str, driven: ScenarioRuns) -> dict[st
     """
     found: dict[str, Metric] = {}
     for id, each in published(source).items():
-        at_hand = tuple(check for check in each.checks if all(_is_plain(need, scenario) for need in check.needs))
+        at_hand = tuple(
+            check for check in each.checks if all(_is_plain(need, scenario) for need in check.needs)
+        )
         if each.needs and all(check in at_hand for check in each.checks if check.is_judged):
-            for name, metric in replace(each, checks=at_hand).metrics(dict.fromkeys(each.needs, driven)).items():
+            for name, metric in (
+                replace(each, checks=at_hand).metrics(dict.fromkeys(each.needs, driven)).items()
+            ):
                 found[f"{id}.{name.replace(' ', '_')}" if name else id] = metric
     return found
 
 
 def _is_plain(need: Need, scenario: str) -> bool:
-    return isinstance(need, ScenarioNeed) and need.scenario == scenario and not (need.values or need.duration)
+    return (
+        isinstance(need, ScenarioNeed)
+        and need.scenario == scenario
+        and not (need.values or need.duration)
+    )
 
 
 FILES = ("verdicts.json", "verdicts.md")
@@ -154,23 +187,41 @@ def plain_table(verdicts: Sequence[Verdict], width: int) -> str:
 def counts(verdicts: Sequence[Verdict]) -> str:
     """How many verdicts there are of each sort, in one line."""
     found = Counter(sort_of(each.text) for each in verdicts)
-    return ", ".join([f"{len(verdicts)} ids", *(f"{found[sort]} {sort}" for sort in SORTS if found[sort])])
+    return ", ".join(
+        [f"{len(verdicts)} ids", *(f"{found[sort]} {sort}" for sort in SORTS if found[sort])]
+    )
 
 
 def markdown_table(verdicts: Sequence[Verdict]) -> str:
     """Everything about each id, one line each."""
-    return "\n".join([_line(COLUMNS), _line(["---"] * len(COLUMNS)), *map(markdown_row, verdicts)]) + "\n"
+    return (
+        "\n".join([_line(COLUMNS), _line(["---"] * len(COLUMNS)), *map(markdown_row, verdicts)])
+        + "\n"
+    )
 
 
 def markdown_row(of: Verdict) -> str:
     """The line of one id."""
     what = of.published
-    return _line((f"`{what.id}`", what.kind, what.quantity, what.printed, of.ours, of.tolerance, of.text, of.run))
+    return _line(
+        (
+            f"`{what.id}`",
+            what.kind,
+            what.quantity,
+            what.printed,
+            of.ours,
+            of.tolerance,
+            of.text,
+            of.run,
+        )
+    )
 
 
 def write(verdicts: Sequence[Verdict], folder: Path, images: Mapping[str, Sequence[str]]) -> None:
     """Write verdicts.json and verdicts.md; `images` are those of scripts/run.sh figures that show an id."""
-    entries = [{**each.as_json(), "figures": list(images.get(each.published.id, ()))} for each in verdicts]
+    entries = [
+        {**each.as_json(), "figures": list(images.get(each.published.id, ()))} for each in verdicts
+    ]
     content = json.dumps(entries, indent=2, allow_nan=False, ensure_ascii=False)
     for name, text in zip(FILES, (content + "\n", markdown_table(verdicts)), strict=True):
         with atomic_file(folder / name) as file:

@@ -16,7 +16,8 @@ PERIOD = 0.01
 AUDI = Vehicle()
 WITHOUT_DRAG = replace(AUDI, drag_coefficient=0.0)
 WITHOUT_RESISTANCE = replace(WITHOUT_DRAG, rolling_resistance=0.0)
-ROLLING_TORQUE = 0.015 * 1400.0 * 9.81 * 0.294  # rolling resistance as a torque at the wheels [N m], eq 13
+# rolling resistance as a torque at the wheels [N m], eq 13
+ROLLING_TORQUE = 0.015 * 1400.0 * 9.81 * 0.294
 COAST = WheelTorqueCommand(NO_WHEELS)
 
 
@@ -24,7 +25,9 @@ class Car:
     """A plant with its outputs by signal type."""
 
     def __init__(self, vehicle=AUDI, **parameters):
-        self.plant = CompiledObject(KINEMATIC, build(KINEMATIC.parameters, parameters), vehicle, PERIOD)
+        self.plant = CompiledObject(
+            KINEMATIC, build(KINEMATIC.parameters, parameters), vehicle, PERIOD
+        )
 
     def drive(self, command=COAST, *, degrees=0.0, steps=1):
         column = SteeringColumnState(0.0, 0.0, 0.0, math.radians(degrees), 0.0)
@@ -38,7 +41,9 @@ class Car:
     @property
     def speed(self):
         velocity = self[BodyVelocity]
-        return math.copysign(math.hypot(velocity.longitudinal, velocity.lateral), velocity.longitudinal)
+        return math.copysign(
+            math.hypot(velocity.longitudinal, velocity.lateral), velocity.longitudinal
+        )
 
 
 def torque(total):

@@ -6,7 +6,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ev_sim.plant.kinematic import course_offset, front_wheel_angles, path_curvature, wheel_speed_ratios
+from ev_sim.plant.kinematic import (
+    course_offset,
+    front_wheel_angles,
+    path_curvature,
+    wheel_speed_ratios,
+)
 
 WHEELBASE = 2.405
 TRACK = 1.462
@@ -34,7 +39,8 @@ def test_front_wheels_follow_the_printed_equations(angle):
 
 
 @pytest.mark.parametrize(
-    ("kilometres_per_hour", "degrees", "difference"), [(15, 30, 1.222), (30, 30, 2.444), (30, -30, -2.444)]
+    ("kilometres_per_hour", "degrees", "difference"),
+    [(15, 30, 1.222), (30, 30, 2.444), (30, -30, -2.444)],
 )
 def test_difference_of_the_wheel_speeds_in_the_two_turns(kilometres_per_hour, degrees, difference):
     """Eq 12 with the printed parameters; half a unit of the last digit given."""
@@ -74,7 +80,9 @@ def test_every_wheel_moves_with_the_rigid_body_and_does_not_slip_sideways(angle)
     )
     for (x, y, wheel_angle), ratio in zip(wheels, ratios_of(angle), strict=True):
         velocity = (math.cos(offset) - curvature * y, math.sin(offset) + curvature * x)
-        assert velocity == pytest.approx((ratio * math.cos(wheel_angle), ratio * math.sin(wheel_angle)), abs=1e-12)
+        assert velocity == pytest.approx(
+            (ratio * math.cos(wheel_angle), ratio * math.sin(wheel_angle)), abs=1e-12
+        )
 
 
 def test_inner_rear_wheel_rolls_backwards_about_a_centre_between_the_rear_wheels():

@@ -25,9 +25,21 @@ def moved(command):
 @pytest.mark.parametrize(
     ("command", "accepted", "counts"),
     [
-        (WheelTorqueCommand(Wheels(10.0, 10.0, 5.0, 0.0)), WheelTorqueCommand(Wheels.front(10.0, 10.0)), (0, 1)),
-        (WheelTorqueCommand(NO_WHEELS, Wheels(0.0, -1.0, 0.0, 9e9)), brake_of(rear_right=4000.0), (0, 2)),
-        (WheelTorqueCommand(Wheels.front(math.nan, -math.inf), Wheels.all(math.nan)), COAST, (6, 0)),
+        (
+            WheelTorqueCommand(Wheels(10.0, 10.0, 5.0, 0.0)),
+            WheelTorqueCommand(Wheels.front(10.0, 10.0)),
+            (0, 1),
+        ),
+        (
+            WheelTorqueCommand(NO_WHEELS, Wheels(0.0, -1.0, 0.0, 9e9)),
+            brake_of(rear_right=4000.0),
+            (0, 2),
+        ),
+        (
+            WheelTorqueCommand(Wheels.front(math.nan, -math.inf), Wheels.all(math.nan)),
+            COAST,
+            (6, 0),
+        ),
     ],
 )
 def test_impossible_commands_are_counted_and_not_taken(command, accepted, counts):

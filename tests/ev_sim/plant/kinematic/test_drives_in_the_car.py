@@ -3,7 +3,15 @@
 from dataclasses import replace
 
 import pytest
-from plant.kinematic.car import AUDI, PERIOD, ROLLING_TORQUE, WITHOUT_DRAG, WITHOUT_RESISTANCE, Car, torque
+from plant.kinematic.car import (
+    AUDI,
+    PERIOD,
+    ROLLING_TORQUE,
+    WITHOUT_DRAG,
+    WITHOUT_RESISTANCE,
+    Car,
+    torque,
+)
 
 from ev_msgs_py.contract.signals import MotorStates, WheelStates, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
@@ -23,7 +31,8 @@ def test_car_with_real_drives_moves_like_one_with_ideal_drives(drive):
 def test_second_turn_loses_current_control_on_a_bus_of_300_volt(drive):
     """34 N m at each front wheel carry the car through the second turn. 7 %: commutation at 95 rad/s.
 
-    At 300 V the outer (left) motor brakes, the inner one, with an EMF of 293 V, still holds its torque at first.
+    At 300 V the outer (left) motor brakes, the inner one, with an EMF of 293 V, still holds its
+    torque at first.
     """
 
     def outer_torque(bus_voltage):
@@ -43,7 +52,8 @@ def test_wheel_torque_is_the_mean_over_the_period_and_motor_torque_is_the_one_no
     force = (sum(wheels) - ROLLING_TORQUE) / 0.294
     assert car.speed - before == pytest.approx(force / 1400.0 * PERIOD, rel=1e-9)
     assert wheels.front_left != pytest.approx(2.65 * motors.front_left, rel=1e-6)
-    assert wheels.front_left == pytest.approx(2.65 * motors.front_left, rel=0.1)  # band of 0.5 A in 14 A, and a dip
+    # band of 0.5 A in 14 A, and a dip
+    assert wheels.front_left == pytest.approx(2.65 * motors.front_left, rel=0.1)
 
 
 def test_rear_drive_turns_the_rear_motors_only():

@@ -20,7 +20,12 @@ from plant.kinematic.car import (
 
 from ev_core.methods.method_record import create
 from ev_msgs_py.contract.roles import ROLES
-from ev_msgs_py.contract.signals import BodyPose, InertialMeasurement, WheelStates, WheelTorqueCommand
+from ev_msgs_py.contract.signals import (
+    BodyPose,
+    InertialMeasurement,
+    WheelStates,
+    WheelTorqueCommand,
+)
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_sim.drives.drive import DRIVE_MODELS
 
@@ -29,7 +34,12 @@ def test_outputs_are_what_the_plant_declares_and_its_role_allows():
     outputs = create(KINEMATIC, KINEMATIC.parameters(), AUDI, PERIOD).outputs()
     assert tuple(type(signal) for signal in outputs) == KINEMATIC.writes
     assert set(KINEMATIC.writes) <= set(ROLES["plant"].writes)
-    numbers = [x for signal in outputs for value in signal for x in (value if type(value) is Wheels else [value])]
+    numbers = [
+        x
+        for signal in outputs
+        for value in signal
+        for x in (value if type(value) is Wheels else [value])
+    ]
     assert {type(number) for number in numbers} == {float}
 
 
@@ -55,19 +65,28 @@ def test_constant_torque_accelerates_evenly_from_rest(sign):
     acceleration = sign * (500.0 - ROLLING_TORQUE) / 0.294 / 1400.0
     assert car.speed == pytest.approx(acceleration * 3.0, rel=1e-12)
     assert car[BodyPose].x == pytest.approx(acceleration * 4.5, rel=1e-12)
-    assert car[WheelStates].velocity.rear_left == pytest.approx(acceleration * 3.0 / 0.294, rel=1e-12)
-    assert car[WheelStates].position.front_right == pytest.approx(acceleration * 4.5 / 0.294, rel=1e-12)
-    assert car[InertialMeasurement].longitudinal_acceleration == pytest.approx(acceleration, rel=1e-9)
+    assert car[WheelStates].velocity.rear_left == pytest.approx(
+        acceleration * 3.0 / 0.294, rel=1e-12
+    )
+    assert car[WheelStates].position.front_right == pytest.approx(
+        acceleration * 4.5 / 0.294, rel=1e-12
+    )
+    assert car[InertialMeasurement].longitudinal_acceleration == pytest.approx(
+        acceleration, rel=1e-9
+    )
 
 
 def test_coasting_down_follows_the_closed_solution_of_eq_13():
     """V = V_c tan(arctan(V_0/V_c) - sqrt(F_roll c) t/m) solves m V' = -F_roll - c V^2 from 20 m/s.
 
-    The drag is taken at the start of each sub-step, so the error is of first order: 1.4e-6 at 1 ms, half at 0.5 ms.
+    The drag is taken at the start of each sub-step, so the error is of first order: 1.4e-6 at 1 ms,
+    half at 0.5 ms.
     """
     friction, drag = ROLLING_TORQUE / 0.294, 0.5 * 1.24 * 0.3 * 2.1
     critical = math.sqrt(friction / drag)
-    exact = critical * math.tan(math.atan(20.0 / critical) - math.sqrt(friction * drag) * 20.0 / 1400.0)
+    exact = critical * math.tan(
+        math.atan(20.0 / critical) - math.sqrt(friction * drag) * 20.0 / 1400.0
+    )
     coarse = Car(initial_speed=20.0).drive(steps=2000).speed - exact
     fine = Car(initial_speed=20.0, sub_step=0.5e-3).drive(steps=2000).speed - exact
     assert abs(coarse) < 2e-6 * exact
@@ -83,7 +102,9 @@ def test_brakes_bring_the_car_to_rest_and_hold_it(drive, speed):
     stopped = car[BodyPose]
     if drive == "ideal":
         deceleration = (2000.0 + ROLLING_TORQUE) / 0.294 / 1400.0
-        assert stopped.x == pytest.approx(math.copysign(speed**2 / (2 * deceleration), speed), rel=1e-12)
+        assert stopped.x == pytest.approx(
+            math.copysign(speed**2 / (2 * deceleration), speed), rel=1e-12
+        )
     car.drive(brake(2000.0), steps=100).drive(COAST, steps=100)
     assert car.speed == 0.0
     assert car[BodyPose] == stopped
@@ -97,7 +118,9 @@ def test_brakes_hold_against_the_drives(sign):
     assert sign * Car().drive(held._replace(brake=Wheels.all(100.0)), steps=100).speed > 0.0
 
 
-@given(st.floats(-40, 40), st.lists(st.floats(0, 5000), min_size=1, max_size=30), st.floats(-60, 60))
+@given(
+    st.floats(-40, 40), st.lists(st.floats(0, 5000), min_size=1, max_size=30), st.floats(-60, 60)
+)
 def test_resistance_never_speeds_the_car_up_or_turns_it_round(speed, brakes, degrees):
     car = Car(initial_speed=speed)
     for total in brakes:

@@ -19,7 +19,8 @@ from ev_sim.drives.drive import DRIVE_MODELS
 
 
 @pytest.mark.parametrize(
-    ("kilometres_per_hour", "degrees", "difference"), [(15, 30, 1.222), (30, -30, -2.444), (-15, 30, -1.222)]
+    ("kilometres_per_hour", "degrees", "difference"),
+    [(15, 30, 1.222), (30, -30, -2.444), (-15, 30, -1.222)],
 )
 def test_difference_of_the_wheel_speeds_in_the_two_turns(kilometres_per_hour, degrees, difference):
     """Eq 12: V_R - V_L at the speed V of the centre of mass; half a unit of the last digit given."""
@@ -44,7 +45,8 @@ def test_held_angle_drives_a_circle(degrees):
     turn = round(abs(math.tau * radius) / 5.0 / PERIOD)
     for _ in range(turn):
         pose = car.drive(degrees=degrees)[BodyPose]
-        # The centre lies on the line of the rear axle, abeam of a point 1.08225 m behind the centre of mass.
+        # The centre lies on the line of the rear axle, abeam of a point 1.08225 m behind the centre
+        # of mass.
         centre_x = pose.x - 1.08225 * math.cos(pose.heading) - 2.405 * cot * math.sin(pose.heading)
         centre_y = pose.y - 1.08225 * math.sin(pose.heading) + 2.405 * cot * math.cos(pose.heading)
         assert (centre_x, centre_y) == pytest.approx((-1.08225, 2.405 * cot), abs=1e-9)
@@ -73,7 +75,12 @@ def test_mirrored_commands_give_a_mirrored_car_to_the_last_bit(drive):
     car, mirrored = run(False), run(True)
     for signal in (WheelStates, MotorStates):
         for wheels, others in zip(car[signal], mirrored[signal], strict=True):
-            assert wheels == (others.front_right, others.front_left, others.rear_right, others.rear_left)
+            assert wheels == (
+                others.front_right,
+                others.front_left,
+                others.rear_right,
+                others.rear_left,
+            )
     pose, other = car[BodyPose], mirrored[BodyPose]
     assert (pose.x, pose.y, pose.orientation_z, pose.orientation_w) == (
         other.x,
@@ -82,7 +89,10 @@ def test_mirrored_commands_give_a_mirrored_car_to_the_last_bit(drive):
         other.orientation_w,
     )
     assert car[BodyVelocity].longitudinal == mirrored[BodyVelocity].longitudinal
-    assert car[InertialMeasurement].lateral_acceleration == -mirrored[InertialMeasurement].lateral_acceleration
+    assert (
+        car[InertialMeasurement].lateral_acceleration
+        == -mirrored[InertialMeasurement].lateral_acceleration
+    )
 
 
 def test_column_beyond_a_right_angle_does_no_harm():
@@ -96,13 +106,18 @@ def test_column_beyond_a_right_angle_does_no_harm():
 def test_work_of_the_motors_in_a_bend_is_not_what_the_car_gets(driven, more):
     """Fig 3 adds M_j/r to the force on the point mass whatever M_j w_j is: docs/shchur2019.md has both numbers.
 
-    (R_L + R_R)/2 over R of eqs 10 and 11 is 1.1208 in front and 0.9680 behind at 30 deg, without resistance.
+    (R_L + R_R)/2 over R of eqs 10 and 11 is 1.1208 in front and 0.9680 behind at 30 deg, without
+    resistance.
     """
     wheels = tuple(f"{driven}_{side}" for side in ("left", "right"))
-    car = Car(replace(WITHOUT_RESISTANCE, driven_wheels=wheels), initial_speed=5.0).drive(degrees=30.0)
+    car = Car(replace(WITHOUT_RESISTANCE, driven_wheels=wheels), initial_speed=5.0).drive(
+        degrees=30.0
+    )
     torques = Wheels.front(100.0, 100.0) if driven == "front" else Wheels(0.0, 0.0, 100.0, 100.0)
     start, before = car[WheelStates], car.speed
     car.drive(WheelTorqueCommand(torques), degrees=30.0, steps=200)
-    turned = [sum(getattr(each.position, name) for name in wheels) for each in (start, car[WheelStates])]
+    turned = [
+        sum(getattr(each.position, name) for name in wheels) for each in (start, car[WheelStates])
+    ]
     gained = 0.5 * WITHOUT_RESISTANCE.mass * (car.speed**2 - before**2)
     assert 100.0 * (turned[1] - turned[0]) / gained - 1.0 == pytest.approx(more, abs=2e-4)

@@ -15,10 +15,24 @@ from ev_core.vehicle.motor import Motor
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_sim.plant.planar.given import PlanarParameters, body_constants
-from ev_sim.plant.planar.planar_state import DEFLECTION_X, DEFLECTION_Y, VX, VY, WHEEL_SPEED, YAW_RATE, index
+from ev_sim.plant.planar.planar_state import (
+    DEFLECTION_X,
+    DEFLECTION_Y,
+    VX,
+    VY,
+    WHEEL_SPEED,
+    YAW_RATE,
+    index,
+)
 
 PLANAR = find_method("plant", "planar")
-STRONG = Motor(peak_torque=2000.0, nominal_torque=2000.0, peak_power=1e6, generator_torque=2000.0, generator_power=1e6)
+STRONG = Motor(
+    peak_torque=2000.0,
+    nominal_torque=2000.0,
+    peak_power=1e6,
+    generator_torque=2000.0,
+    generator_power=1e6,
+)
 FULL_BATTERY = Battery(discharge_power=1e6, charge_power=1e6, resistance=0.01)
 CAR = Vehicle(motor=STRONG, battery=FULL_BATTERY)
 FOUR_MOTORS = dataclasses.replace(CAR, driven_wheels=WHEEL_NAMES)
@@ -27,7 +41,9 @@ X, Y = index("x"), index("y")
 
 def parameters_of(**values) -> PlanarParameters:
     """A double underscore stands for the dot."""
-    return build(PlanarParameters, {name.replace("__", "."): value for name, value in values.items()})
+    return build(
+        PlanarParameters, {name.replace("__", "."): value for name, value in values.items()}
+    )
 
 
 def plant(car: Vehicle = CAR, period: float = 0.01, **parameters) -> CompiledObject:
@@ -55,7 +71,11 @@ STRAIGHT = steered(0.0)
 
 def kinetic_energy(state: np.ndarray, car: Vehicle = CAR) -> float:
     """Kinetic energy of body and wheels with their rotors [J]."""
-    wheels = float(np.sum(np.array(body_constants(car).wheel_inertia) * state[WHEEL_SPEED : WHEEL_SPEED + 4] ** 2))
+    wheels = float(
+        np.sum(
+            np.array(body_constants(car).wheel_inertia) * state[WHEEL_SPEED : WHEEL_SPEED + 4] ** 2
+        )
+    )
     body = car.mass * (state[VX] ** 2 + state[VY] ** 2) + car.yaw_inertia * state[YAW_RATE] ** 2
     return 0.5 * float(wheels + body)
 
@@ -64,10 +84,14 @@ def elastic_energy(state: np.ndarray, car: Vehicle = CAR) -> float:
     """Elastic energy of the carcasses [J]."""
     along, across = state[DEFLECTION_X : DEFLECTION_X + 4], state[DEFLECTION_Y : DEFLECTION_Y + 4]
     tyre = car.tyre
-    return 0.5 * float(tyre.longitudinal_stiffness * np.sum(along**2) + tyre.lateral_stiffness * np.sum(across**2))
+    return 0.5 * float(
+        tyre.longitudinal_stiffness * np.sum(along**2) + tyre.lateral_stiffness * np.sum(across**2)
+    )
 
 
-def drive(car: CompiledObject, seconds: float, torques: Wheels, brake: float = 0.0) -> dict[type, tuple]:
+def drive(
+    car: CompiledObject, seconds: float, torques: Wheels, brake: float = 0.0
+) -> dict[type, tuple]:
     """The outputs after some time straight ahead."""
     for _ in range(round(seconds / 0.01)):
         car.advance(WheelTorqueCommand(torques, Wheels.all(brake)), STRAIGHT)

@@ -7,19 +7,28 @@ from plant.planar.car import STRAIGHT, command, on, plant, steered
 
 MANOEUVRES = {
     "launch": ({}, lambda t: (command(drive=(400.0, 400.0, 0.0, 0.0)), STRAIGHT)),
-    "spinning launch": (on("packed_snow_2"), lambda t: (command(drive=(500.0, 500.0, 0.0, 0.0)), STRAIGHT)),
+    "spinning launch": (
+        on("packed_snow_2"),
+        lambda t: (command(drive=(500.0, 500.0, 0.0, 0.0)), STRAIGHT),
+    ),
     "braking on split friction": (
         {"initial_speed": 20.0, "road__left": ("packed_snow_1",)},
         lambda t: (command(brake=(400.0, 400.0, 200.0, 200.0)), STRAIGHT),
     ),
     "step steer": (
         {"initial_speed": 20.0},
-        lambda t: (command(drive=(100.0, 100.0, 0.0, 0.0)), steered(min(0.2 * max(t - 0.5, 0.0), 0.04))),
+        lambda t: (
+            command(drive=(100.0, 100.0, 0.0, 0.0)),
+            steered(min(0.2 * max(t - 0.5, 0.0), 0.04)),
+        ),
     ),
     "reversing": ({}, lambda t: (command(drive=(-200.0, -200.0, 0.0, 0.0)), steered(0.2))),
     "stop and go": (
         {"initial_speed": 5.0},
-        lambda t: (command(brake=(500.0,) * 4) if t < 1.5 else command(drive=(150.0, 150.0, 0.0, 0.0)), steered(0.1)),
+        lambda t: (
+            command(brake=(500.0,) * 4) if t < 1.5 else command(drive=(150.0, 150.0, 0.0, 0.0)),
+            steered(0.1),
+        ),
     ),
     "held speed": (
         {"initial_speed": 10.0, "speed": "held"},

@@ -50,12 +50,17 @@ def test_any_car_under_any_command_stays_finite():
         )
         for k in range(200):
             if k % 20 == 0:
-                drive, brake = generator.uniform(-1e4, 1e4, 4), generator.choice([0, 400, 4000]) * generator.random(4)
+                drive, brake = (
+                    generator.uniform(-1e4, 1e4, 4),
+                    generator.choice([0, 400, 4000]) * generator.random(4),
+                )
                 angle = steered(*generator.uniform(-0.6, 0.6, 2))
             moving.advance(command(drive, brake), angle)
         assert np.isfinite(moving.state).all()
         assert np.abs(moving.state[[VX, VY]]).max() < 100.0
-        assert sum(outputs(moving)[TireForces].load) == pytest.approx(car.mass * GRAVITY / np.hypot(1.0, grade))
+        assert sum(outputs(moving)[TireForces].load) == pytest.approx(
+            car.mass * GRAVITY / np.hypot(1.0, grade)
+        )
 
 
 def test_bad_commands_never_reach_the_integrator():

@@ -78,6 +78,8 @@ def test_blended_brakes_are_exactly_as_strong_as_asked(speed, pedal):
     forces = []
     for blended in (False, True):
         held = plant(Vehicle(blend_brakes=blended), initial_speed=speed, speed="held")
-        forces.append(drive(held, 2.0, Wheels.front(pedal, pedal), brake=200.0)[TireForces].longitudinal_force)
+        forces.append(
+            drive(held, 2.0, Wheels.front(pedal, pedal), brake=200.0)[TireForces].longitudinal_force
+        )
     assert held.state[index("motor_torque")] * speed < 0.0
     assert forces[1] == pytest.approx(forces[0], rel=1e-9)

@@ -18,7 +18,8 @@ from ev_study.analysis.linear_models import single_track, tangent_speed, yaw_dam
 from ev_study.analysis.linearised_plant import OperatingPoint, linearised
 
 CAR = vehicle_of("compact_ev")
-# Drag pitches the car and rolling resistance brakes the outer wheels more: neither is in a linear model.
+# Drag pitches the car and rolling resistance brakes the outer wheels more: neither is in a linear
+# model.
 COASTING = dataclasses.replace(CAR, rolling_resistance=0.0, drag_coefficient=0.0)
 STILL = WheelTorqueCommand(Wheels.all(0.0))
 
@@ -31,7 +32,9 @@ def fast():
 def test_yaw_gain_is_that_of_its_understeer_gradient(fast):
     """V/(L + K V^2); 1e-4 leaves room for the steps of the differences (measured 2e-7)."""
     gain = fast.response(np.array([0.0]))[0, 1].real
-    assert gain == pytest.approx(25.0 / (CAR.wheelbase + understeer_gradient(CAR) * 625.0), rel=1e-4)
+    assert gain == pytest.approx(
+        25.0 / (CAR.wheelbase + understeer_gradient(CAR) * 625.0), rel=1e-4
+    )
     assert gain == pytest.approx(yaw_gain(single_track(COASTING, 25.0)), rel=1e-4)
 
 
@@ -44,7 +47,9 @@ def test_it_understeers_as_cars_do():
 def test_damping_is_that_of_the_single_track(fast):
     """Frequency and damping ratio of the yaw motion agree within 1 %: the plant's contact slip lags on top (0.8 %)."""
     ratio, frequency = yaw_damping(single_track(COASTING, 25.0))
-    pole = next(p for p in sorted(np.linalg.eigvals(fast.system.A), key=lambda p: -p.real) if p.imag > 0.0)
+    pole = next(
+        p for p in sorted(np.linalg.eigvals(fast.system.A), key=lambda p: -p.real) if p.imag > 0.0
+    )
     assert abs(pole) == pytest.approx(frequency, rel=0.01)
     assert -pole.real / abs(pole) == pytest.approx(ratio, rel=0.01)
 
@@ -75,7 +80,9 @@ def test_two_tyres_of_an_axle_hold_less_than_twice_one():
     simple = dataclasses.replace(CAR, tyre=vehicle_of("audi_a2").tyre, suspension=Suspension())
     yaw_rates = []
     for share in (0.0, 0.2):
-        car = dataclasses.replace(simple, tyre=dataclasses.replace(simple.tyre, load_sensitivity=share))
+        car = dataclasses.replace(
+            simple, tyre=dataclasses.replace(simple.tyre, load_sensitivity=share)
+        )
         driven = plant(car, initial_speed=20.0, speed="held")
         for _ in range(400):
             driven.advance(STILL, steered(0.08))
@@ -86,6 +93,8 @@ def test_two_tyres_of_an_axle_hold_less_than_twice_one():
 def test_half_a_suspension_is_refused():
     with pytest.raises(ParameterError, match="given both or neither"):
         Suspension(front_roll_stiffness=3e4)
-    odd = Suspension(front_roll_stiffness=3e4, rear_roll_stiffness=3e4, front_roll_centre_height=2.0)
+    odd = Suspension(
+        front_roll_stiffness=3e4, rear_roll_stiffness=3e4, front_roll_centre_height=2.0
+    )
     with pytest.raises(ParameterError, match="of the lateral load transfer, expected 0 to 1"):
         dataclasses.replace(CAR, suspension=odd)

@@ -55,7 +55,9 @@ COMMONROAD_CAR = SimpleNamespace(
     I_z=CAR.yaw_inertia,
     tire=SimpleNamespace(p_dy1=1.0, p_ky1=-PER_LOAD),
     steering=SimpleNamespace(min=-1.0, max=1.0, v_min=-1.0, v_max=1.0),
-    longitudinal=SimpleNamespace(v_min=-NO_LIMIT, v_max=NO_LIMIT, v_switch=NO_LIMIT, a_max=NO_LIMIT),
+    longitudinal=SimpleNamespace(
+        v_min=-NO_LIMIT, v_max=NO_LIMIT, v_switch=NO_LIMIT, a_max=NO_LIMIT
+    ),
 )
 
 
@@ -74,7 +76,8 @@ def of_planar_plant(speed: float, angle: float) -> np.ndarray:
 def of_commonroad(speed: float, angle: float) -> np.ndarray:
     """The same by CommonRoad's right-hand side: states x, y, steering angle, speed, heading, yaw rate, sideslip."""
     module = pytest.importorskip(
-        "vehiclemodels.vehicle_dynamics_st", reason="for this comparison: pip install commonroad-vehicle-models"
+        "vehiclemodels.vehicle_dynamics_st",
+        reason="for this comparison: pip install commonroad-vehicle-models",
     )
     times = PERIOD * np.arange(1, round(DURATION / PERIOD) + 1)
     solution = solve_ivp(

@@ -22,7 +22,11 @@ from ev_sim.plant.planar.planar_state import index
 def test_open_differential_passes_equal_torque():
     car = Vehicle(driven_wheels=("rear_left", "rear_right"), driveline=Driveline(coupling="open"))
     out = drive(plant(car, road__left=("ice",)), 1.0, Wheels.rear(500.0, 100.0))
-    assert out[WheelStates].effort.rear_left == out[WheelStates].effort.rear_right == pytest.approx(300.0)
+    assert (
+        out[WheelStates].effort.rear_left
+        == out[WheelStates].effort.rear_right
+        == pytest.approx(300.0)
+    )
     assert out[WheelStates].velocity.rear_left > 5 * out[WheelStates].velocity.rear_right
 
 

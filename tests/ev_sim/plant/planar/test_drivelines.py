@@ -8,7 +8,16 @@ import numpy as np
 import pytest
 from helpers.adaptive_reference import DrivenPlant
 from helpers.manoeuvres import MANOEUVRES
-from plant.planar.car import CAR, FOUR_MOTORS, command, drive, kinetic_energy, outputs, plant, steered
+from plant.planar.car import (
+    CAR,
+    FOUR_MOTORS,
+    command,
+    drive,
+    kinetic_energy,
+    outputs,
+    plant,
+    steered,
+)
 
 from ev_core.lockstep.configuration import configure
 from ev_core.methods.law import namespace
@@ -20,7 +29,13 @@ from ev_core.vehicle.motor import Engine, Gearbox
 from ev_msgs_py.contract.signals import MotorStates, WheelStates
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.drives.driveline import COUPLING_POINT, converter_torques, full_load_torque, shaft_speeds, wheel_torques
+from ev_sim.drives.driveline import (
+    COUPLING_POINT,
+    converter_torques,
+    full_load_torque,
+    shaft_speeds,
+    wheel_torques,
+)
 from ev_sim.plant.planar.planar_state import index
 from ev_stack.recording.offline import run_offline
 from ev_stack.scenarios.scenario import Overrides, load_scenario
@@ -42,7 +57,12 @@ def with_driveline(**values: object) -> Vehicle:
 
 def engine_car(**values: object) -> Vehicle:
     return dataclasses.replace(
-        FOUR_MOTORS, gear_ratio=4.1, motor=FINAL_DRIVE, driveline=Driveline(coupling="centre"), engine=ENGINE, **values
+        FOUR_MOTORS,
+        gear_ratio=4.1,
+        motor=FINAL_DRIVE,
+        driveline=Driveline(coupling="centre"),
+        engine=ENGINE,
+        **values,
     )
 
 
@@ -54,13 +74,19 @@ def test_lock_coefficient_is_the_torque_of_the_slower_over_that_of_the_faster_si
     """Eq 1.1, K = M_slow/M_fast, at both ends of the survey's range; a tenth of a turn apart the lock is complete."""
     for coefficient in LOCK_COEFFICIENTS[device, place]:
         values = {place: device, f"{place}_lock": coefficient}
-        car = namespace(car_numbers(with_driveline(coupling="centre" if place == "centre" else "open", **values)))
+        car = namespace(
+            car_numbers(
+                with_driveline(coupling="centre" if place == "centre" else "open", **values)
+            )
+        )
         torques = np.zeros(4)
         first, second = {"front": (0, 1), "rear": (2, 3), "centre": ([0, 1], [2, 3])}[place]
         speeds = np.zeros(4)
         speeds[first] = 30.0
         wheel_torques(car, (100.0,) * 4, tuple(speeds), (0.0,) * 4, torques)
-        assert np.sum(torques[second]) / np.sum(torques[first]) == pytest.approx(coefficient, rel=1e-12)
+        assert np.sum(torques[second]) / np.sum(torques[first]) == pytest.approx(
+            coefficient, rel=1e-12
+        )
         assert torques.sum() == pytest.approx(400.0, rel=1e-12)
 
 
@@ -69,7 +95,11 @@ def test_differentials_lose_what_their_locks_take_and_no_more():
     speeds, parts = (31.0, 29.0, 12.0, 9.0), (100.0,) * 4
     for share in (0.3, 0.5):
         for lock, rear in (("open", "open"), ("dccd", "torsen_2")):
-            car = namespace(car_numbers(with_driveline(coupling="centre", centre=lock, rear=rear, front_share=share)))
+            car = namespace(
+                car_numbers(
+                    with_driveline(coupling="centre", centre=lock, rear=rear, front_share=share)
+                )
+            )
             shafts, torques = np.zeros(4), np.zeros(4)
             shaft_speeds(car, speeds, shafts)
             wheel_torques(car, parts, speeds, (0.0,) * 4, torques)
@@ -83,12 +113,27 @@ def test_differentials_lose_what_their_locks_take_and_no_more():
 @pytest.mark.parametrize(
     ("values", "said"),
     [
-        ({"front": "torsen_1"}, "front: torsen_1 is refused, it is made as rear and centre differential"),
+        (
+            {"front": "torsen_1"},
+            "front: torsen_1 is refused, it is made as rear and centre differential",
+        ),
         ({"rear": "torsen_2", "rear_lock": 4.0}, "rear_lock: 4 is refused, expected 2 to 3"),
-        ({"centre_lock": 1.5}, "centre_lock: 1.5 is refused, expected 0: K is that of a Torsen or DCCD, not open"),
-        ({"coupling": "clutch", "front": "open"}, "front and rear are refused with coupling clutch"),
-        ({"coupling": "centre", "rear": "individual"}, "front and rear: individual is refused with coupling centre"),
-        ({"coupling": "centre", "rear_size": 2.0}, "gear and size of an axle: expected 1 with coupling centre"),
+        (
+            {"centre_lock": 1.5},
+            "centre_lock: 1.5 is refused, expected 0: K is that of a Torsen or DCCD, not open",
+        ),
+        (
+            {"coupling": "clutch", "front": "open"},
+            "front and rear are refused with coupling clutch",
+        ),
+        (
+            {"coupling": "centre", "rear": "individual"},
+            "front and rear: individual is refused with coupling centre",
+        ),
+        (
+            {"coupling": "centre", "rear_size": 2.0},
+            "gear and size of an axle: expected 1 with coupling centre",
+        ),
     ],
 )
 def test_drivelines_that_nobody_builds_are_refused(values, said):
@@ -99,8 +144,14 @@ def test_drivelines_that_nobody_builds_are_refused(values, said):
 
 def test_engines_without_a_shaft_are_refused():
     for values, said in (
-        ({"driveline": Driveline()}, "engine needs one shaft that it drives: driveline.coupling clutch or centre"),
-        ({"driven_wheels": ("front_left", "front_right")}, "driveline.coupling centre needs all four driven_wheels"),
+        (
+            {"driveline": Driveline()},
+            "engine needs one shaft that it drives: driveline.coupling clutch or centre",
+        ),
+        (
+            {"driven_wheels": ("front_left", "front_right")},
+            "driveline.coupling centre needs all four driven_wheels",
+        ),
         ({"blend_brakes": True}, "blend_brakes is refused with an engine"),
     ):
         with pytest.raises(ParameterError) as error:
@@ -116,9 +167,17 @@ def test_axle_of_twice_the_size_is_one_with_two_motors_side_by_side():
     motor = dataclasses.replace(CAR.motor, rotor_inertia=0.02)
     twice = dataclasses.replace(
         motor,
-        **{name: 2.0 * getattr(motor, name) for name in ("peak_torque", "nominal_torque", "peak_power")},
-        **{name: 2.0 * getattr(motor, name) for name in ("generator_torque", "generator_power", "rotor_inertia")},
-        **{name: 2.0 * getattr(motor, name) for name in ("iron_loss", "eddy_loss", "inverter_loss")},
+        **{
+            name: 2.0 * getattr(motor, name)
+            for name in ("peak_torque", "nominal_torque", "peak_power")
+        },
+        **{
+            name: 2.0 * getattr(motor, name)
+            for name in ("generator_torque", "generator_power", "rotor_inertia")
+        },
+        **{
+            name: 2.0 * getattr(motor, name) for name in ("iron_loss", "eddy_loss", "inverter_loss")
+        },
         copper_loss=0.5 * motor.copper_loss,
     )
     two = plant(dataclasses.replace(CAR, motor=motor, driveline=Driveline(front_size=2.0)))
@@ -132,13 +191,17 @@ def test_axle_of_twice_the_size_is_one_with_two_motors_side_by_side():
 
 def test_front_axle_turns_its_motor_by_its_own_gear():
     """8.8 in front, 8 behind; in front both wheels get the mean of what is asked of them, behind each its own."""
-    said = drive(plant(named("layout_1_8_b"), initial_speed=5.0), 0.5, Wheels(300.0, 100.0, 300.0, 100.0))
+    said = drive(
+        plant(named("layout_1_8_b"), initial_speed=5.0), 0.5, Wheels(300.0, 100.0, 300.0, 100.0)
+    )
     motors, wheels = said[MotorStates], said[WheelStates]
     assert motors.velocity.front_left == pytest.approx(
         8.8 * 0.5 * (wheels.velocity.front_left + wheels.velocity.front_right), rel=1e-12
     )
     assert motors.velocity.rear_left == pytest.approx(8.0 * wheels.velocity.rear_left, rel=1e-12)
-    assert wheels.effort == pytest.approx(tuple(0.97 * torque for torque in (200.0, 200.0, 300.0, 100.0)), rel=1e-6)
+    assert wheels.effort == pytest.approx(
+        tuple(0.97 * torque for torque in (200.0, 200.0, 300.0, 100.0)), rel=1e-6
+    )
 
 
 # Converter and engine
@@ -186,7 +249,8 @@ def test_engine_gives_what_is_asked_and_loses_what_gear_and_converter_take():
     said = drive(car, 1.0, Wheels.all(150.0))[WheelStates]
     assert sum(said.effort) == pytest.approx(0.96 * 600.0, rel=2e-3)
     lost, work, given = (
-        car.state[index(name)] - before[index(name)] for name in ("driveline_loss", "engine.work", "drive_work")
+        car.state[index(name)] - before[index(name)]
+        for name in ("driveline_loss", "engine.work", "drive_work")
     )
     shaft = 4.1 * np.mean(said.velocity)
     turbine = shaft * Gearbox().ratios[int(car.state[index("engine.gear")]) - 1]
@@ -220,7 +284,8 @@ def test_engine_shifts_up_through_all_gears_and_brakes_by_its_drag():
     braking = sum(drive(car, 2.0, Wheels.all(-500.0))[WheelStates].effort)
     ratio = 4.1 * Gearbox().ratios[int(car.state[index("engine.gear")]) - 1]
     drag = ENGINE.drag_torque + ENGINE.drag_growth * car.state[index("engine.speed")]
-    assert braking == pytest.approx(-drag * ratio / (0.95 * 0.96), rel=0.1)  # a tenth: the crankshaft slows down, too
+    # a tenth: the crankshaft slows down, too
+    assert braking == pytest.approx(-drag * ratio / (0.95 * 0.96), rel=0.1)
 
 
 # Laws
@@ -249,8 +314,21 @@ def _told(vehicle: str) -> dict[str, object]:
 
 ANY = {"equal_torque"}
 ALL_OWN = {
-    *("adaptive", "adhesion_share", "axle_redistribution", "direct_yaw_moment", "drive_by_wire", "equal_torque"),
-    *("limited_slip", "limited_slip_variable", "load_proportional", "open_differential", "power_steering"),
+    *(
+        "adaptive",
+        "adhesion_share",
+        "axle_redistribution",
+        "direct_yaw_moment",
+        "drive_by_wire",
+        "equal_torque",
+    ),
+    *(
+        "limited_slip",
+        "limited_slip_variable",
+        "load_proportional",
+        "open_differential",
+        "power_steering",
+    ),
     *("steer_by_wire", "steering_correction"),
 }
 
@@ -275,7 +353,9 @@ def test_traction_controls_take_every_driveline_but_not_with_a_limp_mode(law, gr
     """A wheel shows nothing of a lost motor that drives its partner as well."""
     values = {f"vehicle.{name}": value for name, value in _told("centre_dccd").items()}
     configure("asr", {"method": law, **values})
-    with pytest.raises(ParameterError, match=rf"needs a motor or a clutch for each driven wheel for {group}.watch"):
+    with pytest.raises(
+        ParameterError, match=rf"needs a motor or a clutch for each driven wheel for {group}.watch"
+    ):
         configure("asr", {"method": law, f"{group}.watch": True, **values})
 
 
@@ -302,9 +382,13 @@ def test_power_balance_closes_in_every_standard_manoeuvre(vehicle, manoeuvre):
 
     turning = [state[index("engine.speed")] ** 2 for state in (end.state, end.start)]
     stored = 0.5 * end.vehicle.engine.inertia * (turning[0] - turning[1])
-    spent = stored + sum(work(f"{name}") for name in ("motor_loss", "driveline_loss", "auxiliary_work", "drive_work"))
+    spent = stored + sum(
+        work(f"{name}") for name in ("motor_loss", "driveline_loss", "auxiliary_work", "drive_work")
+    )
     gain = kinetic_energy(end.state, end.vehicle) - kinetic_energy(end.start, end.vehicle)
     sinks = [work(f"{kind}_work") for kind in ("tyre", "friction", "drag", "gravity")]
     flow = max(abs(gain), abs(work("drive_work")), *map(abs, sinks))
-    assert work("battery_work") + work("engine.work") == pytest.approx(spent, rel=0, abs=1e-4 * flow)
+    assert work("battery_work") + work("engine.work") == pytest.approx(
+        spent, rel=0, abs=1e-4 * flow
+    )
     assert work("drive_work") == pytest.approx(gain + sum(sinks), rel=0, abs=1e-4 * flow)

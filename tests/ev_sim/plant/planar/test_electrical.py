@@ -30,11 +30,15 @@ CAR = Vehicle(gear_ratio=GEAR, mass=2000.0, motor=MOTOR, battery=BATTERY)
 
 
 def electrical(car: Vehicle = CAR, period: float = 0.01, **parameters) -> CompiledObject:
-    return CompiledObject(find_method("plant", "planar_electrical"), parameters_of(**parameters), car, period)
+    return CompiledObject(
+        find_method("plant", "planar_electrical"), parameters_of(**parameters), car, period
+    )
 
 
 def with_thermal(**values: float) -> Vehicle:
-    return dataclasses.replace(CAR, motor=dataclasses.replace(MOTOR, thermal=ThermalParameters(**values)))
+    return dataclasses.replace(
+        CAR, motor=dataclasses.replace(MOTOR, thermal=ThermalParameters(**values))
+    )
 
 
 def with_cells(**values) -> Vehicle:
@@ -47,15 +51,17 @@ def with_cells(**values) -> Vehicle:
 def test_electrical_power_is_mechanical_power_and_losses(speed, torque):
     """The battery gives what the inverters take, at held speed, with and without weakened field.
 
-    1e-6, because voltage and current of the battery are single precision numbers, and because over 1 ms its voltage,
-    and with it the weakening current, hardly moves.
+    1e-6, because voltage and current of the battery are single precision numbers, and because over
+    1 ms its voltage, and with it the weakening current, hardly moves.
     """
     car = electrical(period=1e-3, speed="held", initial_speed=speed)
     drive(car, 10.0, Wheels.front(torque, torque))  # of 10 ms each, so 1 s
     before = car.state.copy()
     out = drive(car, 0.01, Wheels.front(torque, torque))
     power = sum(out[MotorElectrics].power)
-    assert -out[BatteryCondition].voltage * out[BatteryCondition].current == pytest.approx(power, rel=1e-6)
+    assert -out[BatteryCondition].voltage * out[BatteryCondition].current == pytest.approx(
+        power, rel=1e-6
+    )
     moved = {
         name: car.state[index(name)] - before[index(name)]
         for name in ("battery_work", "motor_loss", "driveline_loss", "drive_work")
@@ -63,7 +69,9 @@ def test_electrical_power_is_mechanical_power_and_losses(speed, torque):
     used = moved["motor_loss"] + moved["driveline_loss"] + moved["drive_work"]
     assert moved["battery_work"] == pytest.approx(used, rel=1e-9)
     assert moved["battery_work"] == pytest.approx(power * 1e-3, rel=1e-6)
-    mechanical = sum(v * t for v, t in zip(out[MotorStates].velocity, out[MotorStates].effort, strict=True))
+    mechanical = sum(
+        v * t for v, t in zip(out[MotorStates].velocity, out[MotorStates].effort, strict=True)
+    )
     assert moved["motor_loss"] == pytest.approx((power - mechanical) * 1e-3, abs=1e-9 * abs(power))
 
 
@@ -83,14 +91,17 @@ def test_the_winding_takes_the_copper_loss_and_ends_at_the_closed_form():
     flow = seen.coolant_flow.front_left / 60e3 * 1060.0 * 3500.0  # W/K
     assert seen.coolant_outlet.front_left == pytest.approx(40.0 + (copper + stage) / flow, rel=1e-8)
     assert seen.winding.rear_left == 0.0, "no motor there"
-    first = electrical(with_thermal(winding_capacity=20.0, inverter_capacity=10.0), speed="held", initial_speed=5.0)
+    first = electrical(
+        with_thermal(winding_capacity=20.0, inverter_capacity=10.0), speed="held", initial_speed=5.0
+    )
     heat = 0.0
     for _ in range(100):
         before = first.state[index("winding_rise")]
         first.advance(command((100.0 * GEAR, 100.0 * GEAR, 0.0, 0.0)), STRAIGHT)
         after = first.state[index("winding_rise")]
         heat += 20.0 * (after - before) + 0.5 * (before + after) / 0.015 * 0.01
-    # The lag of the torque control, 5 ms, has taken 1.5 times itself from the square of the torque; trapezoids: 1e-4.
+    # The lag of the torque control, 5 ms, has taken 1.5 times itself from the square of the torque;
+    # trapezoids: 1e-4.
     assert heat == pytest.approx(copper * (1.0 - 1.5 * 0.005), rel=1e-4)
 
 
@@ -100,7 +111,15 @@ def test_heat_takes_torque_away_and_never_turns_it_around(torque):
 
     In 0.2 s the winding gets warmer by 0.03 K, less than two thousandths of the 20 K.
     """
-    left, thermal = [], {"winding_warm": 100.0, "winding_limit": 120.0, "inverter_warm": 190.0, "inverter_limit": 200.0}
+    left, thermal = (
+        [],
+        {
+            "winding_warm": 100.0,
+            "winding_limit": 120.0,
+            "inverter_warm": 190.0,
+            "inverter_limit": 200.0,
+        },
+    )
     for coolant in (90.0, 100.0, 105.0, 110.0, 115.0, 119.0, 120.0):
         hot = with_thermal(coolant=coolant, **thermal)
         hot = dataclasses.replace(hot, motor=dataclasses.replace(hot.motor, peak_torque=100.0))
@@ -121,7 +140,9 @@ def test_the_voltage_of_the_cells_limits_the_torque():
     motor = dataclasses.replace(MOTOR, peak_power=1e6)
     for cells in (206, 103):
         car = dataclasses.replace(with_cells(in_series=cells, discharge_current=2e3), motor=motor)
-        out = drive(electrical(car, speed="held", initial_speed=FAST), 0.5, Wheels.front(2000.0, 2000.0))
+        out = drive(
+            electrical(car, speed="held", initial_speed=FAST), 0.5, Wheels.front(2000.0, 2000.0)
+        )
         speed, voltage = out[MotorStates].velocity.front_left, out[BatteryCondition].voltage
         assert out[CellCondition].voltage == pytest.approx(voltage / cells, rel=1e-6)
         torques[cells] = out[MotorStates].effort.front_left
@@ -148,7 +169,9 @@ def test_cold_cells_are_not_charged_and_hot_ones_give_nothing():
     out = drive(cold, 0.5, Wheels.front(-800.0, -800.0))
     assert out[BatteryCondition].current <= 1e-3
     hot = electrical(with_cells(ambient=60.0), initial_speed=20.0)
-    assert drive(hot, 0.5, Wheels.front(800.0, 800.0))[MotorStates].effort.front_left == pytest.approx(0.0, abs=1e-9)
+    assert drive(hot, 0.5, Wheels.front(800.0, 800.0))[
+        MotorStates
+    ].effort.front_left == pytest.approx(0.0, abs=1e-9)
     warm = electrical(with_cells(ambient=52.5), initial_speed=20.0)
     out = drive(warm, 0.5, Wheels.front(2000.0, 2000.0))
     assert 0.0 < -out[BatteryCondition].current <= 0.5 * 490.0 * (1.0 + 1e-6)
@@ -156,5 +179,7 @@ def test_cold_cells_are_not_charged_and_hot_ones_give_nothing():
 
 
 def test_brushless_drives_have_no_electrical_side():
-    with pytest.raises(ParameterError, match="planar_electrical needs drive torque_controlled, not switched"):
+    with pytest.raises(
+        ParameterError, match="planar_electrical needs drive torque_controlled, not switched"
+    ):
         electrical(drive="switched")

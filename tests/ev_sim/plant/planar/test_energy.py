@@ -50,9 +50,17 @@ def test_power_balance_closes(name):
         car.advance(*inputs(n * 0.01))
     got = {n: float(car.state[place]) for n, place in work.items()}
     turnover = sum(abs(value) for value in got.values()) + start
-    electrical = got["motor_loss"] + got["driveline_loss"] + got["auxiliary_work"] + got["drive_work"]
+    electrical = (
+        got["motor_loss"] + got["driveline_loss"] + got["auxiliary_work"] + got["drive_work"]
+    )
     assert abs(got["battery_work"] - electrical) < 1e-9 * turnover
-    used = got["tyre_work"] + got["friction_work"] + got["drag_work"] + got["gravity_work"] + got["holding_work"]
+    used = (
+        got["tyre_work"]
+        + got["friction_work"]
+        + got["drag_work"]
+        + got["gravity_work"]
+        + got["holding_work"]
+    )
     change = kinetic_energy(car.state) - start
     assert abs(got["drive_work"] - used - change) < 1e-6 * turnover
     assert got["tyre_work"] - (elastic_energy(car.state) - elastic) > 0.0

@@ -26,7 +26,9 @@ SPLIT = {"road__left": ("ice",), "road__right": ("dry_asphalt",)}
 CASES = 60  # of the property; thousands have been driven once
 
 
-def engine_car(final_drive: float = 4.1, driveline: Driveline | None = None, **engine: object) -> Vehicle:
+def engine_car(
+    final_drive: float = 4.1, driveline: Driveline | None = None, **engine: object
+) -> Vehicle:
     """110 kW in the car of the tests, by default with a centre differential."""
     return dataclasses.replace(
         FOUR_MOTORS,
@@ -37,7 +39,9 @@ def engine_car(final_drive: float = 4.1, driveline: Driveline | None = None, **e
     )
 
 
-def outputs_by_step(car: Vehicle, speed: float, torque: float, steps: int) -> tuple[np.ndarray, np.ndarray]:
+def outputs_by_step(
+    car: Vehicle, speed: float, torque: float, steps: int
+) -> tuple[np.ndarray, np.ndarray]:
     """Torque of the gearbox' output in each step of 1 ms [N m], while no gear changes, and the state in the end."""
     moving = plant(car, period=1e-3, initial_speed=speed)
     torques, gears = [], []
@@ -65,21 +69,28 @@ def longest_alternation(torques: np.ndarray) -> int:
 @given(
     final_drive=st.floats(1.0, 10.0),
     size=st.floats(-2.0, 2.0).map(lambda power: 10.0**power),
-    ratios=st.lists(st.floats(0.5, 8.0), min_size=1, max_size=6, unique_by=lambda ratio: round(ratio, 1)),
+    ratios=st.lists(
+        st.floats(0.5, 8.0), min_size=1, max_size=6, unique_by=lambda ratio: round(ratio, 1)
+    ),
     reverse=st.floats(0.5, 8.0),
     coupling=st.sampled_from(["centre", "clutch"]),
     speed=st.floats(-25.0, 40.0),
     torque=st.floats(-600.0, 600.0),
 )
-def test_no_gear_and_no_size_makes_the_converter_ring(final_drive, size, ratios, reverse, coupling, speed, torque):
+def test_no_gear_and_no_size_makes_the_converter_ring(
+    final_drive, size, ratios, reverse, coupling, speed, torque
+):
     """Any gears, final drive 1 to 10, converter 0.01 to 100 times that of the source, either way, driving and braking.
 
-    A wheel against its carcass swings over 4.5 steps or more, so four changes in a row are the scheme's. The gear has
-    no losses here: they change sides with every turn of a wheel that rocks about rest, whatever drives it.
+    A wheel against its carcass swings over 4.5 steps or more, so four changes in a row are the
+    scheme's. The gear has no losses here: they change sides with every turn of a wheel that rocks
+    about rest, whatever drives it.
     """
     falling = tuple(sorted(ratios, reverse=True))
     gearbox = Gearbox(falling, reverse, efficiency=1.0, upshift_speed=5000.0, downshift_speed=0.0)
-    car = engine_car(final_drive, Driveline(coupling=coupling), converter_size=size, gearbox=gearbox)
+    car = engine_car(
+        final_drive, Driveline(coupling=coupling), converter_size=size, gearbox=gearbox
+    )
     torques, state = outputs_by_step(car, speed, torque, 400)
     assert np.isfinite(state).all()
     assert np.abs(state[VX]) < 60.0
@@ -122,7 +133,10 @@ def test_engine_car_converges_with_the_step(name):
     ends = []
     for step in (5e-4, 2.5e-4, 1.25e-4, 6.25e-5):
         moving = plant(
-            engine_car(final_drive, converter_size=size, gearbox=gearbox), step=step, initial_speed=speed, **road
+            engine_car(final_drive, converter_size=size, gearbox=gearbox),
+            step=step,
+            initial_speed=speed,
+            **road,
         )
         for _ in range(round(duration / 0.01)):
             moving.advance(command((torque,) * 4), STRAIGHT)
@@ -159,7 +173,8 @@ def test_shifts_leave_way_and_speed_of_first_order():
         channels = run_offline(run.configurations, 4.0).channels
         ends.append([channels[name] for name in ("pose.x", "pose.y", "twist.longitudinal")])
     changes = [
-        np.abs(np.subtract(*pair)).mean(axis=1) / np.abs(pair[1]).max(axis=1) for pair in pairwise(np.array(ends))
+        np.abs(np.subtract(*pair)).mean(axis=1) / np.abs(pair[1]).max(axis=1)
+        for pair in pairwise(np.array(ends))
     ]
     assert changes[0].max() < 1e-3
     for coarse, fine in pairwise(changes):

@@ -48,7 +48,9 @@ def test_parked_on_too_steep_a_slope_the_car_slides_at_once(surface, grade):
         sliding.advance(command(brake=(3000.0,) * 4), STRAIGHT)
         down = math.copysign(1.0, grade) * (start - sliding.state[X])
         peak = outputs(sliding)[TireForces].friction_coefficient.front_left
-        slowest, fastest = (9.81 * (abs(grade) - mu) / math.hypot(1.0, grade) for mu in (peak, 0.66 * peak))
+        slowest, fastest = (
+            9.81 * (abs(grade) - mu) / math.hypot(1.0, grade) for mu in (peak, 0.66 * peak)
+        )
         if n >= 5:
             assert 0.98 * slowest < 2.0 * down / (0.01 * n) ** 2 < 1.02 * fastest
     assert abs(sliding.state[VX]) > 1.0

@@ -23,7 +23,8 @@ def test_held_speed_is_held_by_a_force_that_neither_turns_nor_pitches_the_car():
     drag = 0.5 * CAR.air_density * CAR.drag_coefficient * CAR.frontal_area * 10.0**2
     front = CAR.mass * 9.81 * 0.45 - drag * CAR.centre_of_mass_height / CAR.wheelbase
     load = outputs(held)[TireForces].load
-    assert load.front_left + load.front_right == pytest.approx(front, rel=1e-9)  # the rest of a lag of 20 ms
+    # the rest of a lag of 20 ms
+    assert load.front_left + load.front_right == pytest.approx(front, rel=1e-9)
     before = held.state[index("holding_work")]
     held.advance(command(drive=(300.0, 300.0, 0.0, 0.0)), STRAIGHT)
     power = (held.state[index("holding_work")] - before) / 0.01
@@ -35,7 +36,9 @@ def test_imposed_speed_follows_its_profile():
     """The speed is that of the profile to rounding, in a bend and with any drives; the accelerometer feels it."""
     parameters, inputs = MANOEUVRES["imposed speed"]
     car = plant(**parameters)
-    profile = profile_of(parameters["imposed_speed__time"], parameters["imposed_speed__speed"], "linear")
+    profile = profile_of(
+        parameters["imposed_speed__time"], parameters["imposed_speed__speed"], "linear"
+    )
     for n in range(1, 351):
         car.advance(*inputs(n * 0.01))
         assert car.state[VX] == pytest.approx(value_at(profile, n * 0.01), abs=1e-12)
@@ -48,11 +51,13 @@ def test_imposed_speed_follows_its_profile():
 def test_speed_imposed_at_the_wheels_is_carried_by_the_tyres():
     """Braking at 5 m/s^2 on a straight: the tyres give m a less drag, by the shares of the axles.
 
-    Less what the spin of the wheels takes (J/r^2 of 4 wheels over m: 3.3 %); that and rolling resistance remain for the
-    body.
+    Less what the spin of the wheels takes (J/r^2 of 4 wheels over m: 3.3 %); that and rolling
+    resistance remain for the body.
     """
     braking = {"initial_speed": 30.0, "speed": "imposed", "imposed_speed__time": (0.0, 2.0)}
-    car = plant(**braking, imposed_speed__speed=(30.0, 20.0), imposed_at="wheels", imposed_front_braking=0.7)
+    car = plant(
+        **braking, imposed_speed__speed=(30.0, 20.0), imposed_at="wheels", imposed_front_braking=0.7
+    )
     for _ in range(100):
         car.advance(command(), STRAIGHT)
     before = car.state[index("holding_work")]
@@ -84,14 +89,18 @@ def test_a_car_whose_mass_is_right_of_its_middle_is_pulled_to_the_left_when_brak
 def test_a_held_start_continues_a_steady_bend():
     """Begun with lateral velocity and yaw rate of a steady bend, held for ten lags of the loads, the car stays in it.
 
-    Without the hold carcasses and loads begin at rest, and the car has to catch up: it loses 0.7 % of the yaw rate.
+    Without the hold carcasses and loads begin at rest, and the car has to catch up: it loses 0.7 %
+    of the yaw rate.
     """
     given = {"initial_speed": 15.0, "speed": "imposed", "imposed_speed__speed": (15.0,)}
     bend = steered(0.06)
     steady = plant(**given)
     for _ in range(600):
         steady.advance(command(), bend)
-    there = {"initial_lateral_velocity": steady.state[VY], "initial_yaw_rate": steady.state[YAW_RATE]}
+    there = {
+        "initial_lateral_velocity": steady.state[VY],
+        "initial_yaw_rate": steady.state[YAW_RATE],
+    }
     largest = {}
     for hold in (0.0, 0.2):
         car = plant(**given, **there, initial_hold=hold)

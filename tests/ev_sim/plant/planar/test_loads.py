@@ -18,8 +18,18 @@ from ev_msgs_py.refusal import ParameterError
 from ev_sim.plant.planar.body import front_wheels, wheel_loads
 
 NORMAL = 2500.0 * 9.81
-GE_NI = {"centre_of_mass_to_rear_axle": 0.82, "wheelbase": 1.72, "front_track": 1.12, "rear_track": 1.12}
-SQUARE = {"centre_of_mass_to_rear_axle": 1.0, "wheelbase": 2.0, "front_track": 1.5, "rear_track": 1.5}
+GE_NI = {
+    "centre_of_mass_to_rear_axle": 0.82,
+    "wheelbase": 1.72,
+    "front_track": 1.12,
+    "rear_track": 1.12,
+}
+SQUARE = {
+    "centre_of_mass_to_rear_axle": 1.0,
+    "wheelbase": 2.0,
+    "front_track": 1.5,
+    "rear_track": 1.5,
+}
 
 
 def numbers_of(**values) -> Car:
@@ -89,11 +99,18 @@ def test_ackermann(angle):
 @given(base=st.floats(0.3, 12.0), track=st.floats(0.2, 4.0), angle=st.floats(0.01, 1.4))
 def test_no_front_wheel_of_an_accepted_car_turns_over(base, track, angle):
     """Cars with a centre of the turn between the wheels, where eq 8 turns the inner one by 180 deg, are refused."""
-    car = {"wheelbase": base, "centre_of_mass_to_rear_axle": base / 2.0, "front_track": track, "rear_track": track}
+    car = {
+        "wheelbase": base,
+        "centre_of_mass_to_rear_axle": base / 2.0,
+        "front_track": track,
+        "rear_track": track,
+    }
     across = 0.5 * track * math.tan(angle) / base
     assume(abs(across - 1.0) > 1e-9)
     if across > 1.0:
-        with pytest.raises(ParameterError, match=r"^maximum_road_wheel_angle: .* is refused, expected below"):
+        with pytest.raises(
+            ParameterError, match=r"^maximum_road_wheel_angle: .* is refused, expected below"
+        ):
             numbers_of(maximum_road_wheel_angle=angle, **car)
         return
     _, left, _, right = front_wheels(numbers_of(maximum_road_wheel_angle=angle, **car), angle)

@@ -28,7 +28,9 @@ def test_torque_lag_is_first_order():
 
 
 def test_efficiency_map_in_the_plant():
-    motor = Motor(map_speed=(100.0, 400.0), map_torque=(10.0, 100.0), map_efficiency=(0.8, 0.9, 0.85, 0.95))
+    motor = Motor(
+        map_speed=(100.0, 400.0), map_torque=(10.0, 100.0), map_efficiency=(0.8, 0.9, 0.85, 0.95)
+    )
     car = plant(Vehicle(motor=motor), initial_speed=10.0)
     drive(car, 1.0, Wheels.front(265.0, 265.0))
     given, used = car.state[index("battery_work")], car.state[index("drive_work")]
@@ -38,13 +40,16 @@ def test_efficiency_map_in_the_plant():
 def test_holding_a_car_by_its_motors_empties_the_battery():
     """A second at rest under brakes with 100 N m at each motor: twice 5000 W (1/0.6 - 1), and the auxiliaries."""
     efficiency = (0.5, 0.6, 0.8, 0.7, 0.85, 0.95)  # for each speed a row over the torques
-    motor = Motor(map_speed=(50.0, 100.0, 400.0), map_torque=(10.0, 100.0), map_efficiency=efficiency)
+    motor = Motor(
+        map_speed=(50.0, 100.0, 400.0), map_torque=(10.0, 100.0), map_efficiency=efficiency
+    )
     car = plant(Vehicle(motor=motor, battery=Battery(auxiliary_power=300.0)))
     drive(car, 3.0, Wheels.front(265.0, 265.0), brake=1000.0)
     before = car.state.copy()
     drive(car, 1.0, Wheels.front(265.0, 265.0), brake=1000.0)
     loss, given, used = (
-        car.state[index(name)] - before[index(name)] for name in ("motor_loss", "battery_work", "auxiliary_work")
+        car.state[index(name)] - before[index(name)]
+        for name in ("motor_loss", "battery_work", "auxiliary_work")
     )
     assert loss == pytest.approx(2 * 5000.0 * (1 / 0.6 - 1.0), rel=1e-6)
     assert used == pytest.approx(300.0, rel=1e-6)
@@ -65,11 +70,18 @@ def test_brushless_drives_plug_in(kind):
     """The drives of Shchur's car give the commanded torque in the mean, and their losses are in the balance."""
     moved = plant(Vehicle(), drive=kind, initial_speed=4.0)
     out = drive(moved, 1.0, Wheels.front(100.0, 100.0))
-    mean = np.mean([drive(moved, 0.01, Wheels.front(100.0, 100.0))[WheelStates].effort[0] for _ in range(50)])
+    mean = np.mean(
+        [drive(moved, 0.01, Wheels.front(100.0, 100.0))[WheelStates].effort[0] for _ in range(50)]
+    )
     assert mean == pytest.approx(100.0, rel=0.03)
     assert out[WheelStates].velocity.front_left > 4.0 / 0.294
     state = moved.state
-    balance = state[index("motor_loss")] + state[index("driveline_loss")] + state[index("drive_work")]
+    balance = (
+        state[index("motor_loss")] + state[index("driveline_loss")] + state[index("drive_work")]
+    )
     assert state[index("battery_work")] == pytest.approx(balance, rel=1e-9)
-    copper = 2 * 2 * 0.15 * (100.0 / 2.65 / 4.0) ** 2 * 1.5  # two motors, two phases, i = M/(2 p psi), 1.5 s [J]
-    assert state[index("motor_loss")] == pytest.approx(0.0 if kind == "ideal" else copper, rel=0.15, abs=1.0)
+    # two motors, two phases, i = M/(2 p psi), 1.5 s [J]
+    copper = 2 * 2 * 0.15 * (100.0 / 2.65 / 4.0) ** 2 * 1.5
+    assert state[index("motor_loss")] == pytest.approx(
+        0.0 if kind == "ideal" else copper, rel=0.15, abs=1.0
+    )

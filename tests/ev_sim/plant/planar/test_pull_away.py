@@ -40,14 +40,17 @@ class Hill:
     def driven_share(self, force: float) -> float:
         shares = self.axle_shares(force)
         return sum(
-            share for share, name in zip(shares, WHEEL_NAMES[::2], strict=True) if name in self.car.driven_wheels
+            share
+            for share, name in zip(shares, WHEEL_NAMES[::2], strict=True)
+            if name in self.car.driven_wheels
         )
 
     def steepest(self) -> float:
         """The grade p at which SURPLUS times the needed torque brings the driven tyres to their peak.
 
-        With q = SURPLUS (p + f) the drive torque over radius and load, f the rolling resistance and n the share of the
-        load on the driven wheels: q - f n = mu n, and n = n_0 + s (q - f) by load transfer.
+        With q = SURPLUS (p + f) the drive torque over radius and load, f the rolling resistance and
+        n the share of the load on the driven wheels: q - f n = mu n, and n = n_0 + s (q - f) by
+        load transfer.
         """
         still = self.driven_share(0.0)
         slope = self.driven_share(1.0) - still
@@ -58,7 +61,8 @@ class Hill:
     def climb(self, grade: float) -> tuple[float, np.ndarray]:
         """Way uphill [m] and rim speeds [m/s] after a ramp of torque to SURPLUS times what the grade needs.
 
-        The brakes hold just what the torque does not; drives and brakes share by the load of the ramp's end.
+        The brakes hold just what the torque does not; drives and brakes share by the load of the
+        ramp's end.
         """
         load = self.car.mass * GRAVITY / math.hypot(1.0, grade)
         needed = load * (grade + self.rolling) * self.car.wheel_radius
@@ -78,7 +82,8 @@ class Hill:
 def hills(surfaces, layouts):
     return [
         pytest.param(
-            Hill(dataclasses.replace(CAR, driven_wheels=wheels), surface, way), id=f"{surface}-{layout}-{way:g}"
+            Hill(dataclasses.replace(CAR, driven_wheels=wheels), surface, way),
+            id=f"{surface}-{layout}-{way:g}",
         )
         for layout, wheels in layouts.items()
         for surface in surfaces
@@ -134,7 +139,11 @@ def test_a_contact_that_has_slid_holds_again():
     for n in range(400):
         torque = min(n / 200, 1.0) * 0.5 * SURPLUS * needed
         moving.advance(
-            command((torque, torque, 0.0, 0.0), (0.0, 0.0) + (max(1.02 * needed - 2 * torque, 0.0) / 2,) * 2), STRAIGHT
+            command(
+                (torque, torque, 0.0, 0.0),
+                (0.0, 0.0) + (max(1.02 * needed - 2 * torque, 0.0) / 2,) * 2,
+            ),
+            STRAIGHT,
         )
     assert moving.state[X] - before > 0.5
     assert CAR.wheel_radius * moving.state[WHEEL_SPEED] < 4.0

@@ -14,7 +14,13 @@ from ev_sim.plant.planar.planar_state import VX, WHEEL_SPEED
 
 @pytest.mark.parametrize(
     ("surface", "grade"),
-    [("dry_asphalt", 0.2), ("dry_asphalt", -0.2), ("packed_snow_1", 0.2), ("ice", 0.04), ("ice", 0.0)],
+    [
+        ("dry_asphalt", 0.2),
+        ("dry_asphalt", -0.2),
+        ("packed_snow_1", 0.2),
+        ("ice", 0.04),
+        ("ice", 0.0),
+    ],
 )
 def test_parked_on_a_slope_the_car_stays(surface, grade):
     """Less than 1 mm in 60 s on 20 %, on ice (0.05) on 4 %: measured are nanometres."""
@@ -45,12 +51,20 @@ def test_without_brakes_the_car_rolls_down():
         car.advance(command(), STRAIGHT)
     slope = np.hypot(1.0, 0.2)
     expected = -9.81 * (0.2 - 0.015) / slope / (1.0 + 4 * 1.0 / (1400 * 0.294**2))
-    assert outputs(car)[InertialMeasurement].longitudinal_acceleration == pytest.approx(expected, rel=2e-3)
+    assert outputs(car)[InertialMeasurement].longitudinal_acceleration == pytest.approx(
+        expected, rel=2e-3
+    )
 
 
 @pytest.mark.parametrize(
     ("surface", "torque"),
-    [("dry_asphalt", 50.0), ("dry_asphalt", 300.0), ("dry_asphalt", 2000.0), ("ice", 60.0), ("ice", 300.0)],
+    [
+        ("dry_asphalt", 50.0),
+        ("dry_asphalt", 300.0),
+        ("dry_asphalt", 2000.0),
+        ("ice", 60.0),
+        ("ice", 300.0),
+    ],
 )
 @pytest.mark.parametrize("direction", [1.0, -1.0])
 def test_pull_away_slip_has_one_sign(surface, torque, direction):
@@ -86,7 +100,9 @@ def test_locked_wheel_stays_locked_and_stops_the_car():
     for _ in range(100):
         car.advance(command(brake=(4000.0,) * 4), STRAIGHT)
     assert np.all(car.state[WHEEL_SPEED : WHEEL_SPEED + 4] == 0.0)
-    assert outputs(car)[InertialMeasurement].longitudinal_acceleration == pytest.approx(-0.506 * 9.81, rel=1e-3)
+    assert outputs(car)[InertialMeasurement].longitudinal_acceleration == pytest.approx(
+        -0.506 * 9.81, rel=1e-3
+    )
     for _ in range(900):
         car.advance(command(brake=(4000.0,) * 4), STRAIGHT)
     assert abs(car.state[VX]) < 1e-6

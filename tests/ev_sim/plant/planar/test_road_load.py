@@ -13,7 +13,10 @@ from ev_sim.plant.planar.planar_state import VX
 
 A, B, C = 160.0, 2.0, 0.4  # N, N s/m, N s^2/m^2
 GIVEN = dataclasses.replace(
-    CAR, rolling_resistance=0.0, drag_coefficient=0.0, road_load=RoadLoad(constant=A, linear=B, quadratic=C)
+    CAR,
+    rolling_resistance=0.0,
+    drag_coefficient=0.0,
+    road_load=RoadLoad(constant=A, linear=B, quadratic=C),
 )
 
 
@@ -56,5 +59,7 @@ def test_a_standing_car_stands():
 
 @pytest.mark.parametrize("name", ("rolling_resistance", "drag_coefficient"))
 def test_both_are_refused(name):
-    with pytest.raises(ParameterError, match=f"road_load stands in the place of {name}, expected 0"):
+    with pytest.raises(
+        ParameterError, match=f"road_load stands in the place of {name}, expected 0"
+    ):
         dataclasses.replace(GIVEN, **{name: 0.01})

@@ -10,7 +10,13 @@ from plant.planar.car import CAR, STRAIGHT, command, outputs, parameters_of, pla
 
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.tyre import Tyre
-from ev_msgs_py.contract.signals import BodyVelocity, InertialMeasurement, TireForces, WheelStates, WheelTorqueCommand
+from ev_msgs_py.contract.signals import (
+    BodyVelocity,
+    InertialMeasurement,
+    TireForces,
+    WheelStates,
+    WheelTorqueCommand,
+)
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.plant.planar.body import Equations
@@ -58,14 +64,18 @@ def test_constant_stiffness_gives_a_lateral_force_by_the_slip_angle_alone():
     """F_y = -C alpha at every wheel, whatever its load; 1e-3: the lag of the carcass while the car gets faster."""
     forces = accelerating_turn(dataclasses.replace(CAR, tyre=LINE))[TireForces]
     assert forces.load.front_right > 1.1 * forces.load.front_left
-    for force, angle, stiffness in zip(forces.lateral_force, forces.slip_angle, (30e3, 30e3, 40e3, 40e3), strict=True):
+    for force, angle, stiffness in zip(
+        forces.lateral_force, forces.slip_angle, (30e3, 30e3, 40e3, 40e3), strict=True
+    ):
         assert force == pytest.approx(-stiffness * angle, rel=1e-3)
         assert abs(angle) > 0.01
 
 
 def test_constant_stiffness_is_linear_in_the_angle_and_not_in_its_sine():
     """Half a radian of sideslip: the force is 4 % above that of the sine."""
-    car = dataclasses.replace(CAR, tyre=dataclasses.replace(LINE, lateral_stiffness=1e7, lateral_damping_time=0.001))
+    car = dataclasses.replace(
+        CAR, tyre=dataclasses.replace(LINE, lateral_stiffness=1e7, lateral_damping_time=0.001)
+    )
     sliding = plant(car, 0.001, initial_speed=10.0, speed="held", load_transfer_lag=0.002)
     state = sliding.state.copy()
     state[VY] = 10.0 * np.tan(0.5)
@@ -73,13 +83,17 @@ def test_constant_stiffness_is_linear_in_the_angle_and_not_in_its_sine():
     for _ in range(10):
         sliding.advance(command(), STRAIGHT)
     forces = outputs(sliding)[TireForces]
-    for force, angle, stiffness in zip(forces.lateral_force, forces.slip_angle, (30e3, 30e3, 40e3, 40e3), strict=True):
+    for force, angle, stiffness in zip(
+        forces.lateral_force, forces.slip_angle, (30e3, 30e3, 40e3, 40e3), strict=True
+    ):
         assert abs(angle) > 0.2
         assert force == pytest.approx(-stiffness * angle, rel=0.01)
 
 
 def test_a_line_needs_uncoupled_slip():
-    with pytest.raises(ParameterError, match="lateral_curve constant_stiffness needs combined uncoupled"):
+    with pytest.raises(
+        ParameterError, match="lateral_curve constant_stiffness needs combined uncoupled"
+    ):
         Tyre(lateral_curve="constant_stiffness")
 
 
@@ -105,7 +119,9 @@ def test_rear_steering_turns_by_the_difference_of_both_angles(ratio):
 
 def test_printed_wheel_inertia_counts_the_mass_twice():
     """T/r = (m + 4 (J + m r^2/4)/r^2) a; 1 %: slip of the tyres."""
-    car = dataclasses.replace(CAR, printed_wheel_inertia=True, rolling_resistance=0.0, drag_coefficient=0.0)
+    car = dataclasses.replace(
+        CAR, printed_wheel_inertia=True, rolling_resistance=0.0, drag_coefficient=0.0
+    )
     driven = plant(car, initial_speed=5.0)
     for _ in range(100):
         driven.advance(WheelTorqueCommand(Wheels.front(200.0, 200.0)), STRAIGHT)
@@ -123,7 +139,8 @@ def test_each_wheel_rolls_and_drives_on_its_own_radius():
         driven.advance(WheelTorqueCommand(Wheels.front(200.0, 200.0)), STRAIGHT)
     seen = outputs(driven)
     speeds, forces = seen[WheelStates].velocity, seen[TireForces].longitudinal_force
-    assert speeds.rear_left * 1.05 == pytest.approx(speeds.rear_right, rel=1e-3)  # the uneven drive turns the car
+    # the uneven drive turns the car
+    assert speeds.rear_left * 1.05 == pytest.approx(speeds.rear_right, rel=1e-3)
     assert forces.front_left * 1.1 == pytest.approx(forces.front_right, rel=1e-3)
 
 
@@ -140,14 +157,20 @@ def test_side_drag_acts_against_lateral_velocity_and_its_work_is_booked():
         rates[name] = equations.rates(y, starts=True)
     drag = 0.5 * 1.24 * 0.9 * 4.0 * 36.0
     assert rates["with"][VY] - rates["without"][VY] == pytest.approx(drag / CAR.mass, rel=1e-9)
-    assert rates["with"][DRAG_WORK] - rates["without"][DRAG_WORK] == pytest.approx(drag * 6.0, rel=1e-9)
+    assert rates["with"][DRAG_WORK] - rates["without"][DRAG_WORK] == pytest.approx(
+        drag * 6.0, rel=1e-9
+    )
 
 
 @pytest.mark.parametrize(("speed", "torque"), [(5.0, 700.0), (5.0, -700.0), (-5.0, 700.0)])
 def test_a_run_may_begin_in_the_equilibrium_of_straight_running(speed, torque):
     """Speeds and forces stay, to 1e-6 and 1e-5, driving, braking and backwards, also against rolling resistance."""
-    car = dataclasses.replace(REAR_DRIVEN, motor=dataclasses.replace(REAR_DRIVEN.motor, gear_efficiency=0.95))
-    begun = plant(car, initial_speed=speed, speed="held", initial_drive_torque=(0.0, 0.0, torque, torque))
+    car = dataclasses.replace(
+        REAR_DRIVEN, motor=dataclasses.replace(REAR_DRIVEN.motor, gear_efficiency=0.95)
+    )
+    begun = plant(
+        car, initial_speed=speed, speed="held", initial_drive_torque=(0.0, 0.0, torque, torque)
+    )
     before = begun.state[WHEEL_SPEED : WHEEL_SPEED + 4].copy()
     forces = outputs(begun)[TireForces].longitudinal_force
     for _ in range(50):
@@ -161,7 +184,11 @@ def test_a_run_may_begin_in_the_equilibrium_of_straight_running(speed, torque):
     [
         (REAR_DRIVEN, {}, "needs an initial_speed other than 0"),
         (CAR, {"initial_speed": 5.0}, "needs a motor at rear_left, rear_right"),
-        (REAR_DRIVEN, {"initial_speed": 5.0, "road__left": ("ice",)}, "is 300 N m at rear_left, expected what its"),
+        (
+            REAR_DRIVEN,
+            {"initial_speed": 5.0, "road__left": ("ice",)},
+            "is 300 N m at rear_left, expected what its",
+        ),
     ],
 )
 def test_an_impossible_start_is_refused(car, parameters, message):

@@ -13,8 +13,17 @@ from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.driveline import Driveline
 from ev_sim.plant.planar.planar_state import INTEGRATED_PLACES, PlanarState, index
 
-IMPOSED_SPEED = {"imposed_speed__time": (0.0, 1.0), "imposed_speed__speed": (5.0, 9.0), "initial_speed": 5.0}
-RANDOM = {"road__pattern": "random", "road__random_shortest": 0.5, "road__random_longest": 2.0, "initial_speed": 15.0}
+IMPOSED_SPEED = {
+    "imposed_speed__time": (0.0, 1.0),
+    "imposed_speed__speed": (5.0, 9.0),
+    "initial_speed": 5.0,
+}
+RANDOM = {
+    "road__pattern": "random",
+    "road__random_shortest": 0.5,
+    "road__random_longest": 2.0,
+    "initial_speed": 15.0,
+}
 CLUTCHES = dataclasses.replace(FOUR_MOTORS, driveline=Driveline(coupling="clutch"))
 TALL = dataclasses.replace(CAR, centre_of_mass_height=1.2)
 CASES: dict[str, tuple[Vehicle, dict]] = {

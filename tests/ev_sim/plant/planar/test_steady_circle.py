@@ -37,8 +37,8 @@ CAR = Vehicle(
 def test_steady_circle(speed, angle):
     """Yaw rate, sideslip and lateral acceleration within 0.5 %.
 
-    r = V delta / (L + m V^2 (b/C_f - a/C_r)/L), beta = r (b - m a V^2/(L C_r))/V, with C of whole axles (for example
-    Gillespie, Fundamentals of Vehicle Dynamics, 1992, chapter 6).
+    r = V delta / (L + m V^2 (b/C_f - a/C_r)/L), beta = r (b - m a V^2/(L C_r))/V, with C of whole
+    axles (for example Gillespie, Fundamentals of Vehicle Dynamics, 1992, chapter 6).
     """
     car = plant(CAR, initial_speed=speed)
     held = 0.0
@@ -63,8 +63,8 @@ def test_steady_circle(speed, angle):
 def test_step_steer(speed):
     """Yaw rate and sideslip over 2 s within 2 % of their peaks of the linear single-track model.
 
-    States beta and r: m V (beta' + r) = F_f + F_r, J_z r' = a F_f - b F_r, F = -C alpha. The carcass is stiff, because
-    the single-track model has none.
+    States beta and r: m V (beta' + r) = F_f + F_r, J_z r' = a F_f - b F_r, F = -C alpha. The
+    carcass is stiff, because the single-track model has none.
     """
     tyre = dataclasses.replace(CAR.tyre, lateral_stiffness=1e7, lateral_damping_time=0.001)
     vehicle = dataclasses.replace(CAR, tyre=tyre)
@@ -76,7 +76,13 @@ def test_step_steer(speed):
         car.advance(WheelTorqueCommand(Wheels.rear(torque, torque)), steered(angle))
         yaw_rate.append(car.state[2])
         sideslip.append(car.state[1] / car.state[0])
-    m, jz, b, front, rear = CAR.mass, CAR.yaw_inertia, CAR.centre_of_mass_to_rear_axle, 2 * FRONT, 2 * REAR
+    m, jz, b, front, rear = (
+        CAR.mass,
+        CAR.yaw_inertia,
+        CAR.centre_of_mass_to_rear_axle,
+        2 * FRONT,
+        2 * REAR,
+    )
     a = CAR.wheelbase - b
     system = scipy.signal.StateSpace(
         [

@@ -7,7 +7,18 @@ import dataclasses
 import numpy as np
 import pytest
 from numba.core.runtime import _nrt_python, rtsys
-from plant.planar.car import CAR, STRAIGHT, X, Y, command, on, outputs, parameters_of, plant, steered
+from plant.planar.car import (
+    CAR,
+    STRAIGHT,
+    X,
+    Y,
+    command,
+    on,
+    outputs,
+    parameters_of,
+    plant,
+    steered,
+)
 from plant.planar.manoeuvres import MANOEUVRES, end_state
 from scipy.integrate import solve_ivp
 
@@ -15,7 +26,14 @@ from ev_core.vehicle.tyre import Tyre
 from ev_msgs_py.contract.signals import TireForces
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.plant.planar.body import Equations
-from ev_sim.plant.planar.planar_state import INTEGRATED_PLACES, INTEGRATED_SIZE, VX, VY, WHEEL_SPEED, YAW_RATE
+from ev_sim.plant.planar.planar_state import (
+    INTEGRATED_PLACES,
+    INTEGRATED_SIZE,
+    VX,
+    VY,
+    WHEEL_SPEED,
+    YAW_RATE,
+)
 from ev_sim.plant.planar.prepare import number_of_steps
 
 
@@ -47,7 +65,9 @@ def test_against_an_adaptive_solver(surface):
     def right_hand_side(_time, y):
         return equations.rates(y)
 
-    exact = solve_ivp(right_hand_side, (0.0, 0.5), start, method="DOP853", rtol=1e-9, atol=1e-12).y[:, -1]
+    exact = solve_ivp(right_hand_side, (0.0, 0.5), start, method="DOP853", rtol=1e-9, atol=1e-12).y[
+        :, -1
+    ]
     ours = start.copy()
     for _ in range(500):
         equations.advance(ours, 1e-3)
@@ -57,15 +77,24 @@ def test_against_an_adaptive_solver(surface):
 
 
 def test_the_same_run_gives_the_same_bits():
-    one, two = end_state(1e-3, "braking on split friction"), end_state(1e-3, "braking on split friction")
+    one, two = (
+        end_state(1e-3, "braking on split friction"),
+        end_state(1e-3, "braking on split friction"),
+    )
     assert one.tobytes() == two.tobytes()
 
 
 def test_a_stiff_tyre_on_a_light_wheel_gets_shorter_steps():
     """Carcass of 4 MN/m and wheels of 0.05 kg m^2: still quiet, at more steps."""
-    stiff = dataclasses.replace(CAR, wheel_inertia=0.05, tyre=Tyre(longitudinal_stiffness=4e6, lateral_stiffness=4e6))
+    stiff = dataclasses.replace(
+        CAR, wheel_inertia=0.05, tyre=Tyre(longitudinal_stiffness=4e6, lateral_stiffness=4e6)
+    )
     car = plant(stiff)
-    assert number_of_steps(parameters_of(), stiff, 0.01) > 10 == number_of_steps(parameters_of(), CAR, 0.01)
+    assert (
+        number_of_steps(parameters_of(), stiff, 0.01)
+        > 10
+        == number_of_steps(parameters_of(), CAR, 0.01)
+    )
     for _ in range(200):
         car.advance(command(drive=(200.0, 200.0, 0.0, 0.0)), steered(0.05))
     forces = outputs(car)[TireForces]
@@ -83,6 +112,8 @@ def test_nothing_is_allocated_per_step():
         car = plant(period=period, initial_speed=5.0)
         car.advance(command(), STRAIGHT)
         before = rtsys.get_allocation_stats().alloc
-        car.advance(command(drive=(100.0, 100.0, 0.0, 0.0), brake=(0.0, 0.0, 10.0, 10.0)), steered(0.01))
+        car.advance(
+            command(drive=(100.0, 100.0, 0.0, 0.0), brake=(0.0, 0.0, 10.0, 10.0)), steered(0.01)
+        )
         counts.append(rtsys.get_allocation_stats().alloc - before)
     assert counts[0] == counts[1]

@@ -12,7 +12,14 @@ from ev_sim.plant.planar.planar_state import PlanarState
 
 NAMES = names(PlanarState())
 SWAPPED = {"left": "right", "right": "left"}
-LATERAL = ("lateral_velocity", "yaw_rate", "heading", "lateral_transfer", "lateral_deflection", "lateral_slip")
+LATERAL = (
+    "lateral_velocity",
+    "yaw_rate",
+    "heading",
+    "lateral_transfer",
+    "lateral_deflection",
+    "lateral_slip",
+)
 ODD = (*LATERAL, "y", "road_wheel_angle", "guard.angle")
 
 
@@ -22,8 +29,12 @@ def test_mirrored_input_gives_the_mirrored_trajectory_to_the_bit():
     place = {name: n for n, name in enumerate(NAMES)}
     mirror = [place[re.sub("left|right", lambda side: SWAPPED[side[0]], name)] for name in NAMES]
     snow, dry = ("packed_snow_1",), ("dry_asphalt",)
-    ours = plant(FOUR_MOTORS, initial_speed=12.0, road__left=snow, road__right=dry, road__side_slope=(0.03,))
-    other = plant(FOUR_MOTORS, initial_speed=12.0, road__left=dry, road__right=snow, road__side_slope=(-0.03,))
+    ours = plant(
+        FOUR_MOTORS, initial_speed=12.0, road__left=snow, road__right=dry, road__side_slope=(0.03,)
+    )
+    other = plant(
+        FOUR_MOTORS, initial_speed=12.0, road__left=dry, road__right=snow, road__side_slope=(-0.03,)
+    )
     for _ in range(500):
         fl, fr, rl, rr = generator.uniform(-500, 800, 4)
         bl, br = generator.uniform(0, 600, 2)

@@ -35,7 +35,9 @@ def flat(tree: dict, prefix: str = "") -> dict:
 
 
 def vehicle(path: Path) -> Vehicle:
-    return with_files(build(Vehicle, flat(yaml.safe_load(path.read_text())["/**"]["ros__parameters"]["vehicle"])))
+    return with_files(
+        build(Vehicle, flat(yaml.safe_load(path.read_text())["/**"]["ros__parameters"]["vehicle"]))
+    )
 
 
 @pytest.mark.parametrize("path", VEHICLES, ids=lambda path: path.stem)
@@ -75,7 +77,9 @@ def test_readings_of_the_growth_of_rolling_resistance():
 @pytest.mark.parametrize("path", ROADS, ids=lambda path: path.stem)
 def test_road_drives(path):
     road = flat(yaml.safe_load(path.read_text())["/**/plant"]["ros__parameters"])
-    car = CompiledObject(PLANAR, build(PlanarParameters, {**road, "initial_speed": 15.0}), Vehicle(), 0.01)
+    car = CompiledObject(
+        PLANAR, build(PlanarParameters, {**road, "initial_speed": 15.0}), Vehicle(), 0.01
+    )
     friction = []
     for _ in range(500):
         car.advance(WheelTorqueCommand(Wheels.front(80.0, 80.0)), STRAIGHT)

@@ -21,7 +21,8 @@ from ev_stack.measures.handling import surfaces_under
 from ev_stack.measures.metric import NotMeasured, channel
 from ev_stack.recording.recording import Recording
 
-# The surfaces that are mixed most often, snow and wet asphalt, differ in lightness, so they do in print.
+# The surfaces that are mixed most often, snow and wet asphalt, differ in lightness, so they do in
+# print.
 SURFACE_COLOURS = {
     "dry_asphalt": "#1A1A1A",
     "wet_asphalt_1": "#5B6770",

@@ -24,11 +24,11 @@ _FREE = {"front": "rear", "rear": "front"}  # by driven axle the one with the wh
 class CircuitSums:
     """Sums over the samples that count, each times the period: what the equations divide by each other.
 
-    torque, resistance: drive torque M_k of the wheel and moment of its rolling resistance M_f [N m s]
-    turned, free_turned: angles that it and the free wheel on its side turned [rad]
-    wheel_work, useful_work: of M_k along the wheel, and of M_k - M_f along the free wheel [J]
-    shaft_work, electrical_work: of the motor at its shaft, and what it took from the battery [J]
-    time: how long the samples last [s]
+    torque, resistance: drive torque M_k of the wheel and moment of its rolling resistance M_f [N m
+    s] turned, free_turned: angles that it and the free wheel on its side turned [rad] wheel_work,
+    useful_work: of M_k along the wheel, and of M_k - M_f along the free wheel [J] shaft_work,
+    electrical_work: of the motor at its shaft, and what it took from the battery [J] time: how long
+    the samples last [s]
     """
 
     torque: float
@@ -129,8 +129,8 @@ def circuit_shares(run: Recording, vehicle: Vehicle) -> dict[str, CircuitShares]
     M_f follows from the balance of the wheel, M_f = M_k - F_x r - J w'. A motor takes its power at
     the shaft and the losses of motor and inverter by the vehicle's loss model or map, as
     torque-controlled drives do; on a test bench torque, speed, voltage and current are the measured
-    ones. NotMeasured if there is no free wheel beside a driven one, or if the motors are no circuits
-    that are alike.
+    ones. NotMeasured if there is no free wheel beside a driven one, or if the motors are no
+    circuits that are alike.
     """
     if not (has_own_motors(vehicle) and has_equal_motors(vehicle)):
         raise NotMeasured("a circuit is one of equal motors, each of one wheel")

@@ -83,8 +83,8 @@ def _table(id: str, unit: float = 1.0) -> dict[int, float]:
     }
 
 
-# Table 3.6. Tables 3.1 to 3.5 have right and left, and tables 5.1 to 5.5 the same numbers again, but
-# no mean.
+# Table 3.6. Tables 3.1 to 3.5 have right and left, and tables 5.1 to 5.5 the same numbers again,
+# but no mean.
 WHEEL_EFFICIENCY = _table("diss.t3.6.m{}.mean")
 # Table 5.6, printed in per cent, and the energy as kWh.
 BENCH_WHEEL_EFFICIENCY = _table("diss.t5.6.wheel.m{}", 0.01)

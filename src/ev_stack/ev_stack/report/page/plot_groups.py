@@ -8,15 +8,19 @@ from typing import Any
 from ev_msgs_py.contract.topics import TOPICS, Topic
 
 
-def groups_of(channels: Iterable[str], units: Mapping[str, str] | None = None) -> list[dict[str, Any]]:
+def groups_of(
+    channels: Iterable[str], units: Mapping[str, str] | None = None
+) -> list[dict[str, Any]]:
     """Topics with their fields and these with their curves, in the order of the table of topics.
 
-    What stands in no topic makes groups by the first part of its name if there is one, with its unit by name in
-    `units` and without meaning.
+    What stands in no topic makes groups by the first part of its name if there is one, with its
+    unit by name in `units` and without meaning.
     """
     names = set(channels)
     known = [group for topic in TOPICS.values() if (group := _of_topic(topic, names))["plots"]]
-    listed = {curve["channel"] for group in known for plot in group["plots"] for curve in plot["curves"]}
+    listed = {
+        curve["channel"] for group in known for plot in group["plots"] for curve in plot["curves"]
+    }
     others: dict[str, list[str]] = {}
     for name in sorted(names - listed):
         first, dot, _ = name.partition(".")
@@ -29,10 +33,19 @@ def _of_topic(topic: Topic, names: set[str]) -> dict[str, Any]:
     prefix = topic.name.replace("/", ".")
     for field, declared in topic.shape.fields.items():
         start = f"{prefix}.{field}"
-        found = [channel for channel in topic.channels if channel in names and _belongs(channel, start)]
+        found = [
+            channel for channel in topic.channels if channel in names and _belongs(channel, start)
+        ]
         if found:
             curves = [_curve(channel, start) for channel in found]
-            plots.append({"title": _words(field), "unit": declared.unit, "about": declared.about, "curves": curves})
+            plots.append(
+                {
+                    "title": _words(field),
+                    "unit": declared.unit,
+                    "about": declared.about,
+                    "curves": curves,
+                }
+            )
     about = (topic.signal.__doc__ or "").partition("\n")[0]
     return {"title": topic.name, "about": about, "plots": plots}
 

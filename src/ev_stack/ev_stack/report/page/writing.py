@@ -32,8 +32,8 @@ _LEVEL = 1  # of deflate: higher ones take twice the time for a tenth of the siz
 class Packed(NamedTuple):
     """A series of `count` numbers: the n-th is low + (code_n - 1) step, a gap where its code is GAP.
 
-    `text` holds the codes: base64 of deflate of `planes` rows of bytes, the lowest byte of every code first, of the
-    differences of the codes modulo 256^planes (the first one against 0).
+    `text` holds the codes: base64 of deflate of `planes` rows of bytes, the lowest byte of every
+    code first, of the differences of the codes modulo 256^planes (the first one against 0).
     """
 
     text: str
@@ -45,7 +45,8 @@ class Packed(NamedTuple):
 
 def levels(planes: int) -> int:
     """Into how many steps the range of a series is divided."""
-    return 256**planes - 4  # the code of a gap is none of them, and two are lost where zero is made one of them
+    # the code of a gap is none of them, and two are lost where zero is made one of them
+    return 256**planes - 4
 
 
 def pack(values: np.ndarray, planes: int, step: float | None = None) -> Packed:
@@ -68,9 +69,9 @@ def pack(values: np.ndarray, planes: int, step: float | None = None) -> Packed:
 def envelope(run: Recording, every: int) -> Recording:
     """Two samples of each 2 `every`: lowest and highest of every channel, in the order in which they came.
 
-    They stand at the first and the middle instant, so no sample moves by more than 2 `every` of them; a gap stays a
-    gap. In the shorter rest at the end, they stand at its first and last instant. A run comes back as it is
-    if `every` is 1.
+    They stand at the first and the middle instant, so no sample moves by more than 2 `every` of
+    them; a gap stays a gap. In the shorter rest at the end, they stand at its first and last
+    instant. A run comes back as it is if `every` is 1.
     """
     size = 2 * every
     whole = len(run.time) // size * size
@@ -93,7 +94,8 @@ def _ends(values: np.ndarray, size: int) -> np.ndarray:
     return np.take_along_axis(bins, places, axis=1).ravel()
 
 
-MOST_TEXT = 10_000_000  # characters of all signals of a page: room for figures below the 15 MB that a page may have
+# characters of all signals of a page: room for figures below the 15 MB that a page may have
+MOST_TEXT = 10_000_000
 _PLANES = (3, 2)  # bytes of a sample that are tried, one after the other
 
 
@@ -101,8 +103,9 @@ _PLANES = (3, 2)  # bytes of a sample that are tried, one after the other
 class Signals:
     """The runs of one result; `label` distinguishes results of one page, empty if alone.
 
-    Without the `vehicle` that drove them nothing is seen from above. `units` are those of channels that belong to no
-    topic. Runs in which the car has spun do not set the limits of axes; `spun` names those that do not hold its motion.
+    Without the `vehicle` that drove them nothing is seen from above. `units` are those of channels
+    that belong to no topic. Runs in which the car has spun do not set the limits of axes; `spun`
+    names those that do not hold its motion.
     """
 
     label: str
@@ -140,7 +143,10 @@ def _packed(results: Sequence[Signals], planes: int, every: int) -> SignalData:
 
     def placed(packed: Packed) -> dict[str, Any]:
         block = places.setdefault(packed.text, len(places))
-        return {"block": block, **{name: value for name, value in packed._asdict().items() if name != "text"}}
+        return {
+            "block": block,
+            **{name: value for name, value in packed._asdict().items() if name != "text"},
+        }
 
     runs = []
     labels = [_label(result, name) for result in results for name in result.runs]
@@ -157,12 +163,19 @@ def _packed(results: Sequence[Signals], planes: int, every: int) -> SignalData:
                     "car": car_of(car) if car else None,
                     "spun": name in result.spun or has_spun(run),
                     "time": placed(pack(thinned.time, planes=3, step=_period(run.time))),
-                    "channels": {key: placed(pack(values, planes)) for key, values in thinned.channels.items()},
+                    "channels": {
+                        key: placed(pack(values, planes))
+                        for key, values in thinned.channels.items()
+                    },
                 }
             )
-    names = dict.fromkeys(key for run in runs for key in run["channels"] if not key.startswith(PREFIX))
+    names = dict.fromkeys(
+        key for run in runs for key in run["channels"] if not key.startswith(PREFIX)
+    )
     units = {name: unit for result in results for name, unit in result.units.items()}
-    return SignalData({"runs": runs, "groups": groups_of(names, units)}, list(places), _precision(planes, every))
+    return SignalData(
+        {"runs": runs, "groups": groups_of(names, units)}, list(places), _precision(planes, every)
+    )
 
 
 def _label(result: Signals, name: str) -> str:
@@ -175,7 +188,9 @@ def _period(time: np.ndarray) -> float | None:
 
 
 def _precision(planes: int, every: int) -> str:
-    rounding = f"Samples are rounded to 1/{levels(planes):,} of the range of their channel".replace(",", "\u202f")
+    rounding = f"Samples are rounded to 1/{levels(planes):,} of the range of their channel".replace(
+        ",", "\u202f"
+    )
     if every == 1:
         return f"{rounding}; every sample is there."
     return (
@@ -256,7 +271,9 @@ def write_page(page: Page, path: Path) -> None:
 
 def filled(template: str, **values: Any) -> str:
     """The text of a template with these values, with all styles and scripts that it names."""
-    environment = Environment(loader=FunctionLoader(_file), autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    environment = Environment(
+        loader=FunctionLoader(_file), autoescape=True, trim_blocks=True, lstrip_blocks=True
+    )
     environment.filters["number"] = _number
     environment.globals["file"] = _file
     return environment.get_template(f"templates/{template}").render(**values)
@@ -276,7 +293,10 @@ def _number(value: Any) -> str:
 
 def images_of(figures: Mapping[str, Figure], folder: Path) -> dict[str, Image]:
     """The files NAME.png that were saved in a folder; what they show are titles and labels of their axes."""
-    return {name: Image((folder / f"{name}.png").read_bytes(), _shown(figure)) for name, figure in figures.items()}
+    return {
+        name: Image((folder / f"{name}.png").read_bytes(), _shown(figure))
+        for name, figure in figures.items()
+    }
 
 
 def _shown(figure: Figure) -> str:

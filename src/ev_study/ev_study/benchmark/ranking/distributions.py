@@ -1,6 +1,7 @@
 """Beyond means: shares of runs below each cost, and how probable it is that a law is better than another one.
 
-Agarwal et al. (2021), NeurIPS 34, sections 4.2 and 4.3, with intervals by a bootstrap within each cell (stratified).
+Agarwal et al. (2021), NeurIPS 34, sections 4.2 and 4.3, with intervals by a bootstrap within each
+cell (stratified).
 """
 
 from __future__ import annotations
@@ -32,7 +33,8 @@ def performance_profiles(costs: np.ndarray, seed: int) -> Estimate:
 def improvement(costs: np.ndarray, seed: int) -> Estimate:
     """The probability that a law (row) costs less than another one (column) in the same draw, ties count half.
 
-    Agarwal et al. compare every run with every run; here both laws have driven the same draws, which tells more.
+    Agarwal et al. compare every run with every run; here both laws have driven the same draws,
+    which tells more.
     """
     found = [_mean(np.moveaxis(0.5 + 0.5 * np.sign(costs - law), 0, -1), seed) for law in costs]
     return Estimate(*(np.stack(each) for each in zip(*found, strict=True)))
@@ -50,4 +52,6 @@ def _counts(cells: int, draws: int, seed: int) -> Iterator[np.ndarray]:
     """How often each run is there in each resampled board, some boards at once, (boards, cells x draws)."""
     for chosen in resampled_draws(cells, draws, seed):
         places = chosen + draws * np.arange(cells)[:, None]
-        yield np.stack([np.bincount(each.ravel(), minlength=cells * draws) for each in places]).astype(float)
+        yield np.stack(
+            [np.bincount(each.ravel(), minlength=cells * draws) for each in places]
+        ).astype(float)

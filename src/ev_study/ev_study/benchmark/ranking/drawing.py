@@ -10,7 +10,8 @@ from ev_stack.figures.strokes import DASHES, strokes_of
 from ev_study.benchmark.ranking.distributions import COSTS_SHOWN
 from ev_study.benchmark.ranking.result import BoardResult
 
-MARKERS = dict(zip(DASHES, "osD^", strict=True))  # a point has no dashes to tell laws of one colour apart by
+# a point has no dashes to tell laws of one colour apart by
+MARKERS = dict(zip(DASHES, "osD^", strict=True))
 
 
 def board_sheet(result: BoardResult) -> Sheet:
@@ -31,7 +32,9 @@ def board_sheet(result: BoardResult) -> Sheet:
 def undominated(points: np.ndarray) -> list[int]:
     """The rows of points (n, 2) that no other row is below in one number and not above in the other."""
     return [
-        i for i, point in enumerate(points) if not ((points <= point).all(axis=1) & (points < point).any(axis=1)).any()
+        i
+        for i, point in enumerate(points)
+        if not ((points <= point).all(axis=1) & (points < point).any(axis=1)).any()
     ]
 
 
@@ -48,6 +51,13 @@ def _pareto(result: BoardResult) -> Panel:
             colour, dashes = strokes[readable(law)]
             how = {"color": colour, "marker": MARKERS[dashes], "ms": 3}
             axes.errorbar(e.value, h.value, across, along, **how)
-            axes.plot([], [], linestyle=dashes, label=readable(law), **how)  # the legend has the line with its point
+            # the legend has the line with its point
+            axes.plot([], [], linestyle=dashes, label=readable(law), **how)
 
-    return Panel("Handling over energy, Pareto front grey", "handling", ground=ground, xlabel="energy", shape=1.0)
+    return Panel(
+        "Handling over energy, Pareto front grey",
+        "handling",
+        ground=ground,
+        xlabel="energy",
+        shape=1.0,
+    )

@@ -28,7 +28,10 @@ def overview(result: BoardResult) -> str:
     """The scores of all laws, and the medians of what is recorded beside them, over all runs that have it."""
     tables = [markdown_table(SCORE_COLUMNS, score_rows(result, result.laws))]
     if recorded := result.recorded:
-        rows = [[law, *(f"{of[i]:.3g}" for of in recorded.values())] for i, law in enumerate(result.laws)]
+        rows = [
+            [law, *(f"{of[i]:.3g}" for of in recorded.values())]
+            for i, law in enumerate(result.laws)
+        ]
         tables += ["Medians of what counts in no cost:", markdown_table(("law", *recorded), rows)]
     return "\n\n".join(each.strip() for each in tables) + "\n"
 
@@ -53,7 +56,8 @@ def law_page(result: BoardResult, law: str, level: int = 2) -> str:
 def _in_words(result: BoardResult, i: int) -> str:
     scores = {of: each[i] for of, each in result.scores.items()}
     texts = [
-        f"{of} {each.value:.3f} [{each.low:.3f}, {each.high:.3f}] (rank {each.rank})" for of, each in scores.items()
+        f"{of} {each.value:.3f} [{each.low:.3f}, {each.high:.3f}] (rank {each.rank})"
+        for of, each in scores.items()
     ]
     unstable = f"{100.0 * result.unstable[i].mean():.1f} % of the runs are unstable"
     return f"Of {len(result.laws)} laws: {', '.join(texts)}; {unstable}. {_on_the_front(result, i)}"
@@ -61,14 +65,20 @@ def _in_words(result: BoardResult, i: int) -> str:
 
 def _on_the_front(result: BoardResult, i: int) -> str:
     """Which laws are better in both handling and energy; on the front those next to it."""
-    points = np.array([[result.scores[of][n].value for of in COSTS] for n in range(len(result.laws))])
+    points = np.array(
+        [[result.scores[of][n].value for of in COSTS] for n in range(len(result.laws))]
+    )
     front = undominated(points)
     if i not in front:
         better = [n for n in front if (points[n] <= points[i]).all()]
         return f"Better in handling and energy: {_names(result, better)}."
     front.sort(key=lambda n: points[n, 0])
     place = front.index(i)
-    beside = [(word, front[n]) for word, n in (("handling", place - 1), ("energy", place + 1)) if 0 <= n < len(front)]
+    beside = [
+        (word, front[n])
+        for word, n in (("handling", place - 1), ("energy", place + 1))
+        if 0 <= n < len(front)
+    ]
     texts = [f"with better {word} comes {_names(result, [n])}" for word, n in beside]
     return f"No law is better in both handling and energy{''.join(f'; {text}' for text in texts)}."
 
@@ -78,10 +88,15 @@ def _parts(result: BoardResult, i: int) -> Iterator[list[str]]:
         for name in dict.fromkeys(group(each) for each in result.places):
             places = [n for n, each in enumerate(result.places) if group(each) == name]
             handling, energy = (
-                result.costs[of][:, places].reshape(len(result.laws), -1) for of in ("handling", "energy")
+                result.costs[of][:, places].reshape(len(result.laws), -1)
+                for of in ("handling", "energy")
             )
             best = int(np.argmin(interquartile_mean(handling)))
-            numbers = interquartile_mean(handling[i]), tail_mean(handling[i]), interquartile_mean(energy[i])
+            numbers = (
+                interquartile_mean(handling[i]),
+                tail_mean(handling[i]),
+                interquartile_mean(energy[i]),
+            )
             unstable = 100.0 * result.unstable[i][places].mean()
             yield [name, *(f"{each:.2f}" for each in numbers), f"{unstable:.1f}", result.laws[best]]
 
@@ -89,7 +104,13 @@ def _parts(result: BoardResult, i: int) -> Iterator[list[str]]:
 def _varied(result: BoardResult, i: int) -> Iterator[list[str]]:
     for name, of in result.varied.items():
         handling, unstable = of.differences["handling"][i], of.differences["unstable"][i]
-        yield [f"`{name}`", of.least, of.most, handling.in_words(1.0, 2), unstable.in_words(100.0, 1)]
+        yield [
+            f"`{name}`",
+            of.least,
+            of.most,
+            handling.in_words(1.0, 2),
+            unstable.in_words(100.0, 1),
+        ]
 
 
 def _ends(result: BoardResult, i: int) -> Iterator[list[str]]:

@@ -17,7 +17,12 @@ from ev_stack.measures.own_metrics import named_metrics
 from ev_study.benchmark.board import COSTS, Board, Cell
 from ev_study.benchmark.driving import DrivenCell
 from ev_study.benchmark.entry_speed import DRIVEN
-from ev_study.benchmark.ranking.distributions import COSTS_SHOWN, Estimate, improvement, performance_profiles
+from ev_study.benchmark.ranking.distributions import (
+    COSTS_SHOWN,
+    Estimate,
+    improvement,
+    performance_profiles,
+)
 from ev_study.benchmark.ranking.scores import (
     Score,
     bootstrap,
@@ -48,7 +53,8 @@ class _Counted(NamedTuple):
 class BoardResult:
     """A board, the laws and cells of it that were driven, in this order; `words` of the command that drives a cell.
 
-    `step_times` are what was read of a clock (`step_times.step_times`), so that they count in no hash.
+    `step_times` are what was read of a clock (`step_times.step_times`), so that they count in no
+    hash.
     """
 
     board: Board
@@ -62,11 +68,18 @@ class BoardResult:
         """What counts of all cells: one after the other, to spare memory."""
         board, counted = self.board, _Counted([], [], {cost: [] for cost in COSTS}, [], {}, 0)
         for cell in self.cells:
-            manoeuvre, of_laws = board.manoeuvres[cell.cell.manoeuvre], [cell.metrics[law] for law in self.laws]
+            manoeuvre, of_laws = (
+                board.manoeuvres[cell.cell.manoeuvre],
+                [cell.metrics[law] for law in self.laws],
+            )
             sideslip = np.array([of["peak_sideslip"] for of in of_laws])
-            unstable = ~(sideslip < board.unstable) | ~np.array([cell.clean[law] for law in self.laws])
+            unstable = ~(sideslip < board.unstable) | ~np.array(
+                [cell.clean[law] for law in self.laws]
+            )
             counted.unstable.append(unstable)
-            counted.met.append(np.broadcast_to(demand_met(board, manoeuvre, cell.metrics), unstable.shape))
+            counted.met.append(
+                np.broadcast_to(demand_met(board, manoeuvre, cell.metrics), unstable.shape)
+            )
             for cost, of in counted.costs.items():
                 of.append(costs_of(board, manoeuvre, cost, cell.metrics, unstable))
             for name in named_metrics(manoeuvre.metrics("recorded")):
@@ -138,7 +151,9 @@ class BoardResult:
     @cached_property
     def recorded(self) -> dict[str, np.ndarray]:
         """By name of what counts in no cost the median over all runs that have it, (laws,); NaN if none has."""
-        return {name: medians(np.concatenate(of, axis=1)) for name, of in self._counted.recorded.items()}
+        return {
+            name: medians(np.concatenate(of, axis=1)) for name, of in self._counted.recorded.items()
+        }
 
     @cached_property
     def varied(self) -> dict[str, Varied]:
@@ -156,8 +171,12 @@ class BoardResult:
         for n, cell in enumerate(self.cells):
             for i, law in enumerate(self.laws):
                 for draw, command in enumerate(cell.commands[law]):
-                    numbers = {name: float(values[draw]) for name, values in cell.metrics[law].items()}
-                    costs = {f"{cost}_cost": float(of[i, n, draw]) for cost, of in self.costs.items()}
+                    numbers = {
+                        name: float(values[draw]) for name, values in cell.metrics[law].items()
+                    }
+                    costs = {
+                        f"{cost}_cost": float(of[i, n, draw]) for cost, of in self.costs.items()
+                    }
                     yield {
                         "cell": cell.cell.id("*"),
                         "law": law,
@@ -192,18 +211,26 @@ class BoardResult:
             "cells": [each.id("*") for each in self.places],
             "scores": {
                 law: {of: each[i]._asdict() for of, each in self.scores.items()}
-                | {"unstable": float(self.unstable[i].mean()), "demand_met": float(self.met[i].mean())}
+                | {
+                    "unstable": float(self.unstable[i].mean()),
+                    "demand_met": float(self.met[i].mean()),
+                }
                 for i, law in enumerate(self.laws)
             },
             "recorded": {
-                law: {name: _number(of[i]) for name, of in self.recorded.items()} for i, law in enumerate(self.laws)
+                law: {name: _number(of[i]) for name, of in self.recorded.items()}
+                for i, law in enumerate(self.laws)
             },
             "profiles": {"cost": COSTS_SHOWN.tolist()}
-            | {law: {c: _lists(of, i) for c, of in self.profiles.items()} for i, law in enumerate(self.laws)},
+            | {
+                law: {c: _lists(of, i) for c, of in self.profiles.items()}
+                for i, law in enumerate(self.laws)
+            },
             "probability_of_improvement": {
                 law: {
                     other: {
-                        cost: {n: each[k] for n, each in _lists(of, i).items()} for cost, of in self.improvement.items()
+                        cost: {n: each[k] for n, each in _lists(of, i).items()}
+                        for cost, of in self.improvement.items()
                     }
                     for k, other in enumerate(self.laws)
                     if k != i

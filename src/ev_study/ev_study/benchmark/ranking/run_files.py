@@ -26,14 +26,18 @@ def write_runs(folder: Path, result: BoardResult) -> None:
         with atomic_file(whole) as file:
             _write_lines(file, result, b'{"runs": [\n', b",\n", b"\n]}\n")
     else:
-        announce(f"note: {runs} runs: {lines.name} has one a line, allowed in {whole.name} are {MOST_IN_JSON}")
+        announce(
+            f"note: {runs} runs: {lines.name} has one a line, allowed in {whole.name} are {MOST_IN_JSON}"
+        )
         with atomic_file(lines) as file, gzip.open(file, "wb", compresslevel=6) as packed:
             _write_lines(packed, result, b"", b"\n", b"\n")
     if find_spec("pyarrow") is not None:
         _write_parquet(parquet, result)
 
 
-def _write_lines(file: IO[bytes], result: BoardResult, begin: bytes, between: bytes, end: bytes) -> None:
+def _write_lines(
+    file: IO[bytes], result: BoardResult, begin: bytes, between: bytes, end: bytes
+) -> None:
     for run in result.runs():
         file.write(begin + json.dumps(run, allow_nan=False, ensure_ascii=False).encode())
         begin = between
@@ -47,9 +51,15 @@ def _write_parquet(path: Path, result: BoardResult) -> None:
 
     first = pyarrow.Table.from_pylist([next(result.runs())]).schema
     metrics = [name for cell in result.cells for of in cell.metrics.values() for name in of]
-    kinds = dict(zip(first.names, first.types, strict=True)) | dict.fromkeys(metrics, pyarrow.float64())
+    kinds = dict(zip(first.names, first.types, strict=True)) | dict.fromkeys(
+        metrics, pyarrow.float64()
+    )
     schema, runs = pyarrow.schema([*kinds.items()]), result.runs()
-    # Commands are long and much alike: snappy, which is the default, leaves almost three times as much of them.
-    with atomic_file(path) as file, pyarrow.parquet.ParquetWriter(file, schema, compression="zstd") as writer:
+    # Commands are long and much alike: snappy, which is the default, leaves almost three times as
+    # much of them.
+    with (
+        atomic_file(path) as file,
+        pyarrow.parquet.ParquetWriter(file, schema, compression="zstd") as writer,
+    ):
         while rows := [*islice(runs, _ROWS_AT_ONCE)]:
             writer.write_table(pyarrow.Table.from_pylist(rows, schema))

@@ -1,7 +1,8 @@
 """From metrics to scores: costs against a reference, interquartile means with intervals, and ranks with ties.
 
-Agarwal et al. (2021), Deep reinforcement learning at the edge of the statistical precipice, NeurIPS 34: the mean of the
-middle half of all runs, with intervals by a bootstrap within each cell (stratified).
+Agarwal et al. (2021), Deep reinforcement learning at the edge of the statistical precipice, NeurIPS
+34: the mean of the middle half of all runs, with intervals by a bootstrap within each cell
+(stratified).
 """
 
 from __future__ import annotations
@@ -34,14 +35,19 @@ class Score(NamedTuple):
 
 
 def costs_of(
-    board: Board, manoeuvre: Manoeuvre, cost: str, metrics: Mapping[str, Mapping[str, np.ndarray]], unstable: np.ndarray
+    board: Board,
+    manoeuvre: Manoeuvre,
+    cost: str,
+    metrics: Mapping[str, Mapping[str, np.ndarray]],
+    unstable: np.ndarray,
 ) -> np.ndarray:
     """What each run of a manoeuvre costs, (laws, draws), by the metrics of its laws over those of the reference.
 
     Its own cost is the mean of 1 + (x - x_0)/max(|x_0|, scale) of each metric, with the sign of what is better, within
-    0 to LARGEST; 1 without metrics. A run that meets the share m of the demand costs m times its own cost and 1 - m
-    times LARGEST, so that no law gains by doing less; LARGEST below LEAST_MET, for runs that are `unstable`, (laws,
-    draws), and for those that lack a number. A metric that only the reference lacks is 1.
+    0 to LARGEST; 1 without metrics. A run that meets the share m of the demand costs m times its
+    own cost and 1 - m times LARGEST, so that no law gains by doing less; LARGEST below LEAST_MET,
+    for runs that are `unstable`, (laws, draws), and for those that lack a number. A metric that
+    only the reference lacks is 1.
     """
     found = [] if manoeuvre.metrics(cost) else [np.ones(unstable.shape)]
     lost = unstable
@@ -56,7 +62,9 @@ def costs_of(
     return costs
 
 
-def demand_met(board: Board, manoeuvre: Manoeuvre, metrics: Mapping[str, Mapping[str, np.ndarray]]) -> np.ndarray:
+def demand_met(
+    board: Board, manoeuvre: Manoeuvre, metrics: Mapping[str, Mapping[str, np.ndarray]]
+) -> np.ndarray:
     """The share of the demand that each run meets, (laws, draws), at most 1: what the reference meets in the same draw.
 
     1 + (x - x_0)/max(|x_0|, scale) within 0 to 1, the least one of all metrics of the demand; 0 without a number, 1
@@ -91,10 +99,13 @@ def tail_mean(costs: np.ndarray) -> np.ndarray:
     return np.asarray(np.sort(costs, axis=-1)[..., -count:].mean(axis=-1))
 
 
-def bootstrap(costs: np.ndarray, statistic: Callable[[np.ndarray], np.ndarray], seed: int) -> np.ndarray:
+def bootstrap(
+    costs: np.ndarray, statistic: Callable[[np.ndarray], np.ndarray], seed: int
+) -> np.ndarray:
     """A statistic of the costs of each law, (laws, cells, draws), and then of RESAMPLES boards: (1 + boards, laws).
 
-    Draws are drawn anew within each cell, and alike for all laws, for they have driven the same ones.
+    Draws are drawn anew within each cell, and alike for all laws, for they have driven the same
+    ones.
     """
     laws, cells, draws = costs.shape
     found = [
@@ -114,7 +125,10 @@ def ranked(found: np.ndarray) -> list[Score]:
     low, high = np.percentile(resampled, ENDS, axis=0)
     worse = np.percentile(resampled[:, :, None] - resampled[:, None, :], ENDS[0], axis=0) > 0.0
     ranks = 1 + np.count_nonzero(worse, axis=1)
-    return [Score(*of) for of in zip(*(each.tolist() for each in (values, low, high, ranks)), strict=True)]
+    return [
+        Score(*of)
+        for of in zip(*(each.tolist() for each in (values, low, high, ranks)), strict=True)
+    ]
 
 
 def difference(

@@ -11,8 +11,24 @@ from ev_study.benchmark.ranking.distributions import Estimate
 from ev_study.benchmark.ranking.result import BoardResult
 from ev_study.benchmark.ranking.scores import Score
 
-SCORE_COLUMNS = ("law", "handling", "rank", "worst tenth", "rank", "energy", "rank", "unstable [%]", "demand met [%]")
-LAW_COLUMNS = ("law", *(f"{cost} better [%]" for cost in COSTS), "step [µs]", "wins most in", "breaks most in")
+SCORE_COLUMNS = (
+    "law",
+    "handling",
+    "rank",
+    "worst tenth",
+    "rank",
+    "energy",
+    "rank",
+    "unstable [%]",
+    "demand met [%]",
+)
+LAW_COLUMNS = (
+    "law",
+    *(f"{cost} better [%]" for cost in COSTS),
+    "step [µs]",
+    "wins most in",
+    "breaks most in",
+)
 CELL_COLUMNS = (
     "cell",
     *(f"{cost}: {which}" for cost in COSTS for which in ("best", "cost")),
@@ -36,13 +52,19 @@ def score_rows(result: BoardResult, laws: Sequence[str]) -> list[list[str]]:
         ]
         for n, i in enumerate(places)
     ]
-    return [rows[n] for n in sorted(range(len(rows)), key=lambda n: (scores["handling"][n].rank, n))]
+    return [
+        rows[n] for n in sorted(range(len(rows)), key=lambda n: (scores["handling"][n].rank, n))
+    ]
 
 
 def closed_division(result: BoardResult) -> list[str]:
     """The laws that differ in their controller alone, and the reference; none if fewer than two were driven."""
     closed = [law for law in result.laws if law in result.board.closed]
-    return [law for law in result.laws if law in closed or law == result.board.reference] if len(closed) > 1 else []
+    return (
+        [law for law in result.laws if law in closed or law == result.board.reference]
+        if len(closed) > 1
+        else []
+    )
 
 
 def law_rows(result: BoardResult) -> list[list[str]]:
@@ -62,7 +84,11 @@ def cell_rows(result: BoardResult) -> list[list[str]]:
     rows = []
     for n, cell in enumerate(result.cells):
         best = {cost: int(np.argmin(of[:, n])) for cost, of in result.middles.items()}
-        numbers = [text for cost, i in best.items() for text in (result.laws[i], f"{result.middles[cost][i, n]:.2f}")]
+        numbers = [
+            text
+            for cost, i in best.items()
+            for text in (result.laws[i], f"{result.middles[cost][i, n]:.2f}")
+        ]
         law = best["handling"]
         signals = cell.hashes[result.laws[law]][0][:DIGITS]
         rows.append([cell.cell.id("*"), *numbers, signals, result.once_more(n, law, 0)])
@@ -71,9 +97,15 @@ def cell_rows(result: BoardResult) -> list[list[str]]:
 
 def _ends(result: BoardResult, law: int, reference: int) -> tuple[str, str]:
     """Columns of LAW_COLUMNS."""
-    names, middle = [short_id(result, n) for n in range(len(result.places))], result.middles["handling"]
+    names, middle = (
+        [short_id(result, n) for n in range(len(result.places))],
+        result.middles["handling"],
+    )
     lost = result.unstable[[law, reference]].sum(axis=-1).T.tolist()
-    unstable = [f"; unstable {one} for {other} of {result.board.draws}" if one or other else "" for one, other in lost]
+    unstable = [
+        f"; unstable {one} for {other} of {result.board.draws}" if one or other else ""
+        for one, other in lost
+    ]
     return ends_in_words(names, middle[law], middle[reference], unstable)
 
 
@@ -86,7 +118,9 @@ def ends_in_words(
     """
     more = law - reference
     best, worst = int(np.argmin(more)), int(np.argmax(more))
-    won, lost = (f"{cells[n]}: {law[n]:.2f} for {reference[n]:.2f}{unstable[n]}" for n in (best, worst))
+    won, lost = (
+        f"{cells[n]}: {law[n]:.2f} for {reference[n]:.2f}{unstable[n]}" for n in (best, worst)
+    )
     return won if more[best] < -EQUAL else "nowhere", lost if more[worst] > EQUAL else "nowhere"
 
 

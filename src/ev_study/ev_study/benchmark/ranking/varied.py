@@ -25,7 +25,11 @@ class Difference(NamedTuple):
         if math.isnan(self.half):
             return "-"
         is_tied = abs(self.value) <= self.half
-        return "tied" if is_tied else f"{scale * self.value:+.{digits}f} ± {scale * self.half:.{digits}f}"
+        return (
+            "tied"
+            if is_tied
+            else f"{scale * self.value:+.{digits}f} ± {scale * self.half:.{digits}f}"
+        )
 
 
 class Varied(NamedTuple):
@@ -41,15 +45,18 @@ def differences_by_variation(
 ) -> dict[str, Varied]:
     """By variation how what is `counted` of each run, (laws, cells, draws), differs.
 
-    Compared are the runs with the least and the greatest third of a range, the least and the greatest choice, or none
-    and a fault of MOTOR_FAULT. A variation of a single choice is left out.
+    Compared are the runs with the least and the greatest third of a range, the least and the
+    greatest choice, or none and a fault of MOTOR_FAULT. A variation of a single choice is left out.
     """
     of_cells, found = [numbers_drawn(board, cell)[1] for cell in cells], {}
     for variation in board.variations:
         if len(set(variation.choice)) != 1:
             drawn = np.array([of[variation.parameter] for of in of_cells])
             (least, with_least), (most, with_most) = _extremes(variation, drawn)
-            of = {name: mantel_haenszel(values, with_least, with_most) for name, values in counted.items()}
+            of = {
+                name: mantel_haenszel(values, with_least, with_most)
+                for name, values in counted.items()
+            }
             found[variation.parameter] = Varied(least, most, of)
     return found
 
@@ -66,17 +73,20 @@ def _extremes(variation: Variation, drawn: np.ndarray) -> tuple[tuple[str, Any],
     if variation.count:
         below, above = math.floor(below), math.ceil(above)
     least, most = (
-        f"{begin:.4g}" if begin == end else f"{begin:.4g} to {end:.4g}" for begin, end in ((low, below), (above, high))
+        f"{begin:.4g}" if begin == end else f"{begin:.4g} to {end:.4g}"
+        for begin, end in ((low, below), (above, high))
     )
     return (least, drawn <= below), (most, drawn >= above)
 
 
-def mantel_haenszel(values: np.ndarray, with_least: np.ndarray, with_most: np.ndarray) -> list[Difference]:
+def mantel_haenszel(
+    values: np.ndarray, with_least: np.ndarray, with_most: np.ndarray
+) -> list[Difference]:
     """How values, (laws, cells, draws), differ between some runs and others, (cells, draws), within their cells.
 
-    A cell has the weight n_1 n_2/(n_1 + n_2), so that it counts for nothing which cells happen to have more runs with
-    the most. All cells together give a variance for each kind of runs, and Student's t with the freedom of the fewer
-    ones the interval.
+    A cell has the weight n_1 n_2/(n_1 + n_2), so that it counts for nothing which cells happen to
+    have more runs with the most. All cells together give a variance for each kind of runs, and
+    Student's t with the freedom of the fewer ones the interval.
     """
     both = with_least.any(axis=-1) & with_most.any(axis=-1)
     values, kinds = values[:, both], np.stack([with_least[both], with_most[both]])

@@ -1,7 +1,7 @@
 """Comparisons with measured data: each declared with limit and reason, driven from a folder of the user's files.
 
-`config/measured/comparisons.csv` has a line for each: id, the file of data, what is compared, unit, largest number that
-holds, why that, and a command that gives it.
+`config/measured/comparisons.csv` has a line for each: id, the file of data, what is compared, unit,
+largest number that holds, why that, and a command that gives it.
 """
 
 from __future__ import annotations
@@ -46,7 +46,14 @@ class Comparison:
         """What stands in a table, by `COLUMNS`."""
         number = f"{value:.3g} {self.unit}".removesuffix(" 1")
         verdict = "holds" if value <= self.most else "does not hold"
-        return self.what, number, f"at most {self.most:g}", verdict, self.reason, f"`{self.command}`"
+        return (
+            self.what,
+            number,
+            f"at most {self.most:g}",
+            verdict,
+            self.reason,
+            f"`{self.command}`",
+        )
 
 
 def declared() -> list[Comparison]:
@@ -62,7 +69,9 @@ def compare(folder: Path, progress: Callable[[str], None] = lambda line: None) -
     """The numbers by id of all comparisons whose data are in a folder; ParameterError if none are."""
     there = [name for name in _DRIVERS if (folder / name).exists()]
     if not there:
-        raise ParameterError(f"{folder} has no measured data, expected a folder with {', '.join(_DRIVERS)}")
+        raise ParameterError(
+            f"{folder} has no measured data, expected a folder with {', '.join(_DRIVERS)}"
+        )
     found: dict[str, float] = {}
     for name in there:
         progress(f"{name} ...")
@@ -72,7 +81,9 @@ def compare(folder: Path, progress: Callable[[str], None] = lambda line: None) -
 
 def kept_text(found: Mapping[str, float]) -> str:
     """The text of `FILE`, in the order in which they are declared."""
-    return "id,value\n" + "".join(f"{each.id},{found[each.id]:.5g}\n" for each in declared() if each.id in found)
+    return "id,value\n" + "".join(
+        f"{each.id},{found[each.id]:.5g}\n" for each in declared() if each.id in found
+    )
 
 
 def rows(found: Mapping[str, float]) -> Sequence[tuple[str, ...]]:

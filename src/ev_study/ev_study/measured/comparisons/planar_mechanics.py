@@ -1,8 +1,9 @@
 """Reference results of the Modelica library PlanarMechanics: its cars as ours, and by its own equations.
 
-Its front wheels and their carriers have mass and stand behind their kingpins by a trail, so steering pushes the car
-sideways. The plant's wheels are steered without mass. Both are driven here: the plant beside the results, and the
-equations of the library with our wheel curve, with the mass where it is and with it on the kingpins' axle.
+Its front wheels and their carriers have mass and stand behind their kingpins by a trail, so
+steering pushes the car sideways. The plant's wheels are steered without mass. Both are driven here:
+the plant beside the results, and the equations of the library with our wheel curve, with the mass
+where it is and with it on the kingpins' axle.
 """
 
 from __future__ import annotations
@@ -61,7 +62,9 @@ class Car:
     def with_mass_on_axle(self) -> Car:
         """The same car with carriers that steer without mass or inertia, at the places of their wheels."""
         moved = [replace(w, x=w.x - self.trail) if w.steered else w for w in self.wheels]
-        return replace(self, wheels=moved, trail=0.0, carrier_inertia=1e-9, length=self.length - self.trail)
+        return replace(
+            self, wheels=moved, trail=0.0, carrier_inertia=1e-9, length=self.length - self.trail
+        )
 
 
 TWO_TRACK = Car(
@@ -82,7 +85,10 @@ SINGLE_TRACK = Car(
 def planar_mechanics(folder: Path) -> dict[str, float]:
     """By id how far ours is from the results in planar_mechanics, in per cent; ParameterError if one is missing."""
     folder = folder / "planar_mechanics"
-    two, one = (_reference(folder, name) for name in ("TwoTrackWithDifferentialGear", "SingleTrackWithEngine"))
+    two, one = (
+        _reference(folder, name)
+        for name in ("TwoTrackWithDifferentialGear", "SingleTrackWithEngine")
+    )
     heading = one["bodyFront.phi"] - one["revolute.phi"]
     front = one["bodyFront.r[2]"] + 1j * -one["bodyFront.r[1]"]  # x ahead, y to the left
     rear = front - np.exp(1j * heading) + 0.1 * np.exp(1j * one["bodyFront.phi"])
@@ -94,7 +100,9 @@ def planar_mechanics(folder: Path) -> dict[str, float]:
     ):  # fmt: skip
         there = np.array([place[-1], turned[-1]])
         plant = plant_at_end(name, car, time, angle)
-        theirs, on_axle = (equations_at_end(each, time, angle) for each in (car, car.with_mass_on_axle()))
+        theirs, on_axle = (
+            equations_at_end(each, time, angle) for each in (car, car.with_mass_on_axle())
+        )
         found[f"{name}_place"], found[f"{name}_yaw"] = _apart(plant, there)
         found[f"{name}_equations"] = max(_apart(theirs, there))
         found[f"{name}_mass_on_axle"] = max(_apart(plant, on_axle))
@@ -104,7 +112,9 @@ def planar_mechanics(folder: Path) -> dict[str, float]:
     ):
         reference = _reference(folder, name)
         angle, radius = wheel_on_arm(10.0, adhesion, sliding, least)
-        there = [np.interp(10.0, reference["Time"], reference[n]) for n in ("body.phi", "prismatic.s")]
+        there = [
+            np.interp(10.0, reference["Time"], reference[n]) for n in ("body.phi", "prismatic.s")
+        ]
         found[name] = 100.0 * max(abs(angle / there[0] - 1.0), abs(radius / there[1] - 1.0))
     return found
 
@@ -144,7 +154,12 @@ def plant_at_end(name: str, car: Car, time: np.ndarray, angle: np.ndarray) -> np
     run = run_offline(graph(str(file), PERIOD, Overrides(values=values)), float(time[-1]))
     heading = motion.heading(run)
     to_rear = configurations["plant"].common.vehicle.centre_of_mass_to_rear_axle
-    place = run.channels["pose.x"] + 1j * run.channels["pose.y"] - to_rear * np.exp(1j * heading) + to_rear
+    place = (
+        run.channels["pose.x"]
+        + 1j * run.channels["pose.y"]
+        - to_rear * np.exp(1j * heading)
+        + to_rear
+    )
     return np.array([place[-1], heading[-1]])
 
 
@@ -156,19 +171,28 @@ def equations_at_end(car: Car, time: np.ndarray, angle: np.ndarray) -> np.ndarra
     def rates(t: float, y: np.ndarray) -> np.ndarray:
         heading, (vx, vy, turning), spins = y[2], y[3:6], y[6:]
         along = np.exp(1j * heading)
-        mass, force, spin_rates = np.diag([car.mass, car.mass, car.inertia]), np.zeros(3), np.zeros(len(spins))
+        mass, force, spin_rates = (
+            np.diag([car.mass, car.mass, car.inertia]),
+            np.zeros(3),
+            np.zeros(len(spins)),
+        )
         at_front = vx + 1j * vy + turning * 1j * car.length * along
         dragged = (at_front * along.conjugate()).real
         force += _at(-car.drag * abs(dragged) * dragged * along, car.length * along)
         for i, wheel in enumerate(car.wheels):
             steered = float(wheel.steered)
-            arm, direction = (wheel.x + 1j * wheel.y) * along, along * np.exp(1j * steered * steering(t))
+            arm, direction = (
+                (wheel.x + 1j * wheel.y) * along,
+                along * np.exp(1j * steered * steering(t)),
+            )
             trail = -steered * car.trail * direction
             both = turning + steered * steering_rate(t)
             velocity = vx + 1j * vy + turning * 1j * arm + both * 1j * trail
             place = arm + trail
             if wheel.steered:
-                known = -(turning**2) * arm - both**2 * trail + steering_acceleration(t) * 1j * trail
+                known = (
+                    -(turning**2) * arm - both**2 * trail + steering_acceleration(t) * 1j * trail
+                )
                 lever = np.array([[1.0, 0.0, -place.imag], [0.0, 1.0, place.real]])
                 mass = mass + car.carrier_mass * lever.T @ lever
                 mass[2, 2] += car.carrier_inertia
@@ -195,7 +219,9 @@ def _friction(speed: float, load: float, friction: tuple[float, float, float, fl
     return load * dry_friction(speed + _SMOOTHING, *friction) / (speed + _SMOOTHING)
 
 
-def wheel_on_arm(duration: float, adhesion: float, sliding: float, least: tuple[float, float]) -> tuple[float, float]:
+def wheel_on_arm(
+    duration: float, adhesion: float, sliding: float, least: tuple[float, float]
+) -> tuple[float, float]:
     """Angle [rad] and radius [m] of the library's wheel of 10 kg that drives round on an arm along which it may slide.
 
     Slip speeds of adhesion and sliding are these shares of the rim speed, at `least` these [m/s].
@@ -207,14 +233,19 @@ def wheel_on_arm(duration: float, adhesion: float, sliding: float, least: tuple[
         rim = abs(radius * spin)
         speeds = max(adhesion * rim, least[0]), max(sliding * rim, least[1])
         along = -arm * turning - radius * spin
-        friction = _friction(float(np.hypot(along, leaving)), load, (0.8, speeds[0], 0.4, speeds[1]))
+        friction = _friction(
+            float(np.hypot(along, leaving)), load, (0.8, speeds[0], 0.4, speeds[1])
+        )
         return [
             turning,
-            (arm * friction * along - 2.0 * mass * arm * leaving * turning) / (mass * arm * arm + inertia),
+            (arm * friction * along - 2.0 * mass * arm * leaving * turning)
+            / (mass * arm * arm + inertia),
             leaving,
             arm * turning**2 - friction * leaving / mass,
             torque + radius * friction * along,
         ]
 
-    end = solve_ivp(rates, (0.0, duration), [0.0, 0.0, 1.0, 0.0, 0.0], method="LSODA", rtol=1e-8, atol=1e-10)
+    end = solve_ivp(
+        rates, (0.0, duration), [0.0, 0.0, 1.0, 0.0, 0.0], method="LSODA", rtol=1e-8, atol=1e-10
+    )
     return float(end.y[0, -1]), float(end.y[2, -1])

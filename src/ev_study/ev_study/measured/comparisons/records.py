@@ -26,7 +26,8 @@ from ev_study.studies.workers import drive_cases
 
 TRAINING, HELD_OUT = (0.0, 2.0 / 3.0), (2.0 / 3.0, 1.0)
 WINDOW = 5.0  # s
-SHIFTS = (0.0, 1.0, 2.0, 3.0, 4.0)  # [s] by which windows begin later: with all of them, at each second
+# [s] by which windows begin later: with all of them, at each second
+SHIFTS = (0.0, 1.0, 2.0, 3.0, 4.0)
 
 
 def track_record(folder: Path) -> dict[str, float]:
@@ -42,20 +43,28 @@ def track_record(folder: Path) -> dict[str, float]:
     last = [_driven(record, configurations, begin + shift / duration, end) for shift in SHIFTS]
     found = {"track_windows_left": float(last[0].spun.sum())}
     found["track_windows_left_each_second"] = float(sum(each.spun.sum() for each in last))
-    yaw, angle = ([part.judged[signal] for part in (first, last[0])] for signal in (YAW_RATE, SIDESLIP))
+    yaw, angle = (
+        [part.judged[signal] for part in (first, last[0])] for signal in (YAW_RATE, SIDESLIP)
+    )
     found["track_yaw_rate"], found["track_yaw_rate_held_out"] = (each.errors.rms for each in yaw)
     found["track_sideslip"] = float(np.degrees(angle[0].errors.rms))
     found["track_sideslip_held_out"] = float(np.degrees(angle[1].median_window))
     of_windows = [each.judged[SIDESLIP].of_windows for each in last]
     found["track_sideslip_each_second"] = float(np.degrees(np.median(np.concatenate(of_windows))))
-    believed = ParameterFile(car / "estimators.yaml").values_for("/ev/slip_angle_observer", by_name=True)
+    believed = ParameterFile(car / "estimators.yaml").values_for(
+        "/ev/slip_angle_observer", by_name=True
+    )
     whole = OpenLoop(record, windows_of(record, WINDOW), configurations)
-    estimates = {each.name: each.judged for each in estimates_of(whole, {"slip_angle_observer": believed})[0]}
+    estimates = {
+        each.name: each.judged for each in estimates_of(whole, {"slip_angle_observer": believed})[0]
+    }
     found["track_observer"] = float(np.degrees(estimates["slip_angle_observer"].errors.rms))
     return found
 
 
-def _driven(record: MeasuredRecord, car: Mapping[str, Configuration], begin: float, end: float) -> Validation:
+def _driven(
+    record: MeasuredRecord, car: Mapping[str, Configuration], begin: float, end: float
+) -> Validation:
     replay = OpenLoop(record, windows_of(record, WINDOW, begin, end), car, signals_to_show())
     return Validation(replay, {name: values[0] for name, values in replay.simulate().items()}, 0.0)
 
@@ -75,9 +84,14 @@ def motor_map(folder: Path) -> dict[str, float]:
 
 def electric_cars(folder: Path) -> dict[str, float]:
     """Errors of the study `energy` on all cars of the list and on those new to the assumptions, in per cent."""
-    given = argparse.Namespace(cars=folder / "epa_2022_electric_cars.csv", assumptions=None, fit=False, only=[])
+    given = argparse.Namespace(
+        cars=folder / "epa_2022_electric_cars.csv", assumptions=None, fit=False, only=[]
+    )
     cases = energy.cases(given)
-    results = dict(zip([case.name for case in cases], drive_cases(cases, energy.measure), strict=True))
+    results = dict(
+        zip([case.name for case in cases], drive_cases(cases, energy.measure), strict=True)
+    )
     return {
-        f"energy_{name}": 100.0 * float(metric.value or 0.0) for name, metric in energy.metrics(given, results).items()
+        f"energy_{name}": 100.0 * float(metric.value or 0.0)
+        for name, metric in energy.metrics(given, results).items()
     }

@@ -29,7 +29,8 @@ from ev_study.measured.records.samples import Sampled
 if TYPE_CHECKING:
     from rosbags.highlevel import AnyReader
 
-# By type of message what it measures, and in which field; all in SI, of a body frame as REP-103 has it.
+# By type of message what it measures, and in which field; all in SI, of a body frame as REP-103 has
+# it.
 STANDARD: Mapping[str, Mapping[str, str]] = {
     "sensor_msgs/msg/Imu": {
         YAW_RATE: "angular_velocity.z",
@@ -41,8 +42,14 @@ STANDARD: Mapping[str, Mapping[str, str]] = {
         LONGITUDINAL: "twist.twist.linear.x",
         LATERAL: "twist.twist.linear.y",
     },
-    "nav_msgs/msg/Odometry": {LONGITUDINAL: "twist.twist.linear.x", LATERAL: "twist.twist.linear.y"},
-    "autoware_vehicle_msgs/msg/VelocityReport": {LONGITUDINAL: "longitudinal_velocity", LATERAL: "lateral_velocity"},
+    "nav_msgs/msg/Odometry": {
+        LONGITUDINAL: "twist.twist.linear.x",
+        LATERAL: "twist.twist.linear.y",
+    },
+    "autoware_vehicle_msgs/msg/VelocityReport": {
+        LONGITUDINAL: "longitudinal_velocity",
+        LATERAL: "lateral_velocity",
+    },
     "autoware_vehicle_msgs/msg/SteeringReport": {ROAD_WHEEL_ANGLE: "steering_tire_angle"},
     "ackermann_msgs/msg/AckermannDriveStamped": {ROAD_WHEEL_ANGLE: "drive.steering_angle"},
 }
@@ -52,8 +59,9 @@ _ELEMENT = re.compile(r"(?P<array>[\w.]+)\[(?P<element>[^\]]+)\]")
 def read_columns(bag: Path, wanted: Sequence[str]) -> Read:
     """The numbers TOPIC:FIELD over the stamps of the messages, or over when they came where they have none.
 
-    FIELD has dots; [N] behind an array is its element, of a JointState [JOINT] that of a joint. There is no
-    hash: a bag may be a folder. ParameterError, in one line, if the bag cannot be read or a column is not there.
+    FIELD has dots; [N] behind an array is its element, of a JointState [JOINT] that of a joint.
+    There is no hash: a bag may be a folder. ParameterError, in one line, if the bag cannot be read
+    or a column is not there.
     """
     by_topic = defaultdict(list)
     for column in wanted:
@@ -67,12 +75,16 @@ def read_columns(bag: Path, wanted: Sequence[str]) -> Read:
         times: dict[str, list[float]] = defaultdict(list)
         values: dict[str, list[float]] = defaultdict(list)
         stamped, unstamped = Counter[str](), Counter[str]()
-        for connection, came, data in reader.messages([c for c in reader.connections if c.topic in by_topic]):
+        for connection, came, data in reader.messages(
+            [c for c in reader.connections if c.topic in by_topic]
+        ):
             message = reader.deserialize(data, connection.msgtype)
             stamp = getattr(getattr(message, "header", None), "stamp", None)
             is_stamped = stamp is not None and (stamp.sec or stamp.nanosec)
             (stamped if is_stamped else unstamped)[connection.topic] += 1
-            times[connection.topic].append(stamp.sec + 1e-9 * stamp.nanosec if is_stamped else 1e-9 * came)
+            times[connection.topic].append(
+                stamp.sec + 1e-9 * stamp.nanosec if is_stamped else 1e-9 * came
+            )
             for column, path in by_topic[connection.topic]:
                 values[column].append(_number(bag, message, column, path))
     columns = {}
@@ -81,7 +93,10 @@ def read_columns(bag: Path, wanted: Sequence[str]) -> Read:
             columns[column] = Sampled(np.array(times[topic]), np.array(values[column]))
     # Where all count by when they were recorded it is one clock; beside stamps it is another one.
     late = unstamped.items() if stamped else ()
-    notes = (f"{topic}: {count} messages without a stamp count by when they were recorded" for topic, count in late)
+    notes = (
+        f"{topic}: {count} messages without a stamp count by when they were recorded"
+        for topic, count in late
+    )
     return Read(columns, notes=tuple(notes))
 
 
@@ -96,8 +111,8 @@ def is_foreign(bag: Path) -> bool:
 def standard_channels(bag: Path) -> dict[str, str]:
     """By channel the column of the standard message that measures it.
 
-    A velocity to the side that is zero throughout was not measured. ParameterError if one of those that an
-    identification needs is missing, or if several topics give it.
+    A velocity to the side that is zero throughout was not measured. ParameterError if one of those
+    that an identification needs is missing, or if several topics give it.
     """
     found: dict[str, list[str]] = defaultdict(list)
     with _opened(bag) as reader:
@@ -110,10 +125,14 @@ def standard_channels(bag: Path) -> dict[str, str]:
     for channel in (YAW_RATE, LONGITUDINAL, ROAD_WHEEL_ANGLE):
         if not found[channel]:
             types = ", ".join(name for name, of in STANDARD.items() if channel in of)
-            raise ParameterError(f"{bag} has no {channel}, expected {types}, or a mapping (--mapping)")
+            raise ParameterError(
+                f"{bag} has no {channel}, expected {types}, or a mapping (--mapping)"
+            )
     for channel, columns_of in found.items():
         if len(columns_of) > 1:
-            raise ParameterError(f"{bag}: {channel} is any of {', '.join(columns_of)}: a mapping chooses (--mapping)")
+            raise ParameterError(
+                f"{bag}: {channel} is any of {', '.join(columns_of)}: a mapping chooses (--mapping)"
+            )
     return {channel: of[0] for channel, of in found.items() if of}
 
 
@@ -124,9 +143,13 @@ def _number(bag: Path, message: Any, column: str, path: str) -> float:
         if match is None:
             return float(attrgetter(path)(message))
         array, element = attrgetter(match["array"])(message), match["element"]
-        return float(array[int(element) if element.isdigit() else list(message.name).index(element)])
+        return float(
+            array[int(element) if element.isdigit() else list(message.name).index(element)]
+        )
     except (AttributeError, IndexError, TypeError, ValueError):
-        raise ParameterError(f"{bag}: {quoted(column)} is no number of {type(message).__name__}") from None
+        raise ParameterError(
+            f"{bag}: {quoted(column)} is no number of {type(message).__name__}"
+        ) from None
 
 
 @contextmanager
@@ -138,7 +161,9 @@ def _opened(bag: Path) -> Iterator[AnyReader]:
     from rosbags.typesys import Stores, get_typestore
 
     try:
-        for file in (each for each in bag.iterdir() if not each.is_dir()) if bag.is_dir() else [bag]:
+        for file in (
+            (each for each in bag.iterdir() if not each.is_dir()) if bag.is_dir() else [bag]
+        ):
             open_data(file, SIGNALS).close()
         with AnyReader([bag], default_typestore=get_typestore(Stores.LATEST)) as reader:
             yield reader
@@ -150,5 +175,6 @@ def _opened(bag: Path) -> Iterator[AnyReader]:
         raise ParameterError(
             f"{bag}: unfolded it takes more memory than there is ({SIGNALS // MEGABYTE} MB packed)"
         ) from None
-    except Exception as error:  # whatever the library and its decompressors raise for what is no bag
+    # whatever the library and its decompressors raise for what is no bag
+    except Exception as error:
         raise ParameterError(f"{bag}: the bag cannot be read: {first_line(error)}") from None

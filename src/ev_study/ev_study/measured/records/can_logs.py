@@ -14,7 +14,14 @@ import numpy as np
 
 from ev_core.parameters.data_file import SIGNALS, open_data, read_data
 from ev_msgs_py.refusal import ParameterError
-from ev_study.measured.records.dbc import NULL_ADDRESS, Decoded, Wanted, group_of, id_text, wanted_messages
+from ev_study.measured.records.dbc import (
+    NULL_ADDRESS,
+    Decoded,
+    Wanted,
+    group_of,
+    id_text,
+    wanted_messages,
+)
 from ev_study.measured.records.record import Read
 from ev_study.measured.records.samples import Sampled
 
@@ -24,7 +31,8 @@ if TYPE_CHECKING:
 _NAMES = {"can": "python-can"}
 Source = tuple[str, int]  # bus and id of a frame
 _FROM_ZERO = (".asc", ".blf")  # formats whose buses python-can counts from 0, the files from 1
-SUFFIXES = (".log", ".asc", ".trc", ".blf", ".mf4")  # candump, text of Vector and of PEAK, Vector's binary, ASAM MDF
+# candump, text of Vector and of PEAK, Vector's binary, ASAM MDF
+SUFFIXES = (".log", ".asc", ".trc", ".blf", ".mf4")
 _RELATIVE = re.compile(r"^base\s+\w+\s+timestamps\s+relative", re.IGNORECASE | re.MULTILINE)
 _TIMED = re.compile(r"^(\s*)(-?\d+\.\d+)(?=\s)", re.MULTILINE)
 
@@ -32,14 +40,17 @@ _TIMED = re.compile(r"^(\s*)(-?\d+\.\d+)(?=\s)", re.MULTILINE)
 def read_columns(log: Path, database: Path, wanted: Sequence[str], channel: str = "") -> Read:
     """The signals MESSAGE.SIGNAL over the times of their frames, with the SHA-256 of the log and the units of the DBC.
 
-    `channel` is the bus that is read where several carry the same message. A message of J1939 whose source in the DBC
-    is the null address is read from any source. Frames without the bits of a signal, pages of a multiplexer that the
-    DBC does not have, and values beyond its range are passed over and counted. ParameterError, in one line, if log or
-    database cannot be read, if a message or signal is not in the database, has several sources, or never came.
+    `channel` is the bus that is read where several carry the same message. A message of J1939 whose
+    source in the DBC is the null address is read from any source. Frames without the bits of a
+    signal, pages of a multiplexer that the DBC does not have, and values beyond its range are
+    passed over and counted. ParameterError, in one line, if log or database cannot be read, if a
+    message or signal is not in the database, has several sources, or never came.
     """
     for package in ("can", "cantools", *(("asammdf",) if log.suffix.lower() == ".mf4" else ())):
         if find_spec(package) is None:
-            raise ParameterError(f"{log} needs the Python package {_NAMES.get(package, package)}, which is missing")
+            raise ParameterError(
+                f"{log} needs the Python package {_NAMES.get(package, package)}, which is missing"
+            )
     messages = wanted_messages(database, wanted)
     by_id = {(each.message.frame_id, each.message.is_extended_frame): each for each in messages}
     by_group = {}
@@ -69,7 +80,9 @@ def read_columns(log: Path, database: Path, wanted: Sequence[str], channel: str 
             if not chosen.times[column]:
                 reasons = "; ".join(("", *chosen.notes()))
                 raise ParameterError(f"{log} has no frame with {column} that can be read{reasons}")
-            columns[column] = Sampled(np.array(chosen.times[column]), np.array(chosen.values[column]))
+            columns[column] = Sampled(
+                np.array(chosen.times[column]), np.array(chosen.values[column])
+            )
             units[column] = signal.unit or ""
     return Read(columns, digest, units, tuple(notes))
 
@@ -81,7 +94,9 @@ def _bus(log: Path, frame: can.Message) -> str:
     return "" if frame.channel is None else str(frame.channel)
 
 
-def _chosen(log: Path, wanted: Wanted, decoded: dict[Source, Decoded], channel: str, others: set[int]) -> Decoded:
+def _chosen(
+    log: Path, wanted: Wanted, decoded: dict[Source, Decoded], channel: str, others: set[int]
+) -> Decoded:
     """The frames of a message from the one source that has it; ParameterError if there is none, or more than one."""
     name, message = next(iter(wanted.signals)), wanted.message
     if not decoded:
@@ -100,7 +115,9 @@ def _chosen(log: Path, wanted: Wanted, decoded: dict[Source, Decoded], channel: 
         )
     if len(decoded) > 1:
         ids = " and ".join(f"{each:08X}" for _, each in sorted(decoded))
-        raise ParameterError(f"{log}: {message.name} comes as {ids}, expected a DBC with one of these ids for it")
+        raise ParameterError(
+            f"{log}: {message.name} comes as {ids}, expected a DBC with one of these ids for it"
+        )
     return next(iter(decoded.values()))
 
 
@@ -118,7 +135,11 @@ def _frames(log: Path) -> Iterator[can.Message]:
 
     number, last = 0, 0.0
     try:
-        with can.ASCReader(_absolute(log)) if log.suffix.lower() == ".asc" else can.LogReader(log) as reader:
+        with (
+            can.ASCReader(_absolute(log))
+            if log.suffix.lower() == ".asc"
+            else can.LogReader(log) as reader
+        ):
             for frame in reader:
                 number, last = number + 1, frame.timestamp
                 if not (frame.is_error_frame or frame.is_remote_frame):
@@ -129,13 +150,16 @@ def _frames(log: Path) -> Iterator[can.Message]:
         raise ParameterError(f"{log}: {error.strerror or error}") from None
     except Exception as error:  # whatever the libraries raise for what is no log
         behind = f" behind frame {number} at {last:.6f} s" if number else ""
-        raise ParameterError(f"{log}: the log cannot be read{behind}: {' '.join(str(error).split())[:200]}") from None
+        raise ParameterError(
+            f"{log}: the log cannot be read{behind}: {' '.join(str(error).split())[:200]}"
+        ) from None
 
 
 def _absolute(log: Path) -> io.StringIO:
     """The text of an .asc file with times from its first line on, none of them negative.
 
-    python-can passes over lines with negative times, and takes times since the line before for times since the start.
+    python-can passes over lines with negative times, and takes times since the line before for
+    times since the start.
     """
     text = read_data(log, SIGNALS).decode("utf-8", errors="replace")
     times = np.array([float(match[2]) for match in _TIMED.finditer(text)])

@@ -14,8 +14,10 @@ from ev_msgs_py.refusal import ParameterError, first_line, unknown_name
 if TYPE_CHECKING:
     from cantools.database.can import Database, Message, Signal
 
-_ENCODINGS = ("utf-8", "cp1252", "gbk")  # tried in this order; cp1252 before gbk, which takes its "°C" for one letter
-NULL_ADDRESS = 0xFE  # source of J1939 that no control unit has: with it a DBC means frames from any source
+# tried in this order; cp1252 before gbk, which takes its "°C" for one letter
+_ENCODINGS = ("utf-8", "cp1252", "gbk")
+# source of J1939 that no control unit has: with it a DBC means frames from any source
+NULL_ADDRESS = 0xFE
 
 
 @dataclass
@@ -65,7 +67,9 @@ class Decoded:
     def notes(self) -> tuple[str, ...]:
         """What was passed over, a line for each reason."""
         name, of = self.wanted.message.name, self.frames
-        lines = [f"{n} of {of} frames of {name} passed over: {why}" for why, n in self.undecoded.items()]
+        lines = [
+            f"{n} of {of} frames of {name} passed over: {why}" for why, n in self.undecoded.items()
+        ]
         for column, n in self.short.items():
             lines.append(f"{n} of {of} frames of {name} passed over: too short for {column}")
         for column, n in self.outside.items():

@@ -15,5 +15,7 @@ def without_metadata(path: Path) -> Path:
     files = sorted(each for each in path.iterdir() if each.suffix in (".mcap", ".db3"))
     if len(files) > 1:
         names = ", ".join(each.name for each in files)
-        raise ParameterError(f"{path} has several bag files and no metadata.yaml, expected one of them: {names}")
+        raise ParameterError(
+            f"{path} has several bag files and no metadata.yaml, expected one of them: {names}"
+        )
     return files[0] if files else path

@@ -45,9 +45,14 @@ def read_record(path: Path, mapping: Path) -> MeasuredRecord:
     found = {}
     for name, each in declared.items():
         if each.column not in read.columns:
-            raise ParameterError(f"{mapping}: {name}: {unknown_name(f'column of {path}', each.column, read.columns)}")
+            raise ParameterError(
+                f"{mapping}: {name}: {unknown_name(f'column of {path}', each.column, read.columns)}"
+            )
         declared[name] = _in_unit(mapping, name, each, read.units)
-        found[name] = (read.columns[each.column].scaled(declared[name].factor(name)), declared[name])
+        found[name] = (
+            read.columns[each.column].scaled(declared[name].factor(name)),
+            declared[name],
+        )
     record = measured(str(path), read.digest, found, build(MaskParameters, given.get("mask") or {}))
     return record.noted(read.notes + without_unit(read.units, declared))
 
@@ -57,7 +62,10 @@ def read_standard(bag: Path) -> MeasuredRecord:
     chosen = bags.standard_channels(bag)
     read = bags.read_columns(bag, [*chosen.values()])
     found = {name: (read.columns[column], ColumnParameters()) for name, column in chosen.items()}
-    notes = tuple(f"{name} is {column}, taken as measured at the centre of mass" for name, column in chosen.items())
+    notes = tuple(
+        f"{name} is {column}, taken as measured at the centre of mass"
+        for name, column in chosen.items()
+    )
     record = measured(str(bag), read.digest, found, MaskParameters())
     return record.noted(read.notes + notes)
 
@@ -70,7 +78,9 @@ def _given(mapping: Path) -> Mapping[str, Any]:
     except (yaml.YAMLError, UnicodeDecodeError):
         raise ParameterError(f"{mapping} is no YAML text") from None
     if not isinstance(given, dict) or not isinstance(given.get("channels"), dict):
-        raise ParameterError(f"{mapping}: expected a mapping with channels and, as needed, time, dbc and mask")
+        raise ParameterError(
+            f"{mapping}: expected a mapping with channels and, as needed, time, dbc and mask"
+        )
     for name in given:
         if name not in _ENTRIES:
             raise ParameterError(f"{mapping}: {unknown_name('entry', name, _ENTRIES)}")
@@ -86,7 +96,11 @@ def _reader(path: Path, mapping: Path, given: Mapping[str, Any]) -> Reader:
     if not (is_log or is_table or suffix in _BAGS):
         known = ", ".join((".csv", ".csv.xz", *can_logs.SUFFIXES, *_BAGS[:-1]))
         raise ParameterError(f"{path}: expected a file ending with {known}, or the folder of a bag")
-    for name, needed, has_use in (("time", is_table, is_table), ("dbc", is_log, is_log), ("channel", False, is_log)):
+    for name, needed, has_use in (
+        ("time", is_table, is_table),
+        ("dbc", is_log, is_log),
+        ("channel", False, is_log),
+    ):
         if (needed and name not in given) or (name in given and not has_use):
             use = "needs" if needed else "has no use for"
             raise ParameterError(
@@ -94,7 +108,9 @@ def _reader(path: Path, mapping: Path, given: Mapping[str, Any]) -> Reader:
             )
     if is_log:
         database = mapping.parent / str(given["dbc"])
-        return lambda file, wanted: can_logs.read_columns(file, database, wanted, str(given.get("channel", "")))
+        return lambda file, wanted: can_logs.read_columns(
+            file, database, wanted, str(given.get("channel", ""))
+        )
     if not is_table:
         return bags.read_columns
 
@@ -113,13 +129,17 @@ def _reader(path: Path, mapping: Path, given: Mapping[str, Any]) -> Reader:
         factor = _in_unit(mapping, "time", declared, units).factor("time")
         time = found.columns[declared.column] * factor
         columns = {name: Sampled(time, values) for name, values in found.columns.items()}
-        notes = tuple(f"{name}: {what}, passed over" for name, what in found.texts.items() if name in wanted)
+        notes = tuple(
+            f"{name}: {what}, passed over" for name, what in found.texts.items() if name in wanted
+        )
         return Read(columns, found.digest, units, notes)
 
     return table
 
 
-def _in_unit(mapping: Path, name: str, declared: ColumnParameters, units: Mapping[str, str]) -> ColumnParameters:
+def _in_unit(
+    mapping: Path, name: str, declared: ColumnParameters, units: Mapping[str, str]
+) -> ColumnParameters:
     try:
         return with_unit(name, declared, units.get(declared.column, ""))
     except ParameterError as error:

@@ -36,12 +36,17 @@ def read_columns(file: Path, wanted: Sequence[str]) -> Read:
                 if column not in measured.channels_db:
                     raise unknown_name(f"channel of {file}", column, sorted(measured.channels_db))
                 signal = measured.get(column)
-                found[column] = Sampled(np.asarray(signal.timestamps, float), np.asarray(signal.samples, float))
+                found[column] = Sampled(
+                    np.asarray(signal.timestamps, float), np.asarray(signal.samples, float)
+                )
                 units[column] = str(signal.unit or "")
     except ParameterError:
         raise
     except OSError as error:
         raise ParameterError(f"{file}: {error.strerror or error}") from None
-    except Exception as error:  # whatever the library raises for what is no MDF file, or for an ambiguous name
-        raise ParameterError(f"{file}: the file cannot be read: {' '.join(str(error).split())[:200]}") from None
+    # whatever the library raises for what is no MDF file, or for an ambiguous name
+    except Exception as error:
+        raise ParameterError(
+            f"{file}: the file cannot be read: {' '.join(str(error).split())[:200]}"
+        ) from None
     return Read(found, digest, units)

@@ -14,29 +14,67 @@ from ev_core.parameters.declaration import parameter, setting
 from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
-from ev_study.measured.records.samples import Sampled, cut, in_order, jumps, spacing_of, without_spikes
+from ev_study.measured.records.samples import (
+    Sampled,
+    cut,
+    in_order,
+    jumps,
+    spacing_of,
+    without_spikes,
+)
 
 YAW_RATE, LATERAL, LONGITUDINAL = "twist.yaw_rate", "twist.lateral", "twist.longitudinal"
-LATERAL_ACCELERATION, LONGITUDINAL_ACCELERATION = "imu.lateral_acceleration", "imu.longitudinal_acceleration"
-ROAD_WHEEL_ANGLE, STEERING_WHEEL_ANGLE = "steering_column.state.road_wheel_angle", "steering_column.state.angle"
+LATERAL_ACCELERATION, LONGITUDINAL_ACCELERATION = (
+    "imu.lateral_acceleration",
+    "imu.longitudinal_acceleration",
+)
+ROAD_WHEEL_ANGLE, STEERING_WHEEL_ANGLE = (
+    "steering_column.state.road_wheel_angle",
+    "steering_column.state.angle",
+)
 SIDESLIP = "sideslip"  # [rad], which no topic has
 
 UNITS = {
     "": 1.0,  # SI
-    **{"1": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "m": 1.0, "m/s": 1.0, "km/h": 1 / 3.6, "mph": 0.44704},
+    **{
+        "1": 1.0,
+        "s": 1.0,
+        "ms": 1e-3,
+        "us": 1e-6,
+        "m": 1.0,
+        "m/s": 1.0,
+        "km/h": 1 / 3.6,
+        "mph": 0.44704,
+    },
     **{"rad": 1.0, "deg": np.pi / 180, "rad/s": 1.0, "deg/s": np.pi / 180, "rpm": np.pi / 30},
-    **{"m/s2": 1.0, "g": 9.80665, "N": 1.0, "kN": 1e3, "N m": 1.0, "degC": 1.0, "kPa": 1e3, "cm": 1e-2, "W": 1.0},
+    **{
+        "m/s2": 1.0,
+        "g": 9.80665,
+        "N": 1.0,
+        "kN": 1e3,
+        "N m": 1.0,
+        "degC": 1.0,
+        "kPa": 1e3,
+        "cm": 1e-2,
+        "W": 1.0,
+    },
 }
-# What noise makes of one instant and the next, and how fast a car changes it: both together are more than any car does.
+# What noise makes of one instant and the next, and how fast a car changes it: both together are
+# more than any car does.
 _LARGEST_STEP = {
     **dict.fromkeys((YAW_RATE, "imu.yaw_rate"), (1.0, 20.0)),  # [rad/s], [rad/s^2]
     **dict.fromkeys((LONGITUDINAL, LATERAL), (3.0, 30.0)),  # [m/s], [m/s^2]
-    **dict.fromkeys((LONGITUDINAL_ACCELERATION, LATERAL_ACCELERATION), (40.0, 0.0)),  # [m/s^2], [m/s^3]
+    # [m/s^2], [m/s^3]
+    **dict.fromkeys((LONGITUDINAL_ACCELERATION, LATERAL_ACCELERATION), (40.0, 0.0)),
 }
-_SURE = 3.0  # times as fast as a steering angle may change: a log that holds each sample for some instants is slower
+# times as fast as a steering angle may change: a log that holds each sample for some instants is
+# slower
+_SURE = 3.0
 SLOWEST = 1.0  # [m/s], below which nothing is made of a sideslip angle
-_MOVED = (LONGITUDINAL, LATERAL, LONGITUDINAL_ACCELERATION, LATERAL_ACCELERATION, SIDESLIP)  # to the centre of mass
-_SAME_EVERYWHERE = (YAW_RATE, "imu.yaw_rate")  # of a rigid body; a place may be given and changes nothing
+# to the centre of mass
+_MOVED = (LONGITUDINAL, LATERAL, LONGITUDINAL_ACCELERATION, LATERAL_ACCELERATION, SIDESLIP)
+# of a rigid body; a place may be given and changes nothing
+_SAME_EVERYWHERE = (YAW_RATE, "imu.yaw_rate")
 # To the left, or about the vertical axis: of the other sign where y is to the right and z down.
 _FLIPPED = {SIDESLIP} | {
     channel
@@ -60,15 +98,29 @@ class ColumnParameters:
         about="of the numbers of the column; empty: that of the DBC or of a row of units, else SI",
     )
     sign: float = setting(
-        1.0, unit="1", low=-1.0, high=1.0, about="-1 for a sensor that is mounted the other way round"
+        1.0,
+        unit="1",
+        low=-1.0,
+        high=1.0,
+        about="-1 for a sensor that is mounted the other way round",
     )
     frame: str = setting(
-        "iso", choices=("iso", "sae"), about="axes; iso: y to the left, z up (REP-103); sae: y to the right, z down"
+        "iso",
+        choices=("iso", "sae"),
+        about="axes; iso: y to the left, z up (REP-103); sae: y to the right, z down",
     )
-    x: float = setting(0.0, unit="m", low=-20.0, high=20.0, about="of the sensor, ahead of the centre of mass")
-    y: float = setting(0.0, unit="m", low=-5.0, high=5.0, about="of the sensor, left of the centre of mass")
+    x: float = setting(
+        0.0, unit="m", low=-20.0, high=20.0, about="of the sensor, ahead of the centre of mass"
+    )
+    y: float = setting(
+        0.0, unit="m", low=-5.0, high=5.0, about="of the sensor, left of the centre of mass"
+    )
     radius: float = setting(
-        0.0, unit="m", low=0.0, high=2.0, about="of the wheel whose speed is in km/h, mph or m/s; 0: it is in rad/s"
+        0.0,
+        unit="m",
+        low=0.0,
+        high=2.0,
+        about="of the wheel whose speed is in km/h, mph or m/s; 0: it is in rad/s",
     )
     noise: float = setting(
         0.0, unit="1", low=0.0, high=1e6, about="standard deviation of the numbers of the column, in their unit: a fit "
@@ -97,14 +149,19 @@ class MaskParameters:
         about="of the road wheels, of the steering wheel 16 times as much; a faster change is a jump",
     )
     bridge: float = parameter(
-        0.05, unit="s", low=0.0, high=1.0, about="of jumps and gaps up to this length the inputs are interpolated"
+        0.05,
+        unit="s",
+        low=0.0,
+        high=1.0,
+        about="of jumps and gaps up to this length the inputs are interpolated",
     )
 
 
 class Read(NamedTuple):
     """Columns by name, as a reader has found them, and SHA-256 of the file, empty of a folder.
 
-    `units` are those that the file has, as it writes them, by column; `notes` are about what was passed over.
+    `units` are those that the file has, as it writes them, by column; `notes` are about what was
+    passed over.
     """
 
     columns: dict[str, Sampled]
@@ -117,11 +174,11 @@ class Read(NamedTuple):
 class MeasuredRecord:
     """Signals over equally spaced instants from time zero on, at the centre of mass, in SI and REP-103.
 
-    `channels` have the names of signals.npz and `SIDESLIP`, (n,) each. `valid` (n,) marks the instants that are
-    believed; elsewhere channels hold interpolated numbers. `begin` [s] is the time of the file at the first instant.
-    `noise` is the declared standard deviation by channel, where there is one, and `spacing` how far the samples of its
-    sensor are apart [s]. The sideslip angle is NaN where the car
-    is slower than `SLOWEST`: noise of the velocities decides it there.
+    `channels` have the names of signals.npz and `SIDESLIP`, (n,) each. `valid` (n,) marks the
+    instants that are believed; elsewhere channels hold interpolated numbers. `begin` [s] is the
+    time of the file at the first instant. `noise` is the declared standard deviation by channel,
+    where there is one, and `spacing` how far the samples of its sensor are apart [s]. The sideslip
+    angle is NaN where the car is slower than `SLOWEST`: noise of the velocities decides it there.
     """
 
     source: str
@@ -151,17 +208,23 @@ class MeasuredRecord:
 
 
 def measured(
-    source: str, digest: str, columns: Mapping[str, tuple[Sampled, ColumnParameters]], mask: MaskParameters
+    source: str,
+    digest: str,
+    columns: Mapping[str, tuple[Sampled, ColumnParameters]],
+    mask: MaskParameters,
 ) -> MeasuredRecord:
     """The record of columns in SI and REP-103, at the places of their sensors, each over its own times.
 
-    Its instants are as far apart as the samples of the yaw rate, or of the first column, from the instant on at which
-    all columns have begun to that at which the first ends. Samples whose times do not increase are passed over.
-    ParameterError if there are no such instants, or if most of the times do not increase.
+    Its instants are as far apart as the samples of the yaw rate, or of the first column, from the
+    instant on at which all columns have begun to that at which the first ends. Samples whose times
+    do not increase are passed over. ParameterError if there are no such instants, or if most of the
+    times do not increase.
     """
     if not columns:
         raise ParameterError(f"{source}: no channel of it is known")
-    samples, passed_over, set_back = in_order(source, {name: each for name, (each, _) in columns.items()})
+    samples, passed_over, set_back = in_order(
+        source, {name: each for name, (each, _) in columns.items()}
+    )
     samples, spikes, for_good = without_spikes(samples, _LARGEST_STEP)
     columns = {name: (samples[name], declared) for name, (_, declared) in columns.items()}
     for name, (each, _) in columns.items():
@@ -171,8 +234,12 @@ def measured(
     step = spacing_of(clock).interval
     period = round(step, 6)
     if not period:
-        raise ParameterError(f"{source}: samples are {step:.3g} s apart, expected 1e-06 s or more: unit of the time?")
-    begin, end = (pick(each.time[n] for each, _ in columns.values()) for pick, n in ((max, 0), (min, -1)))
+        raise ParameterError(
+            f"{source}: samples are {step:.3g} s apart, expected 1e-06 s or more: unit of the time?"
+        )
+    begin, end = (
+        pick(each.time[n] for each, _ in columns.values()) for pick, n in ((max, 0), (min, -1))
+    )
     instants = np.arange(int((end - begin) / period + 1.5) if end > begin else 0) * period
     if len(instants) < 2:
         raise ParameterError(f"{source}: its channels have no time in common")
@@ -183,7 +250,9 @@ def measured(
         valid &= np.interp(instants, time, finite) == 1.0
         before = np.clip(np.searchsorted(time, instants + 1e-9, side="right") - 1, 0, len(time) - 2)
         apart = 1.5 * max(spacing_of(time).largest, period)
-        valid &= (time[before + 1] - time[before] < apart) | (np.abs(time[before] - instants) < 1e-6)
+        valid &= (time[before + 1] - time[before] < apart) | (
+            np.abs(time[before] - instants) < 1e-6
+        )
     _move_to_centre(channels, {name: declared for name, (_, declared) in columns.items()}, period)
     for name in (ROAD_WHEEL_ANGLE, STEERING_WHEEL_ANGLE):
         if name in channels:
@@ -191,9 +260,15 @@ def measured(
             valid &= ~jumps(channels[name], limit * period, sure=_SURE)[0]
     is_cut = cut(instants + begin, [*set_back, *for_good])
     valid &= ~is_cut
-    notes = passed_over + spikes + _bridge(channels, valid, is_cut, max(int(mask.bridge / period + 0.5), 0))
+    notes = (
+        passed_over
+        + spikes
+        + _bridge(channels, valid, is_cut, max(int(mask.bridge / period + 0.5), 0))
+    )
     noise = {
-        name: declared.noise * abs(declared.factor(name)) for name, (_, declared) in columns.items() if declared.noise
+        name: declared.noise * abs(declared.factor(name))
+        for name, (_, declared) in columns.items()
+        if declared.noise
     }
     found = {name: spacing_of(each.time) for name, (each, _) in columns.items()}
     spacing = {name: each.interval for name, each in found.items()}
@@ -203,10 +278,14 @@ def measured(
             f"{', '.join(bursts)}: samples come in bursts, up to {most:.2g} s apart: their times are those of arrival",
         )
     _complete_sideslip(channels, noise, spacing)
-    return MeasuredRecord(source, digest, float(begin), period, channels, valid, notes, noise, spacing)
+    return MeasuredRecord(
+        source, digest, float(begin), period, channels, valid, notes, noise, spacing
+    )
 
 
-def _complete_sideslip(channels: dict[str, np.ndarray], noise: dict[str, float], spacing: dict[str, float]) -> None:
+def _complete_sideslip(
+    channels: dict[str, np.ndarray], noise: dict[str, float], spacing: dict[str, float]
+) -> None:
     """Sideslip angle and lateral velocity by each other, and no sideslip angle where the car hardly moves."""
     if LONGITUDINAL not in channels:
         return
@@ -229,17 +308,20 @@ def _complete_sideslip(channels: dict[str, np.ndarray], noise: dict[str, float],
 def sideslip(longitudinal: np.ndarray, lateral: np.ndarray, measured: np.ndarray) -> np.ndarray:
     """The sideslip angle [rad] by velocities in the body frame, in reverse that of the rear, as in `measures.motion`.
 
-    The car reverses where the `measured` longitudinal velocity is negative, so that a simulated car that has turned
-    round does not.
+    The car reverses where the `measured` longitudinal velocity is negative, so that a simulated car
+    that has turned round does not.
     """
     direction = np.where(measured < 0.0, -1.0, 1.0)
     return np.arctan2(direction * lateral, direction * longitudinal)
 
 
-def _move_to_centre(channels: dict[str, np.ndarray], declared: Mapping[str, ColumnParameters], period: float) -> None:
+def _move_to_centre(
+    channels: dict[str, np.ndarray], declared: Mapping[str, ColumnParameters], period: float
+) -> None:
     """Velocities, accelerations and sideslip beside the centre of mass, of a rigid body that turns in the plane."""
     moved = [n for n, of in declared.items() if of.x or of.y]
-    moved.sort(key=lambda name: name == SIDESLIP)  # last: it needs the velocity at the centre of mass
+    # last: it needs the velocity at the centre of mass
+    moved.sort(key=lambda name: name == SIDESLIP)
     for name in moved:
         if name in _SAME_EVERYWHERE:
             continue
@@ -248,11 +330,15 @@ def _move_to_centre(channels: dict[str, np.ndarray], declared: Mapping[str, Colu
         needed = (YAW_RATE, LONGITUDINAL) if name == SIDESLIP else (YAW_RATE,)
         for each in needed:
             if each not in channels:
-                raise ParameterError(f"{name} was measured beside the centre of mass, which needs {each}")
+                raise ParameterError(
+                    f"{name} was measured beside the centre of mass, which needs {each}"
+                )
         x, y, yaw_rate = declared[name].x, declared[name].y, channels[YAW_RATE]
         yaw = np.gradient(yaw_rate, period)
         if name == SIDESLIP:
-            channels[name] = _sideslip_at_centre(channels[name], channels[LONGITUDINAL], yaw_rate, x, y)
+            channels[name] = _sideslip_at_centre(
+                channels[name], channels[LONGITUDINAL], yaw_rate, x, y
+            )
             continue
         channels[name] = (
             channels[name]
@@ -265,12 +351,16 @@ def _move_to_centre(channels: dict[str, np.ndarray], declared: Mapping[str, Colu
         )
 
 
-def _sideslip_at_centre(angle: np.ndarray, speed: np.ndarray, yaw_rate: np.ndarray, x: float, y: float) -> np.ndarray:
+def _sideslip_at_centre(
+    angle: np.ndarray, speed: np.ndarray, yaw_rate: np.ndarray, x: float, y: float
+) -> np.ndarray:
     """The sideslip angle [rad] of a sensor at (x, y), by its velocity, less that of the turn."""
     return sideslip(speed, (speed - y * yaw_rate) * np.tan(angle) - x * yaw_rate, speed)
 
 
-def _bridge(channels: dict[str, np.ndarray], valid: np.ndarray, is_cut: np.ndarray, most: int) -> tuple[str, ...]:
+def _bridge(
+    channels: dict[str, np.ndarray], valid: np.ndarray, is_cut: np.ndarray, most: int
+) -> tuple[str, ...]:
     """Interpolate all channels where they are not believed; what is short and no cut is believed then."""
     bad = np.flatnonzero(~valid)
     if not len(bad):
@@ -286,9 +376,15 @@ def _bridge(channels: dict[str, np.ndarray], valid: np.ndarray, is_cut: np.ndarr
     for run in bridged:
         valid[run] = True
     masked = len(runs) - len(bridged)
-    return (f"{len(bad)} instants in {len(runs)} jumps and gaps, {len(bridged)} of them bridged, {masked} masked",)
+    return (
+        f"{len(bad)} instants in {len(runs)} jumps and gaps, {len(bridged)} of them bridged, {masked} masked",
+    )
 
 
 def quoted_source(record: MeasuredRecord) -> str:
     """The name of the file and the beginning of its hash."""
-    return f"{Path(record.source).name}, SHA-256 {record.digest[:12]}" if record.digest else quoted(record.source)
+    return (
+        f"{Path(record.source).name}, SHA-256 {record.digest[:12]}"
+        if record.digest
+        else quoted(record.source)
+    )

@@ -11,9 +11,12 @@ import numpy as np
 
 from ev_msgs_py.refusal import ParameterError
 
-_LONGEST_SPIKE = 10  # samples in which a signal that has jumped away has to be back, else it has jumped for good
-_PAUSE = 86400.0  # [s], longer than any pause in a record: a clock that was not set yet is years behind
-_NAMED, _MOST_JUMPS = 5, 50  # places that a note names, and jumps among which that back is looked for
+# samples in which a signal that has jumped away has to be back, else it has jumped for good
+_LONGEST_SPIKE = 10
+# [s], longer than any pause in a record: a clock that was not set yet is years behind
+_PAUSE = 86400.0
+# places that a note names, and jumps among which that back is looked for
+_NAMED, _MOST_JUMPS = 5, 50
 _TOGETHER = 20  # samples, more than a buffer hands on at once
 _ANOTHER = 100  # samples in a row for which the clock has no room: they are those of another drive
 
@@ -30,17 +33,21 @@ class Sampled:
         return replace(self, values=factor * self.values)
 
 
-Cut = tuple[float, float]  # times [s] of two samples that do not belong together: a record goes on behind the second
+# times [s] of two samples that do not belong together: a record goes on behind the second
+Cut = tuple[float, float]
 
 
-def in_order(source: str, columns: Mapping[str, Sampled]) -> tuple[dict[str, Sampled], tuple[str, ...], list[Cut]]:
+def in_order(
+    source: str, columns: Mapping[str, Sampled]
+) -> tuple[dict[str, Sampled], tuple[str, ...], list[Cut]]:
     """The columns without the samples whose times are not believed, how many these are, and where a clock steps back.
 
     ParameterError if they are most of them.
     """
     kept: dict[str, Sampled] = {}
     cuts: dict[Cut, None] = {}  # each once
-    names_of: dict[str, list[str]] = {}  # by what was passed over: columns of one table or topic share their times
+    # by what was passed over: columns of one table or topic share their times
+    names_of: dict[str, list[str]] = {}
     for name, each in columns.items():
         good = believed(each.time) if len(each.time) else np.zeros(0, bool)
         bad, of = len(good) - int(good.sum()), len(good)
@@ -65,7 +72,8 @@ def _steps_back(time: np.ndarray, good: np.ndarray) -> list[Cut]:
     without_room = np.flatnonzero(passed_over * np.median(steps) > 2.0 * steps)
     found = []
     for before, behind in zip(places[without_room], places[without_room + 1], strict=True):
-        if np.ptp(time[before + 1 : behind]) > 0.0:  # equal times are those of messages that were taken together
+        # equal times are those of messages that were taken together
+        if np.ptp(time[before + 1 : behind]) > 0.0:
             found.append((float(time[before]), float(time[behind])))
     return found
 
@@ -74,7 +82,9 @@ def _where_cut(what: str, cuts: Sequence[Cut]) -> str:
     """What a note says of the places at which a record is cut; empty if there are none."""
     if not cuts:
         return ""
-    times = ", ".join(f"{behind:.2f}" for _, behind in cuts[:_NAMED]) + (" ..." if len(cuts) > _NAMED else "")
+    times = ", ".join(f"{behind:.2f}" for _, behind in cuts[:_NAMED]) + (
+        " ..." if len(cuts) > _NAMED else ""
+    )
     return f"; it {what} at {times} s, where windows begin anew"
 
 
@@ -83,7 +93,8 @@ def without_spikes(
 ) -> tuple[dict[str, Sampled], tuple[str, ...], list[Cut]]:
     """The columns with NaN for the samples that jump, how many these are, and where one jumps for good.
 
-    `largest_step` has by name what is no jump yet: a step of any two samples, and a rate on top of it.
+    `largest_step` has by name what is no jump yet: a step of any two samples, and a rate on top of
+    it.
     """
     kept = dict(columns)
     notes = []
@@ -145,7 +156,8 @@ def cut(instants: np.ndarray, cuts: Sequence[Cut]) -> np.ndarray:
 def believed(time: np.ndarray) -> np.ndarray:
     """Where the times [s] of a series (n,) are believed, (n,) bool: most of them that increase, within one stretch.
 
-    Where the clock begins anew, as in a log to which another drive was appended, only one of both is believed.
+    Where the clock begins anew, as in a log to which another drive was appended, only one of both
+    is believed.
     """
     found = np.isfinite(time)
     if found.all() and len(time) and (np.diff(time) > 0.0).all() and time[-1] - time[0] < _PAUSE:
@@ -154,7 +166,11 @@ def believed(time: np.ndarray) -> np.ndarray:
     places = places[_longest_rise(time[places])]
     passed_over, steps = np.diff(places) - 1, np.diff(time[places])
     # Samples with wrong times leave a pause of their own length; those of another drive leave none.
-    anew = (passed_over > _ANOTHER) & (passed_over * np.median(steps) > 2.0 * steps) if len(steps) else steps > 0.0
+    anew = (
+        (passed_over > _ANOTHER) & (passed_over * np.median(steps) > 2.0 * steps)
+        if len(steps)
+        else steps > 0.0
+    )
     if anew.any() and 4 * len(places) > len(time):
         at = int(places[np.flatnonzero(anew)[0]]) + 1
         before, behind = believed(time[:at]), believed(time[at:])
@@ -190,12 +206,15 @@ def _longest_rise(values: np.ndarray) -> list[int]:
     return rise[::-1]
 
 
-def jumps(values: np.ndarray, limit: float | np.ndarray, sure: float = 1.0) -> tuple[np.ndarray, list[int]]:
+def jumps(
+    values: np.ndarray, limit: float | np.ndarray, sure: float = 1.0
+) -> tuple[np.ndarray, list[int]]:
     """Where a series jumps away, up to where it is back, (n,) bool, and the places before jumps that stay for good.
 
-    `limit` is the largest step, of all or (n - 1,). What is back within `_LONGEST_SPIKE` may be back in any way, later
-    on, within half of the samples, only by a jump; then both are larger than `sure` limits. Near the beginning or the
-    end it is the short side that has jumped. Of a jump for good one instant is marked.
+    `limit` is the largest step, of all or (n - 1,). What is back within `_LONGEST_SPIKE` may be
+    back in any way, later on, within half of the samples, only by a jump; then both are larger than
+    `sure` limits. Near the beginning or the end it is the short side that has jumped. Of a jump for
+    good one instant is marked.
     """
     sizes = np.abs(np.diff(values))
     limits = np.broadcast_to(limit, sizes.shape)
@@ -206,8 +225,11 @@ def jumps(values: np.ndarray, limit: float | np.ndarray, sure: float = 1.0) -> t
     for number, edge in enumerate(edges.tolist()):
         if edge < behind:
             continue
-        most = max(limits[edge], 0.5 * sizes[edge])  # a car that drives on meanwhile is back somewhere else
-        near = np.abs(values[edge + 2 : edge + 2 + _LONGEST_SPIKE] - values[edge]) < min(3.0 * limits[edge], most)
+        # a car that drives on meanwhile is back somewhere else
+        most = max(limits[edge], 0.5 * sizes[edge])
+        near = np.abs(values[edge + 2 : edge + 2 + _LONGEST_SPIKE] - values[edge]) < min(
+            3.0 * limits[edge], most
+        )
         later = edges[number + 1 : number + 1 + _MOST_JUMPS]
         later = later[is_sure[later] & is_sure[edge] & (later - edge <= len(values) // 2)]
         later = later[np.abs(values[later + 1] - values[edge]) < most]

@@ -16,7 +16,8 @@ from ev_core.parameters.data_file import MEGABYTE, SIGNALS, read_data
 from ev_msgs_py.refusal import ParameterError, quoted
 
 _AT_ONCE = 10_000  # rows that are held as texts
-_MISSING = ("", "-", "na", "n/a", "#n/a", "null", "none", "nan")  # in lower case: a cell without a number
+# in lower case: a cell without a number
+_MISSING = ("", "-", "na", "n/a", "#n/a", "null", "none", "nan")
 
 
 class Table(NamedTuple):
@@ -34,14 +35,17 @@ class Table(NamedTuple):
 def read_columns(path: Path) -> Table:
     """The table of a CSV file; .csv.xz is unpacked. ParameterError, in one line, if it is none or is cut off.
 
-    The first line that is not empty is the header, with or without "#" before it. Columns are separated by commas, or
-    by semicolons or tabs, beside which a comma is that of a decimal. A first row without any number is one of units.
+    The first line that is not empty is the header, with or without "#" before it. Columns are
+    separated by commas, or by semicolons or tabs, beside which a comma is that of a decimal. A
+    first row without any number is one of units.
     """
     try:
         content = read_data(path, SIGNALS)
         text = _unpacked(content) if path.suffix == ".xz" else content
         lines = io.StringIO(text.decode("utf-8-sig"), newline="")
-        above, header = next(((n, line) for n, line in enumerate(lines, 1) if line.strip()), (0, ""))
+        above, header = next(
+            ((n, line) for n, line in enumerate(lines, 1) if line.strip()), (0, "")
+        )
         header = header.lstrip("# ")
         separator = next((each for each in ";\t" if each in header), ",")
         names = [cell.strip() for cell in next(csv.reader([header], delimiter=separator), [])]
@@ -54,8 +58,12 @@ def read_columns(path: Path) -> Table:
         if isinstance(error, ParameterError):
             raise
         reason = " ".join(str(error).split())[:200]
-        raise ParameterError(f"{path} is no CSV table of at most {SIGNALS // MEGABYTE} MB: {reason}") from None
-    return Table(dict(zip(names, rows.T, strict=True)), hashlib.sha256(content).hexdigest(), units, texts)
+        raise ParameterError(
+            f"{path} is no CSV table of at most {SIGNALS // MEGABYTE} MB: {reason}"
+        ) from None
+    return Table(
+        dict(zip(names, rows.T, strict=True)), hashlib.sha256(content).hexdigest(), units, texts
+    )
 
 
 def _unpacked(content: bytes) -> bytes:
@@ -86,13 +94,19 @@ def _numbers(
             continue
         line = above + reader.line_num
         if len(row) != len(names):
-            raise ParameterError(f"{path}: line {line} has {len(row)} cells, expected {len(names)}, as the header has")
+            raise ParameterError(
+                f"{path}: line {line} has {len(row)} cells, expected {len(names)}, as the header has"
+            )
         cells = [cell.replace(",", ".") for cell in row] if separator != "," else row
         values = _values(cells)
         if not begun:
             begun = True
-            if all(value is None for value in values) and not all(_is_missing(cell) for cell in row):
-                units = {name: cell.strip().strip("[]()") for name, cell in zip(names, row, strict=True)}
+            if all(value is None for value in values) and not all(
+                _is_missing(cell) for cell in row
+            ):
+                units = {
+                    name: cell.strip().strip("[]()") for name, cell in zip(names, row, strict=True)
+                }
                 continue
         for name, cell, value in zip(names, row, values, strict=True):
             if value is None and not _is_missing(cell):

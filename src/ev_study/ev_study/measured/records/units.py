@@ -42,7 +42,8 @@ _WRITTEN = {
     **dict.fromkeys(("sec", "seconds"), "s"),
 }
 _BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]$")
-_NONE = ("", "-", "1")  # what a file writes for a number without a unit, or for one that it does not know
+# what a file writes for a number without a unit, or for one that it does not know
+_NONE = ("", "-", "1")
 
 
 def of_header(columns: Iterable[str]) -> dict[str, str]:
@@ -62,7 +63,8 @@ def refuse_other_units(file: Path, units: Mapping[str, str], expected: Mapping[s
 def with_unit(name: str, declared: ColumnParameters, of_file: str) -> ColumnParameters:
     """The same column with the unit of its numbers; `of_file` is the text that the file has for it, or empty.
 
-    ParameterError if mapping and file contradict each other, or if the unit does not measure what the channel is.
+    ParameterError if mapping and file contradict each other, or if the unit does not measure what
+    the channel is.
     """
     channel_unit = {**frame.units(), SIDESLIP: "rad", "time": "s"}[name]
     known = "" if of_file.strip() in _NONE else _WRITTEN.get(of_file.strip().lower())
@@ -83,17 +85,25 @@ def with_unit(name: str, declared: ColumnParameters, of_file: str) -> ColumnPara
     elif declared.radius:
         raise ParameterError("radius is refused, expected only for wheel_states.velocity")
     if unit and unit not in allowed:
-        by_radius = ", or the radius of the wheel beside a speed" if name.startswith("wheel_states.velocity.") else ""
+        by_radius = (
+            ", or the radius of the wheel beside a speed"
+            if name.startswith("wheel_states.velocity.")
+            else ""
+        )
         raise ParameterError(f"the unit is {unit}, expected {', '.join(allowed)}{by_radius}")
     return replace(declared, unit=unit)
 
 
-def without_unit(units: Mapping[str, str], declared: Mapping[str, ColumnParameters]) -> tuple[str, ...]:
+def without_unit(
+    units: Mapping[str, str], declared: Mapping[str, ColumnParameters]
+) -> tuple[str, ...]:
     """One note for each column that neither the mapping nor a file with units gives one."""
     si = {**frame.units(), SIDESLIP: "rad"}
     notes = []
     for name, each in declared.items():
         if not each.unit and each.column in units and si[name] != "1":
             taken = "m/s" if each.radius else si[name]
-            notes.append(f"{each.column} has no unit, neither in the file nor in the mapping, and is taken as {taken}")
+            notes.append(
+                f"{each.column} has no unit, neither in the file nor in the mapping, and is taken as {taken}"
+            )
     return tuple(notes)

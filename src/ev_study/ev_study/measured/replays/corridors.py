@@ -1,9 +1,10 @@
 """Corridors around what was simulated, and what of the record lies in them.
 
-ISO 19364:2016 (steady-state circular driving) draws boundaries around simulated cross plots, in which the measured ones
-have to lie; ISO 22140:2021 (lateral transient response) compares time histories. That is taken from their published
-scopes. Half the width, offset + gain times magnitude, and its numbers are ours, and so is that any driving is judged:
-instant by instant, and as cross plots by the medians of narrow ranges of lateral acceleration.
+ISO 19364:2016 (steady-state circular driving) draws boundaries around simulated cross plots, in
+which the measured ones have to lie; ISO 22140:2021 (lateral transient response) compares time
+histories. That is taken from their published scopes. Half the width, offset + gain times magnitude,
+and its numbers are ours, and so is that any driving is judged: instant by instant, and as cross
+plots by the medians of narrow ranges of lateral acceleration.
 """
 
 from __future__ import annotations
@@ -38,17 +39,33 @@ class CorridorParameters:
     """Half the width of a corridor, offset + gain times the magnitude of what was simulated; all assumptions."""
 
     steering_angle_offset: float = parameter(
-        0.0035, unit="rad", low=0.0, high=1.0, about="of the steering angle: 0.2 deg of the road wheels"
+        0.0035,
+        unit="rad",
+        low=0.0,
+        high=1.0,
+        about="of the steering angle: 0.2 deg of the road wheels",
     )
-    steering_angle_gain: float = parameter(0.1, unit="1", low=0.0, high=10.0, about="of the steering angle")
+    steering_angle_gain: float = parameter(
+        0.1, unit="1", low=0.0, high=10.0, about="of the steering angle"
+    )
     yaw_rate_offset: float = parameter(
-        0.0175, unit="rad/s", low=0.0, high=10.0, about="of the yaw rate: 1 deg/s, 2.5 times the noise of a good sensor"
+        0.0175,
+        unit="rad/s",
+        low=0.0,
+        high=10.0,
+        about="of the yaw rate: 1 deg/s, 2.5 times the noise of a good sensor",
     )
     yaw_rate_gain: float = parameter(0.1, unit="1", low=0.0, high=10.0, about="of the yaw rate")
     sideslip_offset: float = parameter(
-        0.0052, unit="rad", low=0.0, high=1.0, about="of the sideslip angle: 0.3 deg, what optical sensors are good for"
+        0.0052,
+        unit="rad",
+        low=0.0,
+        high=1.0,
+        about="of the sideslip angle: 0.3 deg, what optical sensors are good for",
     )
-    sideslip_gain: float = parameter(0.1, unit="1", low=0.0, high=10.0, about="of the sideslip angle")
+    sideslip_gain: float = parameter(
+        0.1, unit="1", low=0.0, high=10.0, about="of the sideslip angle"
+    )
 
 
 def corridor_parameters(values: Mapping[str, Any]) -> CorridorParameters:
@@ -63,8 +80,8 @@ def corridor_parameters(values: Mapping[str, Any]) -> CorridorParameters:
 class Corridor:
     """A signal over lateral acceleration [m/s^2], simulated and measured, all of one shape.
 
-    Where nothing was measured (NaN) nothing is judged; a simulated number that is not finite lies outside.
-    `offset` and `gain` are those of the corridor, `unit` that of the signal.
+    Where nothing was measured (NaN) nothing is judged; a simulated number that is not finite lies
+    outside. `offset` and `gain` are those of the corridor, `unit` that of the signal.
     """
 
     unit: str
@@ -88,7 +105,9 @@ class Corridor:
     def inside(self) -> np.ndarray:
         """Which of them lie in the corridor."""
         with np.errstate(invalid="ignore"):
-            return self.counts & (np.abs(self.measured - self.simulated) <= self.width(self.simulated))
+            return self.counts & (
+                np.abs(self.measured - self.simulated) <= self.width(self.simulated)
+            )
 
     @property
     def share(self) -> float:
@@ -98,7 +117,11 @@ class Corridor:
     @property
     def metric(self) -> Metric:
         """The same for summary.json and the page."""
-        return Metric(self.share, "1") if self.counts.any() else Metric(None, "1", reason="nothing to judge")
+        return (
+            Metric(self.share, "1")
+            if self.counts.any()
+            else Metric(None, "1", reason="nothing to judge")
+        )
 
     @cached_property
     def shares(self) -> dict[str, float]:
@@ -116,8 +139,13 @@ class Corridor:
         both = self.counts & np.isfinite(self.simulated)
         ranges = [np.floor(a[both] / _WIDTH).astype(int) for a in self.acceleration]
         values = [each[both] for each in (self.simulated, self.measured)]
-        there = [n for n in np.unique(ranges[0]) if all((of == n).sum() >= _FEWEST for of in ranges)]
-        medians = [np.array([np.median(v[of == n]) for n in there]) for v, of in zip(values, ranges, strict=True)]
+        there = [
+            n for n in np.unique(ranges[0]) if all((of == n).sum() >= _FEWEST for of in ranges)
+        ]
+        medians = [
+            np.array([np.median(v[of == n]) for n in there])
+            for v, of in zip(values, ranges, strict=True)
+        ]
         return (np.array(there) + 0.5) * _WIDTH, medians[0], medians[1]
 
     @property
@@ -129,22 +157,32 @@ class Corridor:
     def as_json(self) -> dict[str, Any]:
         """For summary.json."""
         shares = {"share": self.share, "share_of_ranges": self.share_of_ranges}
-        return {n: v if np.isfinite(v) else None for n, v in shares.items()} | {"by_range": self.shares}
+        return {n: v if np.isfinite(v) else None for n, v in shares.items()} | {
+            "by_range": self.shares
+        }
 
 
-def corridors_of(replay: OpenLoop, simulated: Mapping[str, np.ndarray], p: CorridorParameters) -> dict[str, Corridor]:
+def corridors_of(
+    replay: OpenLoop, simulated: Mapping[str, np.ndarray], p: CorridorParameters
+) -> dict[str, Corridor]:
     """The corridors of steering angle, yaw rate and sideslip, as far as they were measured.
 
-    The steering angle is imposed, so what the cars do with it is compared: the angle beyond that of a slow bend of the
-    same curvature, delta - atan(L r/u), the ordinate of the steady-state characteristic of ISO 4138.
+    The steering angle is imposed, so what the cars do with it is compared: the angle beyond that of
+    a slow bend of the same curvature, delta - atan(L r/u), the ordinate of the steady-state
+    characteristic of ISO 4138.
     """
     speeds = simulated[LONGITUDINAL], replay.measured(LONGITUDINAL)
     rates = simulated[YAW_RATE], replay.measured(YAW_RATE)
     acceleration = (speeds[0] * rates[0], speeds[1] * rates[1])
-    wheelbase, angle = replay.configurations["plant"].common.vehicle.wheelbase, simulated[ROAD_WHEEL_ANGLE]
+    wheelbase, angle = (
+        replay.configurations["plant"].common.vehicle.wheelbase,
+        simulated[ROAD_WHEEL_ANGLE],
+    )
     beyond = [angle - _slow_bend(wheelbase, r, u) for r, u in zip(rates, speeds, strict=True)]
     found = {
-        STEERING: Corridor("rad", p.steering_angle_offset, p.steering_angle_gain, acceleration, *beyond),
+        STEERING: Corridor(
+            "rad", p.steering_angle_offset, p.steering_angle_gain, acceleration, *beyond
+        ),
         YAW_RATE: Corridor("rad/s", p.yaw_rate_offset, p.yaw_rate_gain, acceleration, *rates),
     }
     if SIDESLIP in replay.compared:
@@ -168,11 +206,25 @@ def corridor_table(corridors: Mapping[str, Corridor]) -> str:
     rows = []
     for name, each in corridors.items():
         unit, factor = IN_FIGURES[each.unit]
-        shares = [each.share, *(each.shares.get(label, np.nan) for label in names), each.share_of_ranges]
+        shares = [
+            each.share,
+            *(each.shares.get(label, np.nan) for label in names),
+            each.share_of_ranges,
+        ]
         rows.append(
-            [name, f"{factor * each.offset:.3g} {unit} + {100 * each.gain:.3g} %", *(_percent(s) for s in shares)]
+            [
+                name,
+                f"{factor * each.offset:.3g} {unit} + {100 * each.gain:.3g} %",
+                *(_percent(s) for s in shares),
+            ]
         )
-    columns = ("in the corridor [%]", "half its width", "all", *(f"{name} m/s2" for name in names), "medians")
+    columns = (
+        "in the corridor [%]",
+        "half its width",
+        "all",
+        *(f"{name} m/s2" for name in names),
+        "medians",
+    )
     return text_table(columns, rows, left=columns[:2])
 
 
@@ -189,8 +241,16 @@ def corridor_sheet(corridors: Mapping[str, Corridor]) -> Sheet:
         width = each.width(simulated)
         values = {"simulated": simulated, "measured": measured}
         curves = [Curve(at, factor * v, label) for label, v in values.items()]
-        curves += [Curve(at, factor * (simulated + sign * width), "boundary") for sign in (1.0, -1.0)]
-        what = {STEERING: "steering angle beyond that of a slow bend", YAW_RATE: "yaw rate"}.get(name, name)
+        curves += [
+            Curve(at, factor * (simulated + sign * width), "boundary") for sign in (1.0, -1.0)
+        ]
+        what = {STEERING: "steering angle beyond that of a slow bend", YAW_RATE: "yaw rate"}.get(
+            name, name
+        )
         title = f"{what}: {_percent(each.share)} % of all instants inside"
-        panels.append(Panel(title, f"{what} [{unit}]", curves, xlabel="speed times yaw rate [m/s²]", shape=0.7))
+        panels.append(
+            Panel(
+                title, f"{what} [{unit}]", curves, xlabel="speed times yaw rate [m/s²]", shape=0.7
+            )
+        )
     return Sheet(panels, "speed times yaw rate [m/s²]", columns=3)

@@ -12,8 +12,11 @@ import numpy as np
 from ev_stack.measures.metric import Metric
 from ev_stack.report.tables import text_table
 
-LATE = 0.03  # [s]; a signal that comes later than its replay by as much shifts what is found by more than noise does
-CLEAR = 0.5  # share of the variance that a replay has to have, below which a lag is a matter of chance
+# [s]; a signal that comes later than its replay by as much shifts what is found by more than noise
+# does
+LATE = 0.03
+# share of the variance that a replay has to have, below which a lag is a matter of chance
+CLEAR = 0.5
 RANGES = (0.0, 2.0, 4.0, 6.0, 8.0, np.inf)  # of the magnitude of the lateral acceleration [m/s^2]
 
 
@@ -21,9 +24,9 @@ RANGES = (0.0, 2.0, 4.0, 6.0, 8.0, np.inf)  # of the magnitude of the lateral ac
 class Errors:
     """Simulated minus measured, in the unit of the signal.
 
-    `explained` is the share of the variance of the measured signal that the replay has, 1 - var(error)/var(measured).
-    `lag` [s] is by how much the simulated signal comes later, where the correlation of both is largest; NaN where it
-    is not known. `samples` is their number.
+    `explained` is the share of the variance of the measured signal that the replay has, 1 -
+    var(error)/var(measured). `lag` [s] is by how much the simulated signal comes later, where the
+    correlation of both is largest; NaN where it is not known. `samples` is their number.
     """
 
     rms: float
@@ -38,7 +41,9 @@ class Errors:
         return {name: value if np.isfinite(value) else None for name, value in asdict(self).items()}
 
 
-def errors_of(simulated: np.ndarray, measured: np.ndarray, period: float = 0.0, most: float = 0.3) -> Errors:
+def errors_of(
+    simulated: np.ndarray, measured: np.ndarray, period: float = 0.0, most: float = 0.3
+) -> Errors:
     """Of series (windows, n) or (n,); a lag of at most `most` [s] is looked for if there is a `period` [s]."""
     error = simulated - measured
     there = np.isfinite(error)
@@ -66,7 +71,10 @@ def _lag(simulated: np.ndarray, measured: np.ndarray, period: float, most: float
     shifts = np.arange(-reach, reach + 1)
     size = measured.shape[1]
     correlation = np.array(
-        [np.corrcoef(one.ravel(), measured[whole][:, reach - k : size - reach - k].ravel())[0, 1] for k in shifts]
+        [
+            np.corrcoef(one.ravel(), measured[whole][:, reach - k : size - reach - k].ravel())[0, 1]
+            for k in shifts
+        ]
     )
     if not np.isfinite(correlation).all():
         return float("nan")
@@ -82,10 +90,15 @@ def by_window(simulated: np.ndarray, measured: np.ndarray) -> np.ndarray:
     """The RMS error of each window, (windows,); NaN where no number is finite."""
     squared = (simulated - measured) ** 2
     there = np.isfinite(squared)
-    return np.sqrt(np.where(there, squared, 0.0).sum(axis=1) / np.where(there.any(axis=1), there.sum(axis=1), np.nan))
+    return np.sqrt(
+        np.where(there, squared, 0.0).sum(axis=1)
+        / np.where(there.any(axis=1), there.sum(axis=1), np.nan)
+    )
 
 
-def by_range(simulated: np.ndarray, measured: np.ndarray, acceleration: np.ndarray) -> Mapping[str, Errors]:
+def by_range(
+    simulated: np.ndarray, measured: np.ndarray, acceleration: np.ndarray
+) -> Mapping[str, Errors]:
     """The errors of the samples in each of `RANGES` of a lateral acceleration [m/s^2] of the same shape."""
     which = np.digitize(np.abs(acceleration), RANGES[1:-1])
     return {
@@ -97,16 +110,23 @@ def by_range(simulated: np.ndarray, measured: np.ndarray, acceleration: np.ndarr
 
 def range_names() -> list[str]:
     """The ranges in words."""
-    return [f"{low:g} to {high:g}" if np.isfinite(high) else f"above {low:g}" for low, high in pairwise(RANGES)]
+    return [
+        f"{low:g} to {high:g}" if np.isfinite(high) else f"above {low:g}"
+        for low, high in pairwise(RANGES)
+    ]
 
 
-def spins(sideslip: np.ndarray, measured: np.ndarray, limit: float = np.radians(20.0)) -> np.ndarray:
+def spins(
+    sideslip: np.ndarray, measured: np.ndarray, limit: float = np.radians(20.0)
+) -> np.ndarray:
     """Which windows leave the record: a number that is not finite, or a sideslip angle that far from the measured.
 
     Where none was measured (NaN) none is judged.
     """
     away = np.where(np.isfinite(measured), np.abs(sideslip - measured), 0.0)
-    return ~np.isfinite(sideslip).all(axis=1) | (np.nan_to_num(away, nan=np.inf).max(axis=1) > limit)
+    return ~np.isfinite(sideslip).all(axis=1) | (
+        np.nan_to_num(away, nan=np.inf).max(axis=1) > limit
+    )
 
 
 @dataclass(frozen=True)
@@ -121,7 +141,11 @@ class Judged:
     @property
     def median_window(self) -> float:
         """The RMS error of the median window; NaN where no number is finite."""
-        return float(np.nanmedian(self.of_windows)) if np.isfinite(self.of_windows).any() else float("nan")
+        return (
+            float(np.nanmedian(self.of_windows))
+            if np.isfinite(self.of_windows).any()
+            else float("nan")
+        )
 
     def is_late(self, name: str) -> str:
         """The line on a measured signal that comes well before or behind the simulated one; empty if it does not."""
@@ -150,7 +174,9 @@ class Judged:
         return {"errors": self.errors.as_json(), "by_range": ranges, "by_window": windows}
 
 
-def judged(unit: str, found: np.ndarray, measured: np.ndarray, acceleration: np.ndarray, period: float) -> Judged:
+def judged(
+    unit: str, found: np.ndarray, measured: np.ndarray, acceleration: np.ndarray, period: float
+) -> Judged:
     """Signals in windows (windows, n), with the lateral acceleration [m/s^2] there and the period [s]."""
     errors, ranges = errors_of(found, measured, period), by_range(found, measured, acceleration)
     return Judged(unit, errors, ranges, by_window(found, measured))
@@ -160,9 +186,24 @@ def error_table(of: Mapping[str, Judged]) -> str:
     """What the terminal shows: by signal the errors, those of the median window and those by range."""
     rows = []
     for name, each in of.items():
-        rows.append([name, "all", *_cells(each.errors, each.unit), _number(each.median_window, each.unit)])
-        rows += [["", f"{label} m/s2", *_cells(errors, each.unit), ""] for label, errors in each.ranges.items()]
-    columns = ("signal", "v r", "rms", "largest", "bias", "explained", "lag [s]", "samples", "median window")
+        rows.append(
+            [name, "all", *_cells(each.errors, each.unit), _number(each.median_window, each.unit)]
+        )
+        rows += [
+            ["", f"{label} m/s2", *_cells(errors, each.unit), ""]
+            for label, errors in each.ranges.items()
+        ]
+    columns = (
+        "signal",
+        "v r",
+        "rms",
+        "largest",
+        "bias",
+        "explained",
+        "lag [s]",
+        "samples",
+        "median window",
+    )
     return text_table(columns, rows, left=("signal", "v r"))
 
 

@@ -31,14 +31,20 @@ class Estimate:
 
     def as_json(self) -> dict[str, Any]:
         """For summary.json."""
-        return {"estimates": self.channel, "parameters": dict(self.parameters), **self.judged.as_json()}
+        return {
+            "estimates": self.channel,
+            "parameters": dict(self.parameters),
+            **self.judged.as_json(),
+        }
 
 
-def estimates_of(replay: OpenLoop, values: Mapping[str, Mapping[str, Any]]) -> tuple[list[Estimate], list[str]]:
+def estimates_of(
+    replay: OpenLoop, values: Mapping[str, Mapping[str, Any]]
+) -> tuple[list[Estimate], list[str]]:
     """What each estimator with values by its name makes of the record, and a line for each that lacks a channel.
 
-    Each begins where the record does and anew behind what is masked, and is judged in the windows of the replay.
-    ParameterError for a value that is refused, or if none of them has its channels.
+    Each begins where the record does and anew behind what is masked, and is judged in the windows
+    of the replay. ParameterError for a value that is refused, or if none of them has its channels.
     """
     record, windows = replay.record, replay.windows
     given = {**record.channels, ROAD_WHEEL_ANGLE: replay.road_wheel_angle}
@@ -48,14 +54,23 @@ def estimates_of(replay: OpenLoop, values: Mapping[str, Mapping[str, Any]]) -> t
     for name, each in estimators().items():
         parameters = _built(name, each, values.get(name, {}))
         if each.estimates not in COMPARED:
-            raise ParameterError(f"{name} estimates {each.estimates}, expected one of {', '.join(COMPARED)}")
-        if missing := [channel for channel in (*each.reads, each.estimates) if channel not in given]:
+            raise ParameterError(
+                f"{name} estimates {each.estimates}, expected one of {', '.join(COMPARED)}"
+            )
+        if missing := [
+            channel for channel in (*each.reads, each.estimates) if channel not in given
+        ]:
             lacking.append(f"{name} is not judged, the record has no {', '.join(missing)}")
             continue
-        p, channels = namespace(number_tree(parameters)), [n for n in (*each.reads, *each.may_read) if n in given]
+        p, channels = (
+            namespace(number_tree(parameters)),
+            [n for n in (*each.reads, *each.may_read) if n in given],
+        )
         estimated = np.full(len(record.valid), np.nan)
         for stretch in _unbroken(record.valid):
-            estimated[stretch] = each.over(p, car, record.period, {n: given[n][stretch] for n in channels})
+            estimated[stretch] = each.over(
+                p, car, record.period, {n: given[n][stretch] for n in channels}
+            )
         inside, measured = windows.of(estimated), replay.measured(each.estimates)
         errors = judged(COMPARED[each.estimates], inside, measured, acceleration, record.period)
         found.append(Estimate(name, each.estimates, flatten(parameters), inside, errors))

@@ -8,27 +8,49 @@ from typing import NamedTuple
 from ev_core.law import WHEEL_NAMES, ParameterError, Vehicle, compilable, group, method, setting
 from ev_msgs_py.contract.signals import Instant, WheelTorqueRequest
 from ev_msgs_py.contract.wheels import Wheels
-from ev_sim.profiles.profile import Profile, check_points, interpolation_parameter, profile_of, value_at
+from ev_sim.profiles.profile import (
+    Profile,
+    check_points,
+    interpolation_parameter,
+    profile_of,
+    value_at,
+)
 
 
 @dataclass(frozen=True, slots=True)
 class DriveTorqueParameters:
     """Drive torques at the given times, by wheel."""
 
-    front_left: tuple[float, ...] = setting((0.0,), unit="N m", low=-1e6, high=1e6, about="at these times")
-    front_right: tuple[float, ...] = setting((0.0,), unit="N m", low=-1e6, high=1e6, about="at these times")
-    rear_left: tuple[float, ...] = setting((0.0,), unit="N m", low=-1e6, high=1e6, about="at these times")
-    rear_right: tuple[float, ...] = setting((0.0,), unit="N m", low=-1e6, high=1e6, about="at these times")
+    front_left: tuple[float, ...] = setting(
+        (0.0,), unit="N m", low=-1e6, high=1e6, about="at these times"
+    )
+    front_right: tuple[float, ...] = setting(
+        (0.0,), unit="N m", low=-1e6, high=1e6, about="at these times"
+    )
+    rear_left: tuple[float, ...] = setting(
+        (0.0,), unit="N m", low=-1e6, high=1e6, about="at these times"
+    )
+    rear_right: tuple[float, ...] = setting(
+        (0.0,), unit="N m", low=-1e6, high=1e6, about="at these times"
+    )
 
 
 @dataclass(frozen=True, slots=True)
 class BrakeTorqueParameters:
     """Brake torques at the given times, by wheel."""
 
-    front_left: tuple[float, ...] = setting((0.0,), unit="N m", low=0.0, high=1e6, about="at these times")
-    front_right: tuple[float, ...] = setting((0.0,), unit="N m", low=0.0, high=1e6, about="at these times")
-    rear_left: tuple[float, ...] = setting((0.0,), unit="N m", low=0.0, high=1e6, about="at these times")
-    rear_right: tuple[float, ...] = setting((0.0,), unit="N m", low=0.0, high=1e6, about="at these times")
+    front_left: tuple[float, ...] = setting(
+        (0.0,), unit="N m", low=0.0, high=1e6, about="at these times"
+    )
+    front_right: tuple[float, ...] = setting(
+        (0.0,), unit="N m", low=0.0, high=1e6, about="at these times"
+    )
+    rear_left: tuple[float, ...] = setting(
+        (0.0,), unit="N m", low=0.0, high=1e6, about="at these times"
+    )
+    rear_right: tuple[float, ...] = setting(
+        (0.0,), unit="N m", low=0.0, high=1e6, about="at these times"
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +65,9 @@ class ImposedTorqueParameters:
     def __post_init__(self) -> None:
         for name in ("drive", "brake"):
             for wheel in WHEEL_NAMES:
-                check_points("time", self.time, f"{name}.{wheel}", getattr(getattr(self, name), wheel))
+                check_points(
+                    "time", self.time, f"{name}.{wheel}", getattr(getattr(self, name), wheel)
+                )
 
 
 class WheelProfiles(NamedTuple):
@@ -67,10 +91,15 @@ def torques(parameters: ImposedTorqueParameters, vehicle: Vehicle, period: float
     for wheel in WHEEL_NAMES:
         if any(getattr(parameters.drive, wheel)) and wheel not in vehicle.driven_wheels:
             driven = ", ".join(vehicle.driven_wheels) or "no wheel"
-            raise ParameterError(f"drive.{wheel}: a torque there is refused, {vehicle.name} drives {driven}")
+            raise ParameterError(
+                f"drive.{wheel}: a torque there is refused, {vehicle.name} drives {driven}"
+            )
 
     def profiles(of: DriveTorqueParameters | BrakeTorqueParameters) -> WheelProfiles:
-        each = (profile_of(parameters.time, getattr(of, wheel), parameters.interpolation) for wheel in WHEEL_NAMES)
+        each = (
+            profile_of(parameters.time, getattr(of, wheel), parameters.interpolation)
+            for wheel in WHEEL_NAMES
+        )
         return WheelProfiles(*each)
 
     return ImposedTorques(profiles(parameters.drive), profiles(parameters.brake))
@@ -80,11 +109,20 @@ def torques(parameters: ImposedTorqueParameters, vehicle: Vehicle, period: float
 def at_wheels(of: WheelProfiles, t: float) -> Wheels:
     """The torques of all wheels at the time t [s]."""
     return Wheels(
-        value_at(of.front_left, t), value_at(of.front_right, t), value_at(of.rear_left, t), value_at(of.rear_right, t)
+        value_at(of.front_left, t),
+        value_at(of.front_right, t),
+        value_at(of.rear_left, t),
+        value_at(of.rear_right, t),
     )
 
 
-@method("electronic_differential", "imposed", parameters=ImposedTorqueParameters, prepare=torques, mirrored=True)
+@method(
+    "electronic_differential",
+    "imposed",
+    parameters=ImposedTorqueParameters,
+    prepare=torques,
+    mirrored=True,
+)
 @compilable
 def imposed(c: ImposedTorques, now: Instant) -> WheelTorqueRequest:
     """Ask each wheel for its drive and brake torque over time, whatever the driver does, as measured ones are."""

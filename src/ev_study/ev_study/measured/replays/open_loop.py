@@ -36,8 +36,11 @@ COMPARED = {
     **{YAW_RATE: "rad/s", SIDESLIP: "rad", LATERAL: "m/s", LATERAL_ACCELERATION: "m/s2"},
     **{LONGITUDINAL: "m/s", LONGITUDINAL_ACCELERATION: "m/s2"},
 }
-HOLD = 0.2  # [s], ten times the lag of the loads: wheels, carcasses and loads settle while the body is held
-LEAD = 1.0  # [s] that a car drives ahead of a window whose lateral velocity nobody has measured, to have its own
+# [s], ten times the lag of the loads: wheels, carcasses and loads settle while the body is held
+HOLD = 0.2
+# [s] that a car drives ahead of a window whose lateral velocity nobody has measured, to have its
+# own
+LEAD = 1.0
 IMPOSED = ("speed", "pedals", "torques")  # besides the angle
 FEWEST = 10  # instants of a window, below which a replay has hardly begun
 _TORQUES = str(Path(__file__).with_name("imposed_torques.py"))
@@ -68,12 +71,14 @@ class Windows:
         return Windows(self.first[chosen], self.size, self.at_rest)
 
 
-def windows_of(record: MeasuredRecord, length: float, begin: float = 0.0, end: float = 1.0) -> Windows:
+def windows_of(
+    record: MeasuredRecord, length: float, begin: float = 0.0, end: float = 1.0
+) -> Windows:
     """Windows of `length` [s] one behind the other, between two shares of the record's duration.
 
-    A window begins anew behind what is masked, or `LEAD` behind it and behind the begin of the record where the car has
-    to find its own lateral velocity; one in which the car stands throughout is passed over. ParameterError if not one
-    fits.
+    A window begins anew behind what is masked, or `LEAD` behind it and behind the begin of the
+    record where the car has to find its own lateral velocity; one in which the car stands
+    throughout is passed over. ParameterError if not one fits.
     """
     least, most = (FEWEST - 1) * record.period, len(record.valid) * record.period
     if not least <= length <= most:
@@ -98,7 +103,9 @@ def windows_of(record: MeasuredRecord, length: float, begin: float = 0.0, end: f
         where = f"from {begin:.1f} s to {end:.1f} s of {record.source}"
         standing = f" ({at_rest} in which the car stands)" if at_rest else ""
         expected = "expected a shorter --window or a car that drives"
-        raise ParameterError(f"no window of {length:g} s without a gap {where}{standing}, {expected}")
+        raise ParameterError(
+            f"no window of {length:g} s without a gap {where}{standing}, {expected}"
+        )
     return Windows(np.array(first), size, at_rest)
 
 
@@ -137,7 +144,9 @@ def graph(
     files = [vehicle_file(vehicle), *map(ParameterFile, changed.files)]
     for node, key, _ in changed.values:
         if node not in ("*", *_OWN):
-            raise ParameterError(f"{node}.{key} is refused: an open-loop replay has {', '.join(_OWN)}")
+            raise ParameterError(
+                f"{node}.{key} is refused: an open-loop replay has {', '.join(_OWN)}"
+            )
     configurations = {}
     for role, own in _OWN.items():
         values = {"control_period": period, **own}
@@ -153,7 +162,9 @@ def graph(
     check_graph(configurations)
     own_period = configurations["plant"].common.control_period
     if own_period != period:
-        raise ParameterError(f"control_period is {own_period:g} s, expected that of the record, {period:g} s")
+        raise ParameterError(
+            f"control_period is {own_period:g} s, expected that of the record, {period:g} s"
+        )
     return configurations
 
 
@@ -163,17 +174,20 @@ def refuse_own(changed: Overrides, imposed: str) -> None:
     for node, key, _ in changed.values:
         names = [name for role, of in of_record.items() if node in ("*", role) for name in of]
         if any(key == name or key.startswith(f"{name}.") for name in names):
-            raise ParameterError(f"{node}.{key} is refused: a replay has it from the record, expected is no such value")
+            raise ParameterError(
+                f"{node}.{key} is refused: a replay has it from the record, expected is no such value"
+            )
 
 
 class OpenLoop:
     """Replays windows of a record for any number of cars at once.
 
-    The car is driven as the record was: road-wheel angle and, by `imposed`, longitudinal velocity, pedals or the torque
-    of each wheel. Velocities and yaw rate are those that were measured when the window begins, all else follows. The
-    speed that is imposed and what a window begins from are smoothed with a `cut_off` [Hz], by their noise for None
-    (`smoothing`), so that noise is no force; 0 takes the samples as they are. A car whose lateral velocity was not
-    measured begins `LEAD` before the window without any. `notes` has what was made of speed and torques.
+    The car is driven as the record was: road-wheel angle and, by `imposed`, longitudinal velocity,
+    pedals or the torque of each wheel. Velocities and yaw rate are those that were measured when
+    the window begins, all else follows. The speed that is imposed and what a window begins from are
+    smoothed with a `cut_off` [Hz], by their noise for None (`smoothing`), so that noise is no
+    force; 0 takes the samples as they are. A car whose lateral velocity was not measured begins
+    `LEAD` before the window without any. `notes` has what was made of speed and torques.
     ParameterError if the record lacks the yaw rate or what is imposed.
     """
 
@@ -197,15 +211,21 @@ class OpenLoop:
         ahead = np.maximum(windows.first[:, None] + np.arange(-self._lead, windows.size), 0)
         begin = windows.first if held else ahead[:, 0]
         time = [round(n * record.period, 9) for n in range(size)]
-        smooth = {name: smoothed(record, name, cut_off) for name in SMOOTHED if name != LATERAL or held}
+        smooth = {
+            name: smoothed(record, name, cut_off) for name in SMOOTHED if name != LATERAL or held
+        }
         speed = smooth[LONGITUDINAL][ahead]
         self._fixed: dict[str, list[Any]] = {
             "plant.speed": ["imposed" if self.is_imposed else "free"] * len(windows),
             "plant.imposed_speed.time": [time] * len(windows),
             "plant.imposed_speed.speed": speed.tolist(),
-            "plant.initial_speed": (speed[:, 0] if self.is_imposed or not held else speed[:, self._lead]).tolist(),
+            "plant.initial_speed": (
+                speed[:, 0] if self.is_imposed or not held else speed[:, self._lead]
+            ).tolist(),
             "plant.initial_hold": [HOLD if held else 0.0] * len(windows),
-            "plant.initial_lateral_velocity": (smooth[LATERAL][begin] if held else np.zeros(len(begin))).tolist(),
+            "plant.initial_lateral_velocity": (
+                smooth[LATERAL][begin] if held else np.zeros(len(begin))
+            ).tolist(),
             "plant.initial_yaw_rate": smooth[YAW_RATE][begin].tolist(),
             "steering_column.time": [time] * len(windows),
             "steering_column.angle": self.road_wheel_angle[ahead].tolist(),
@@ -215,7 +235,8 @@ class OpenLoop:
             self.notes += (f"{windows.at_rest} windows in which the car stands are passed over",)
         if self.is_imposed:
             self.notes += (with_acceleration(record, smooth[LONGITUDINAL], cut_off),)
-        self.driven_one_by_one: dict[str, np.ndarray] = {}  # by driven wheel the torque [N m], (windows, size)
+        # by driven wheel the torque [N m], (windows, size)
+        self.driven_one_by_one: dict[str, np.ndarray] = {}
         if imposed == "pedals":
             self._fixed["driver.pedals.time"] = [time] * len(windows)
             for kind, channel in _PEDALS.items():
@@ -226,7 +247,9 @@ class OpenLoop:
             for name, torque in torques.items():
                 self._fixed[f"electronic_differential.{name}"] = torque[ahead].tolist()
             driven = configurations["plant"].common.vehicle.driven_wheels
-            self.driven_one_by_one = {wheel: windows.of(torques[f"drive.{wheel}"]) for wheel in driven}
+            self.driven_one_by_one = {
+                wheel: windows.of(torques[f"drive.{wheel}"]) for wheel in driven
+            }
         self._duration = time[-1]
 
     def scaled(self, channel: str, factor: float) -> OpenLoop:
@@ -238,12 +261,16 @@ class OpenLoop:
             known = np.isfinite(channels[SIDESLIP])
             channels[SIDESLIP] = np.where(known, sideslip(speed, channels[LATERAL], speed), np.nan)
         record = replace(self.record, channels=channels)
-        return OpenLoop(record, self.windows, self.configurations, self._signals, self._imposed, self.cut_off)
+        return OpenLoop(
+            record, self.windows, self.configurations, self._signals, self._imposed, self.cut_off
+        )
 
     @property
     def steering_channel(self) -> str:
         """That of the measured angle: of the road wheels, or else of the steering wheel."""
-        return ROAD_WHEEL_ANGLE if ROAD_WHEEL_ANGLE in self.record.channels else STEERING_WHEEL_ANGLE
+        return (
+            ROAD_WHEEL_ANGLE if ROAD_WHEEL_ANGLE in self.record.channels else STEERING_WHEEL_ANGLE
+        )
 
     @property
     def road_wheel_angle(self) -> np.ndarray:
@@ -255,14 +282,23 @@ class OpenLoop:
 
     def _wheel_torques(self) -> dict[str, np.ndarray]:
         """By KIND.WHEEL the torque [N m]; none where the record has none, of which a note is made."""
-        channels = {f"{kind}.{wheel}": f"torque_command.{kind}.{wheel}" for kind in _PEDALS for wheel in WHEEL_NAMES}
+        channels = {
+            f"{kind}.{wheel}": f"torque_command.{kind}.{wheel}"
+            for kind in _PEDALS
+            for wheel in WHEEL_NAMES
+        }
         missing = [channel for channel in channels.values() if channel not in self.record.channels]
         if len(missing) == len(channels):
-            raise ParameterError(f"{self.record.source} has no wheel torque, expected any of {', '.join(missing)}")
+            raise ParameterError(
+                f"{self.record.source} has no wheel torque, expected any of {', '.join(missing)}"
+            )
         if missing:
             self.notes += (f"not in the record and taken as zero: {', '.join(missing)}",)
         none = np.zeros(len(self.record.valid))
-        return {n: none if channel in missing else self._torque(channel) for n, channel in channels.items()}
+        return {
+            n: none if channel in missing else self._torque(channel)
+            for n, channel in channels.items()
+        }
 
     def _torque(self, channel: str) -> np.ndarray:
         """A channel [N m]; a brake never drives, so what its sensor has below zero is none, of which a note is made."""
@@ -292,8 +328,15 @@ class OpenLoop:
         vary = {name: values * len(cars) for name, values in self._fixed.items()}
         for name in cars[0]:
             if name in self._fixed:
-                raise ParameterError(f"{name} is refused: a replay has it from the record, expected is another one")
+                raise ParameterError(
+                    f"{name} is refused: a replay has it from the record, expected is another one"
+                )
             vary[name] = [car[name] for car in cars for _ in range(count)]
         found = batch(self.configurations, self._duration, vary, signals=self._signals).signals
-        shaped = {n: values[:, self._lead :].reshape(len(cars), count, -1) for n, values in found.items()}
-        return {**shaped, SIDESLIP: sideslip(shaped[LONGITUDINAL], shaped[LATERAL], self.measured(LONGITUDINAL))}
+        shaped = {
+            n: values[:, self._lead :].reshape(len(cars), count, -1) for n, values in found.items()
+        }
+        return {
+            **shaped,
+            SIDESLIP: sideslip(shaped[LONGITUDINAL], shaped[LATERAL], self.measured(LONGITUDINAL)),
+        }

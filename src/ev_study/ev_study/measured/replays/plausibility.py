@@ -1,7 +1,7 @@
 """Whether the channels of a record agree: r with u delta/L, lateral acceleration with u r, longitudinal with du/dt.
 
-A car that understeers, slides or leans stays far inside these limits. Outside are sensors of another sign or unit,
-velocities of another frame, and channels that nothing measures.
+A car that understeers, slides or leans stays far inside these limits. Outside are sensors of
+another sign or unit, velocities of another frame, and channels that nothing measures.
 """
 
 from __future__ import annotations
@@ -25,9 +25,11 @@ _SLOW = 3.0  # [Hz], up to which channels are compared: all that a car on its ty
 _FAST = 3.0  # [m/s], from which on a car shows how it drives
 _MOVES = 0.02  # [rad/s]; a yaw rate, measured or asked for, that deviates by less shows nothing
 _ACCELERATES = 0.3  # [m/s^2], likewise
-_OPPOSED = -0.3  # correlation below which two channels have opposite signs; of driving it is above 0.5
+# correlation below which two channels have opposite signs; of driving it is above 0.5
+_OPPOSED = -0.3
 _FEWEST = 100  # instants
-# A car turns as little of u delta/L as 1/(1 + (u/_LEAST)^2), with the lowest characteristic speed [m/s] of cars.
+# A car turns as little of u delta/L as 1/(1 + (u/_LEAST)^2), with the lowest characteristic speed
+# [m/s] of cars.
 _LEAST = 10.0
 _MOST_SIDESLIP = np.radians(30.0)  # of the median: no car drives so for half of its record
 
@@ -40,14 +42,18 @@ def contradictions(replay: OpenLoop) -> list[str]:
         return []
     speed, rate = smoothed(record, LONGITUDINAL, _SLOW), smoothed(record, YAW_RATE, _SLOW)
     wheelbase = replay.configurations["plant"].common.vehicle.wheelbase
-    asked = (speed * smoothed_values(replay.road_wheel_angle, record.period, _SLOW) / wheelbase)[moving]
+    asked = (speed * smoothed_values(replay.road_wheel_angle, record.period, _SLOW) / wheelbase)[
+        moving
+    ]
     found = _constant(replay, moving, max(float(np.std(asked)), float(np.std(rate[moving]))))
     if found:
         return found
     typical = float(np.sqrt(np.mean(speed[moving] ** 2)))
     least = 0.5 / (1.0 + (typical / _LEAST) ** 2)
     if max(float(np.std(asked)), float(np.std(rate[moving]))) > _MOVES:
-        found += _compared(YAW_RATE, rate[moving], "speed times steering angle over wheelbase", asked, least, 5.0)
+        found += _compared(
+            YAW_RATE, rate[moving], "speed times steering angle over wheelbase", asked, least, 5.0
+        )
     channels = record.channels
     if LATERAL_ACCELERATION in channels:
         turning = speed * rate
@@ -55,12 +61,16 @@ def contradictions(replay: OpenLoop) -> list[str]:
             turning = turning + np.gradient(smoothed(record, LATERAL, _SLOW), record.period)
         own = smoothed(record, LATERAL_ACCELERATION, _SLOW)[moving]
         if np.std(turning[moving]) > _ACCELERATES:
-            found += _compared(LATERAL_ACCELERATION, own, "speed times yaw rate", turning[moving], 0.5, 2.0)
+            found += _compared(
+                LATERAL_ACCELERATION, own, "speed times yaw rate", turning[moving], 0.5, 2.0
+            )
     if LONGITUDINAL_ACCELERATION in channels:
         faster = np.gradient(speed, record.period)[moving]
         own = smoothed(record, LONGITUDINAL_ACCELERATION, _SLOW)[moving]
         if np.std(faster) > _ACCELERATES:
-            found += _compared(LONGITUDINAL_ACCELERATION, own, "the change of speed", faster, 0.3, 3.0)
+            found += _compared(
+                LONGITUDINAL_ACCELERATION, own, "the change of speed", faster, 0.3, 3.0
+            )
     if SIDESLIP in channels:
         median = float(np.nanmedian(np.abs(channels[SIDESLIP][moving])))
         if median > _MOST_SIDESLIP:
@@ -84,14 +94,18 @@ def _constant(replay: OpenLoop, moving: np.ndarray, deviation: float) -> list[st
     ]
 
 
-def _compared(name: str, values: np.ndarray, what: str, expected: np.ndarray, least: float, most: float) -> list[str]:
+def _compared(
+    name: str, values: np.ndarray, what: str, expected: np.ndarray, least: float, most: float
+) -> list[str]:
     """A line if a channel has the opposite sign of what it is expected to be near to, or quite another size."""
     size, own = float(np.std(expected)), float(np.std(values))
     if min(size, own) == 0.0:
         return []
     correlation = float(np.corrcoef(values, expected)[0, 1])
     if correlation < _OPPOSED:
-        return [f"{name} has the opposite sign of {what} (correlation {correlation:.2f}): sign or frame of one of them"]
+        return [
+            f"{name} has the opposite sign of {what} (correlation {correlation:.2f}): sign or frame of one of them"
+        ]
     if not least <= own / size <= most:
         ratio = f"{own / size:.3g} times as large as {what}, expected {least:.2g} to {most:.2g}"
         return [f"{name} is {ratio}: unit of one of them"]

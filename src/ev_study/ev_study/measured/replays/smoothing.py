@@ -1,10 +1,11 @@
 """Inputs of a replay without the noise that a difference of samples makes a force of.
 
-The plant pushes the car by the differences of the imposed speed: noise of 0.05 m/s at 100 Hz would be 7 m/s^2. A
-Butterworth filter of second order is passed over the samples forth and back, so it delays nothing. Its cut-off follows
-from the noise of the record, which third differences of the samples show: what a car does is too slow for them. It is
-the highest that leaves no more than `LEFT` of this noise in the derivative, 2.6 Hz for the speed above and 7 Hz for a
-quarter of its noise. Samples with less noise than that stay as they are.
+The plant pushes the car by the differences of the imposed speed: noise of 0.05 m/s at 100 Hz would
+be 7 m/s^2. A Butterworth filter of second order is passed over the samples forth and back, so it
+delays nothing. Its cut-off follows from the noise of the record, which third differences of the
+samples show: what a car does is too slow for them. It is the highest that leaves no more than
+`LEFT` of this noise in the derivative, 2.6 Hz for the speed above and 7 Hz for a quarter of its
+noise. Samples with less noise than that stay as they are.
 """
 
 from __future__ import annotations
@@ -19,15 +20,16 @@ SMOOTHED = (LONGITUDINAL, LATERAL, YAW_RATE)  # the imposed speed, and what a wi
 LEFT = {LONGITUDINAL: 0.1, LATERAL: 0.1, YAW_RATE: 0.05}
 LOWEST = 2.0  # [Hz] of a cut-off by noise; a driver's pedal and a car on its tyres are slower
 _HIGHEST = 0.8  # of a cut-off by noise, over the Nyquist frequency
-# White noise of density S, differentiated and filtered forth and back, has the variance 4 pi^2 S f^3 times this:
-# the integral of x^2/(1 + x^4)^2.
+# White noise of density S, differentiated and filtered forth and back, has the variance 4 pi^2 S
+# f^3 times this: the integral of x^2/(1 + x^4)^2.
 _SHARE = 0.2777
 
 
 def noise_of(record: MeasuredRecord, channel: str) -> float:
     """Standard deviation of white noise with the third differences of a channel, between samples of its sensor.
 
-    Between them a slow channel is interpolated, which hides noise, so the places of the samples are those with most.
+    Between them a slow channel is interpolated, which hides noise, so the places of the samples are
+    those with most.
     """
     step = _step(record, channel)
     return max(_noise(record[channel][n::step], record.valid[n::step]) for n in range(step))
@@ -42,7 +44,11 @@ def _noise(values: np.ndarray, valid: np.ndarray) -> float:
 
 def cut_off_of(record: MeasuredRecord, channel: str) -> float:
     """The cut-off by the noise of a channel [Hz]; 0 where it stays as it is."""
-    noise, spacing, left = noise_of(record, channel), _step(record, channel) * record.period, LEFT[channel]
+    noise, spacing, left = (
+        noise_of(record, channel),
+        _step(record, channel) * record.period,
+        LEFT[channel],
+    )
     if np.sqrt(2.0) * noise / spacing <= left:
         return 0.0
     density = 2.0 * spacing * noise**2
@@ -52,7 +58,9 @@ def cut_off_of(record: MeasuredRecord, channel: str) -> float:
 
 def smoothed(record: MeasuredRecord, channel: str, cut_off: float | None = None) -> np.ndarray:
     """A channel without what is faster than `cut_off` [Hz], by its own noise for None, (n,)."""
-    return smoothed_values(record[channel], record.period, cut_off_of(record, channel) if cut_off is None else cut_off)
+    return smoothed_values(
+        record[channel], record.period, cut_off_of(record, channel) if cut_off is None else cut_off
+    )
 
 
 def smoothed_values(values: np.ndarray, period: float, cut_off: float) -> np.ndarray:
@@ -63,7 +71,9 @@ def smoothed_values(values: np.ndarray, period: float, cut_off: float) -> np.nda
     padded = round(1.0 / cut_off / period)
     if nyquist <= cut_off or len(values) <= padded:
         return values
-    found: np.ndarray = sosfiltfilt(butter(2, cut_off / nyquist, output="sos"), values, padlen=padded)
+    found: np.ndarray = sosfiltfilt(
+        butter(2, cut_off / nyquist, output="sos"), values, padlen=padded
+    )
     return found
 
 

@@ -19,7 +19,14 @@ from ev_stack.measures.metric import Metric
 from ev_stack.recording.recording import PAGE, SIGNALS, SUMMARY, Recording, save
 from ev_stack.report.page.writing import Page, Signals, images_of, write_page
 from ev_stack.report.summary import Summary, write_summary
-from ev_study.measured.records.record import LONGITUDINAL, ROAD_WHEEL_ANGLE, SIDESLIP, SLOWEST, YAW_RATE, quoted_source
+from ev_study.measured.records.record import (
+    LONGITUDINAL,
+    ROAD_WHEEL_ANGLE,
+    SIDESLIP,
+    SLOWEST,
+    YAW_RATE,
+    quoted_source,
+)
 from ev_study.measured.replays.corridors import (
     Corridor,
     CorridorParameters,
@@ -33,7 +40,9 @@ from ev_study.measured.replays.open_loop import COMPARED, OpenLoop
 from ev_study.measured.replays.plausibility import contradictions
 
 _FORCES = [
-    f"tire_forces.{kind}.{wheel}" for kind in ("longitudinal_force", "lateral_force", "load") for wheel in WHEEL_NAMES
+    f"tire_forces.{kind}.{wheel}"
+    for kind in ("longitudinal_force", "lateral_force", "load")
+    for wheel in WHEEL_NAMES
 ]
 _EFFORT = "wheel_states.effort."
 _SHOWN = 3  # windows of which the worst are drawn, with what the tyres do there
@@ -65,7 +74,8 @@ class Validation:
         """How far it is from the record, by signal."""
         period, acceleration = self.replay.record.period, self.acceleration
         return {
-            n: judged(COMPARED[n], self.simulated[n], self.replay.measured(n), acceleration, period) for n in self.names
+            n: judged(COMPARED[n], self.simulated[n], self.replay.measured(n), acceleration, period)
+            for n in self.names
         }
 
     @cached_property
@@ -86,7 +96,9 @@ class Validation:
     @cached_property
     def friction_used(self) -> np.ndarray:
         """Horizontal force over load of each wheel [1], (4, windows, samples); 0 for a lifted one."""
-        along, across, load = (np.array([self.simulated[f] for f in _FORCES[n : n + 4]]) for n in (0, 4, 8))
+        along, across, load = (
+            np.array([self.simulated[f] for f in _FORCES[n : n + 4]]) for n in (0, 4, 8)
+        )
         return np.hypot(along, across) / np.where(load > 1.0, load, np.inf)
 
     def begins(self) -> np.ndarray:
@@ -96,7 +108,12 @@ class Validation:
     def notes(self) -> tuple[str, ...]:
         """What was masked or made of inputs, and the windows that left the record, with why."""
         record = self.replay.record
-        found = [*record.notes, *self.replay.notes, *contradictions(self.replay), *self._not_followed()]
+        found = [
+            *record.notes,
+            *self.replay.notes,
+            *contradictions(self.replay),
+            *self._not_followed(),
+        ]
         found += [line for name, each in self.judged.items() if (line := each.is_late(name))]
         for window in np.flatnonzero(self.spun):
             used = self.friction_used[:, window].mean(axis=1)
@@ -113,7 +130,10 @@ class Validation:
         wheels = self.replay.driven_one_by_one
         if not wheels:
             return []
-        rms = [float(np.sqrt(np.nanmean((self.simulated[_EFFORT + w] - asked) ** 2))) for w, asked in wheels.items()]
+        rms = [
+            float(np.sqrt(np.nanmean((self.simulated[_EFFORT + w] - asked) ** 2)))
+            for w, asked in wheels.items()
+        ]
         each = ", ".join(f"{w} {r:.3g} N m" for w, r in zip(wheels, rms, strict=True))
         return [f"RMS of what the simulated drives do not follow of the measured torques: {each}"]
 
@@ -158,11 +178,19 @@ class Validation:
         for name in self.names:
             one, other = both["measured"].channels[name], both["simulated"].channels[name]
             span = float(np.nanmax(np.abs(one))) * 1.3
-            panels.append(_panel(readable(name), name, time, {"measured": one, "simulated": other}, span))
+            panels.append(
+                _panel(readable(name), name, time, {"measured": one, "simulated": other}, span)
+            )
             panels.append(_panel(f"error of {readable(name)}", name, time, {"": other - one}, span))
-        sheets = {"over_time": Sheet(panels), "worst": self._worst(), "corridors": corridor_sheet(self.corridors)}
+        sheets = {
+            "over_time": Sheet(panels),
+            "worst": self._worst(),
+            "corridors": corridor_sheet(self.corridors),
+        }
         if self.estimates:
-            sheets["estimates"] = Sheet([panel for each in self.estimates for panel in self._estimated(each)])
+            sheets["estimates"] = Sheet(
+                [panel for each in self.estimates for panel in self._estimated(each)]
+            )
         return sheets
 
     def _estimated(self, estimate: Estimate) -> list[Panel]:
@@ -183,20 +211,33 @@ class Validation:
         ]
 
     def _worst(self) -> Sheet:
-        order = np.argsort(np.nan_to_num(self.judged[YAW_RATE].of_windows, nan=np.inf))[::-1][:_SHOWN]
+        order = np.argsort(np.nan_to_num(self.judged[YAW_RATE].of_windows, nan=np.inf))[::-1][
+            :_SHOWN
+        ]
         panels = []
         for window in order:
             begin = self.begins()[window]
             time = np.arange(self.replay.windows.size) * self.replay.record.period
             for name in [n for n in (YAW_RATE, SIDESLIP) if n in self.names]:
-                both = {"measured": self.replay.measured(name)[window], "simulated": self.simulated[name][window]}
+                both = {
+                    "measured": self.replay.measured(name)[window],
+                    "simulated": self.simulated[name][window],
+                }
                 panels.append(_panel(f"{readable(name)} from {begin:.1f} s", name, time, both))
-            used = [Curve(time, self.friction_used[i, window], readable(w)) for i, w in enumerate(WHEEL_NAMES)]
+            used = [
+                Curve(time, self.friction_used[i, window], readable(w))
+                for i, w in enumerate(WHEEL_NAMES)
+            ]
             panels.append(Panel("friction used", "force over load [1]", used))
         return Sheet(panels, "time in the window [s]", columns=3)
 
     def write(
-        self, folder: Path, command: str, page: bool, more: Mapping[str, Any] | None = None, table: str = ""
+        self,
+        folder: Path,
+        command: str,
+        page: bool,
+        more: Mapping[str, Any] | None = None,
+        table: str = "",
     ) -> None:
         """Into a folder: summary.json, signals.npz of the simulated car, and with the `page` its figures.
 
@@ -220,8 +261,15 @@ class Validation:
         ).as_json()
         del content["differs"]
         of = {name: each.as_json() for name, each in self.judged.items()}
-        content |= {what: {name: each[what] for name, each in of.items()} for what in ("errors", "by_range")}
-        content |= {"by_window": {"begin": self.begins().tolist(), **{n: each["by_window"] for n, each in of.items()}}}
+        content |= {
+            what: {name: each[what] for name, each in of.items()} for what in ("errors", "by_range")
+        }
+        content |= {
+            "by_window": {
+                "begin": self.begins().tolist(),
+                **{n: each["by_window"] for n, each in of.items()},
+            }
+        }
         content |= {"corridors": {name: each.as_json() for name, each in self.corridors.items()}}
         content |= {"corridor_parameters": flatten(self.tolerances)}
         content |= {"estimators": {each.name: each.as_json() for each in self.estimates}}
@@ -233,14 +281,25 @@ class Validation:
             signals = Signals("", both, None)
             shown = "\n\n".join(filter(None, (table, self.table())))
             title = f"{configurations['plant'].common.vehicle.name} against {Path(self.replay.record.source).name}"
-            write_page(Page(title, {"": content}, (signals,), images_of(figures, folder), shown), folder / PAGE)
+            write_page(
+                Page(title, {"": content}, (signals,), images_of(figures, folder), shown),
+                folder / PAGE,
+            )
 
 
-def _panel(title: str, signal: str, time: np.ndarray, values: Mapping[str, np.ndarray], span: float = np.inf) -> Panel:
+def _panel(
+    title: str,
+    signal: str,
+    time: np.ndarray,
+    values: Mapping[str, np.ndarray],
+    span: float = np.inf,
+) -> Panel:
     """A signal by label over time, in the unit of figures; a curve may leave the panel beyond the span."""
     unit, factor = IN_FIGURES.get(COMPARED[signal], (COMPARED[signal], 1.0))
     curves = [Curve(time, factor * each, label) for label, each in values.items()]
-    return Panel(title, f"{readable(signal)} [{unit}]", curves, within=(-factor * span, factor * span))
+    return Panel(
+        title, f"{readable(signal)} [{unit}]", curves, within=(-factor * span, factor * span)
+    )
 
 
 def signals_to_show() -> Sequence[str]:
