@@ -19,6 +19,7 @@ from ev_core.parameters.values import build
 from ev_msgs_py.can.drive_states import (
     ENABLE_COMMAND,
     FAULT,
+    FAULT_REACTION_ACTIVE,
     FAULT_RESET,
     OPERATION_ENABLED,
     READY_TO_SWITCH_ON,
@@ -30,7 +31,7 @@ from ev_msgs_py.can.drive_states import (
     SWITCHED_ON,
 )
 from ev_msgs_py.can.frame_length import Frame
-from ev_msgs_py.can.frames import DEVICES, SPEED_MODE, TORQUE_MODE
+from ev_msgs_py.can.frames import DEVICES, DRIVES, SPEED_MODE, TORQUE_MODE
 from ev_msgs_py.can.payload import checksum, counter_of, next_counter
 from ev_msgs_py.refusal import ParameterError
 
@@ -227,6 +228,24 @@ def test_the_reset_begins_without_its_bit_so_that_it_can_rise_and_ends_in_time()
     told.state["Drive11"] = SWITCH_ON_DISABLED
     told.cycle(3)
     assert told.station.devices["Drive11"].tripped == 0.0
+
+
+@pytest.mark.parametrize("state", [FAULT, FAULT_REACTION_ACTIVE])
+@pytest.mark.parametrize("faulty", ["Drive11", "Drive12"])
+def test_beside_a_drive_that_is_in_a_fault_from_before_the_other_one_stays_off(faulty, state):
+    """As behind a gateway that ended without 00h: torque on one side alone would turn the car."""
+    told = Told(auto_enable=True)
+    told.state[faulty] = state
+    told.cycle(20)
+    drives = [told.station.devices[name] for name in DRIVES]
+    assert [drive.enable for drive in drives] == [False, False]
+    assert told.station.enable(DRIVES) == f"{faulty} has a latched fault: reset it first"
+    assert [drive.enable for drive in drives] == [False, False]
+    told.station.reset()
+    told.state[faulty] = SWITCH_ON_DISABLED
+    told.cycle(12)  # a reset takes two times 5 ms
+    assert told.station.enable(DRIVES) == ""
+    assert [drive.enable for drive in drives] == [True, True]
 
 
 @pytest.mark.parametrize("press", [GatewayStation.disable, GatewayStation.reset])

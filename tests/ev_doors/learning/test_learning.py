@@ -155,6 +155,23 @@ def test_who_acts_like_the_law_gets_the_bits_of_the_plain_run(action, role, meth
     )
 
 
+def test_the_seed_of_an_environment_is_that_of_its_first_episode():
+    """As of `reset(seed=3)`; the next ones are drawn from it, so that two environments agree."""
+
+    def episodes(given: int | None, first: int | None) -> list[list[float]]:
+        environment = Environment("double_lane_change", seed=given, set=NOISE, duration=DURATION)
+        found = []
+        for seed in (first, None):
+            environment.reset(seed=seed)
+            found.append(environment.step(np.zeros(2))[0].tolist())
+        return found
+
+    given = episodes(3, None)
+    assert given == episodes(3, None) == episodes(None, 3)
+    assert given[0] != given[1]
+    assert given == episodes(4, 3)  # the seed of a reset comes first
+
+
 @pytest.mark.parametrize(
     "method", [name for name, each in methods_of("asr").items() if "plant" not in each.requires]
 )

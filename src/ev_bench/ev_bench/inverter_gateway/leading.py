@@ -149,7 +149,10 @@ def advance_device(p: GatewayParameters, s: Device, period: float) -> None:
 
 @compilable
 def is_faulty(s: Device) -> bool:
-    """Return true if a fault is latched here; only a reset clears it."""
+    """Return true if a fault is latched, here or in the inverter; only a reset clears it."""
+    # One from before counts as well: the other drive alone would turn the car.
+    if int(s.feedback.state) in (drive_states.FAULT, drive_states.FAULT_REACTION_ACTIVE):
+        return True
     return bool(s.tripped or s.stale or s.command_stale or s.implausible)
 
 

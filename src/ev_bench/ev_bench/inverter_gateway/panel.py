@@ -18,7 +18,7 @@ from ev_bench.inverter_gateway.gateway import Device, GatewayParameters, latched
 from ev_bench.inverter_gateway.leading import is_faulty
 from ev_bench.inverter_gateway.station import GatewayStation
 from ev_core.lockstep.stepper import WRITERS
-from ev_msgs_py.can.drive_states import FAULT, FAULT_REACTION_ACTIVE, STATE_NAMES
+from ev_msgs_py.can.drive_states import STATE_NAMES
 from ev_msgs_py.can.frames import DEVICES, DRIVES, LOADS, SPEED_MODE, TORQUE_MODE, WARNINGS, is_due
 from ev_msgs_py.contract.optional_signals import LoadCommand
 from ev_msgs_py.contract.signals import WheelTorqueCommand
@@ -73,7 +73,7 @@ def diagnosis(s: Device, feedback_timeout: float) -> Diagnosis:
         "dc_voltage_V": f"{feedback.dc_voltage:.3f}",
         "winding_temperature_degC": f"{feedback.winding_temperature:.1f}",
     }
-    if faults or is_faulty(s) or state in (FAULT, FAULT_REACTION_ACTIVE):
+    if faults or is_faulty(s):
         return Diagnosis(
             FAULTY, f"{STATE_NAMES[state]}: {', '.join(faults) or 'fault not yet named'}", details
         )

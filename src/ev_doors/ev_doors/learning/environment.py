@@ -124,7 +124,8 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
     reason. `run` and the arguments from `method` on are those of `ev_stack.Simulation`. The
     scenario's own law goes along: `info["own"]` is the action that stands for its output, and what
     no action gives (brakes, pedals) is its output. `info["frame"]` has all channels of the instant.
-    Everything random follows from the seed of `reset`; without one each episode has another.
+    Everything random follows from the seed of `reset`; without one each episode has another, the
+    first one that of `seed` if it is given.
 
     ParameterError, in one line, if something is refused; SignalError if a number becomes not
     finite.
@@ -183,6 +184,7 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
         }
         self._reward = reward or defaults[action]
         self._law = self._own_law()
+        self._first_seed = seed
 
     @property
     def _action(self) -> Action:
@@ -204,6 +206,9 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
                 f"reset option {quoted(str(next(iter(options))))} is refused, expected is none: what differs from the "
                 "scenario is given where the environment is made, such as set={'plant.initial_speed': 10.0}"
             )
+        if seed is None:
+            seed = self._first_seed
+        self._first_seed = None
         super().reset(seed=seed)
         is_drawn = seed is None or seed > _LARGEST_SEED
         frame = self.simulation.reset(
