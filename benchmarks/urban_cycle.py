@@ -31,7 +31,7 @@ from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_papers.dissertation.measures.urban_cases import FIVE, METHODS, SCENARIO, case
-from ev_stack.recording.offline import load_compiled
+from ev_stack.recording.offline import graph_run
 from ev_stack.scenarios.scenario import Run, load_scenario
 from ev_study.studies.asr_shootout import controls, values_of
 from ev_study.studies.study import Case, run_of
@@ -114,7 +114,7 @@ def main() -> None:
     cycles = runs(arguments)
     plants = {plant_of(run): run for run in cycles.values()}
     for run in cycles.values():
-        load_compiled(run.configurations)
+        graph_run(run.configurations, 0.0)
     best: dict[str, float] = {}
     for _ in range(arguments.repeats):
         counts = {name: time_of_plant(run) for name, run in plants.items()}

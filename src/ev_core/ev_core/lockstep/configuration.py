@@ -186,29 +186,30 @@ def configure(
     parameters: Any = _take(rest, method.parameters)
     sensors: Any = _take(rest, sensors_for(method.writes), _SENSORS)
     own_faults = None if hasattr(parameters, "faults") else _take(rest, FaultParameters)
+    made = Configuration(
+        role, method, parameters, common, further, tuple(sorted(rest)), sensors, own_faults
+    )
+    if rest:
+        _refuse_unknown(made, rest)
+    return _fitting(made)
+
+
+def _refuse_unknown(configuration: Configuration, unused: Mapping[str, Any]) -> None:
+    """ParameterError for an unused value that no other method of the role, or no sensor, takes."""
+    role = configuration.role
     others = [(other.parameters, "") for other in methods_of(role).values()]
     others.append((sensors_for(ROLES[role].writes), _SENSORS))
+    known = set[str]()
     for of, prefix in others:
-        _take(dict(rest), of, prefix)
-    elsewhere = {name for of, prefix in others for name in entries_by_name(of, prefix)}
-    for name in rest:
-        if name not in elsewhere:
-            known = [
-                _METHOD,
-                *flatten(common),
-                *flatten(parameters),
-                "faults",
-                *(flatten(further) if further else ()),
-            ]
-            is_sensor = name.startswith(_SENSORS)  # there are many: listed where one is meant
-            raise unknown_name(
-                f"parameter of {role}", name, flatten(sensors, _SENSORS) if is_sensor else known
-            )
-    return _fitting(
-        Configuration(
-            role, method, parameters, common, further, tuple(sorted(rest)), sensors, own_faults
-        )
-    )
+        _take(dict(unused), of, prefix)
+        known |= entries_by_name(of, prefix).keys()
+    for name in unused:
+        if name in known:
+            continue
+        # There are many sensors: they are listed where one is meant.
+        is_sensor = name.startswith(_SENSORS)
+        own = [each for each in configuration.values() if each.startswith(_SENSORS) == is_sensor]
+        raise unknown_name(f"parameter of {role}", name, own)
 
 
 def refuse_unused(name: str, configurations: Collection[Configuration]) -> None:
@@ -290,7 +291,7 @@ def _replaced(values: dict[str, Any], instance: P, prefix: str = "") -> P:
 
 def _take(values: dict[str, Any], of: type[P], prefix: str = "") -> P:
     """Build a parameter dataclass from its values in a dictionary, and take these out of the dictionary."""
-    return _replaced(values, of(), prefix)
+    return _replaced(values, defaults(of), prefix)
 
 
 def chosen_method(role: str, values: Mapping[str, Any]) -> Method:

@@ -6,10 +6,12 @@ from collections.abc import Mapping
 from graphlib import CycleError, TopologicalSorter
 
 from ev_core.lockstep.configuration import Configuration
-from ev_core.methods.common_parameters import CommonParameters
 from ev_core.parameters.declaration import flatten
 from ev_msgs_py.contract.roles import Role, RoleKind
 from ev_msgs_py.refusal import ParameterError
+
+# The common parameters of which all nodes have the same value.
+_SHARED = ("control_period", "mode", "vehicle")
 
 
 class GraphError(ValueError):
@@ -87,10 +89,6 @@ def arrival_order(roles: Mapping[str, Role], master: str) -> tuple[str, ...]:
     return (*others, master, *step_order(roles))
 
 
-# The common parameters of which each node may have its own value.
-_OWN = ("seed", "scheduling_priority", "lock_memory")
-
-
 def check_graph(configurations: Mapping[str, Configuration]) -> None:
     """ParameterError if the configured nodes do not fit together.
 
@@ -98,12 +96,7 @@ def check_graph(configurations: Mapping[str, Configuration]) -> None:
     the others, and the methods and values that it requires must be chosen, except where a role is
     played by a recording.
     """
-    common = {role: flatten(configuration.common) for role, configuration in configurations.items()}
-    for name in flatten(CommonParameters()):
-        values = {role: values[name] for role, values in common.items()}
-        if name not in _OWN and len(set(values.values())) > 1:
-            given = ", ".join(f"{role} {value}" for role, value in values.items())
-            raise ParameterError(f"{name} differs between nodes: {given}; expected one for all")
+    _refuse_different_nodes(configurations)
     written = {
         signal
         for configuration in configurations.values()
@@ -128,3 +121,17 @@ def check_graph(configurations: Mapping[str, Configuration]) -> None:
                     f"{configuration.role} method {configuration.method.name} requires "
                     f"{what if parameter else f'{role} method'} {needed}, but {chosen} is chosen"
                 )
+
+
+def _refuse_different_nodes(configurations: Mapping[str, Configuration]) -> None:
+    first = next(iter(configurations.values())).common
+    for shared in _SHARED:
+        parts = {role: getattr(each.common, shared) for role, each in configurations.items()}
+        # Cars are compared as a whole: to flatten each of them would take a tenth of a short run.
+        if all(part == getattr(first, shared) for part in parts.values()):
+            continue
+        for name in flatten(first):
+            values = {role: flatten(each.common)[name] for role, each in configurations.items()}
+            if name.partition(".")[0] == shared and len(set(values.values())) > 1:
+                given = ", ".join(f"{role} {value}" for role, value in values.items())
+                raise ParameterError(f"{name} differs between nodes: {given}; expected one for all")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +16,9 @@ from ev_msgs_py.contract.fields import SignalError, shape_of
 from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_stack.recording.outcome import Progress
 from ev_stack.recording.recording import Recording, recording_of_series
+
+if TYPE_CHECKING:
+    from ev_core.lockstep.run import GraphRun
 
 
 def run_offline(
@@ -29,12 +33,17 @@ def run_offline(
     of a role. Raises ParameterError if the roles do not fit together, and SignalError if one of
     them gives a number that is not finite.
     """
+    run = graph_run(configurations, duration)
+    run.drive(progress, note)
+    return recording_of_series(run.series, written_topics(configurations))
+
+
+def graph_run(configurations: Mapping[str, Configuration], duration: float) -> GraphRun:
+    """A run of all roles at rest, its code loaded, or compiled where it has never run."""
     from ev_core.lockstep.run import GraphRun  # numba is slow to import, here and below
 
     period = next(iter(configurations.values())).period
-    run = GraphRun(configurations, stamps.from_seconds(duration) // period + 1)
-    run.drive(progress, note)
-    return recording_of_series(run.series, written_topics(configurations))
+    return GraphRun(configurations, stamps.from_seconds(duration) // period + 1)
 
 
 def written_topics(configurations: Mapping[str, Configuration]) -> list[Topic]:
@@ -45,13 +54,6 @@ def written_topics(configurations: Mapping[str, Configuration]) -> list[Topic]:
         for signal in configuration.method.writes
     }
     return [topic for signal, topic in TOPICS.items() if signal in written]
-
-
-def load_compiled(configurations: Mapping[str, Configuration]) -> None:
-    """Load what these methods need, or compile it where it has never run; raises what `run_offline` does."""
-    from ev_core.lockstep.run import GraphRun
-
-    GraphRun(configurations, 1)
 
 
 # The test bench is not among them: what its transducers show is what the source measured by.

@@ -11,9 +11,16 @@ import yaml
 
 from ev_msgs_py.contract.roles import MASTER, RECORDED, RECORDER
 from ev_msgs_py.contract.topics import Topic
-from ev_stack.recording.offline import load_compiled, run_offline, written_topics
+from ev_stack.recording.offline import graph_run, written_topics
 from ev_stack.recording.outcome import Outcome, Progress
-from ev_stack.recording.recording import BAG, PARAMETERS, SIGNALS, atomic_file, save
+from ev_stack.recording.recording import (
+    BAG,
+    PARAMETERS,
+    SIGNALS,
+    atomic_file,
+    recording_of_series,
+    save,
+)
 from ev_stack.scenarios.scenario import Run
 
 
@@ -63,15 +70,15 @@ def write_parameter_file(path: Path, run: Run, nodes: dict[str, dict[str, Any]])
 
 def drive_offline(run: Run, progress: Progress = lambda time: None) -> Outcome:
     """Drive one run of a scenario; raises what `run_offline` does. To compile does not count as driving."""
-    load_compiled(run.configurations)
+    graph = graph_run(run.configurations, run.duration)
     start = time.monotonic()
     notes: list[str] = []
-    recording = run_offline(
-        run.configurations,
-        run.duration,
-        progress,
-        lambda role, text: notes.append(f"{run.namespace}/{role}: {text}"),
-    )
+
+    def note(role: str, text: str) -> None:
+        notes.append(f"{run.namespace}/{role}: {text}")
+
+    graph.drive(progress, note)
+    recording = recording_of_series(graph.series, written_topics(run.configurations))
     return Outcome(recording, time.monotonic() - start, notes=tuple(notes))
 
 

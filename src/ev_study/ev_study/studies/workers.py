@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ev_core.parameters.data_file import config_folders, files_read
-from ev_stack.recording.offline import load_compiled, run_offline
+from ev_stack.recording.offline import graph_run, run_offline
 from ev_stack.recording.outcome import RunFailed
 from ev_stack.report.summary import versions
 from ev_stack.running.beforehand import compile_for
@@ -244,7 +244,7 @@ def load_for(runs: Sequence[Run]) -> None:
     compile_for(runs, in_nodes=False)
     for run in runs[:1]:
         with suppress(ValueError):
-            load_compiled(run.configurations)
+            graph_run(run.configurations, 0.0)
 
 
 def _methods(case: Case) -> tuple[str, ...]:
