@@ -46,13 +46,15 @@ class _Placed(NamedTuple):
 
     @property
     def row(self) -> tuple[int, ...]:
-        """What the compiled loop has to know (`compiling.loop`)."""
+        """Numbers that the compiled loop takes (`compiling.loop`)."""
         function, _, constants = self.part.addresses()
         return function, self.state.ctypes.data, constants, *self.writes
 
 
 class Runs:
-    """Drives single runs of a batch, on any thread; a method whose parameters are the same in all is prepared once.
+    """Driver of single runs of a batch, on any thread.
+
+    A method with the same parameters in all runs is prepared once.
 
     `initial_states` have by role a row for each run. ParameterError for a method that does not run
     compiled, for a refused value of a parameter, and for states of another size.
@@ -104,7 +106,7 @@ class Runs:
             _refuse_states(role, states, made[role].state.size)
 
     def drive_some(self, runs: Iterable[int]) -> dict[int, str]:
-        """Drive some of the runs; the answer has those in which a number was not finite, with when and which one."""
+        """Drive some of the runs; return time and name of each number that was not finite."""
         return {run: text for run in runs if (text := self._drive(run))}
 
     def _drive(self, run: int) -> str:
@@ -154,7 +156,7 @@ class Runs:
         raise AssertionError(f"{role} stopped, but all its numbers are finite")
 
     def _placed(self, role: str, run: int, whole: WholeRun | None = None) -> list[_Placed]:
-        """The parts that play a role in a run, at their start, with what keeps the truth of it for a whole run."""
+        """Parts that play a role in a run, at their start, with the keepers of its true motion."""
         varied = self._varied[role]
         configuration = varied[run] if varied else self._base[role]
         try:
@@ -190,7 +192,7 @@ _PORTIONS = 16  # for each thread
 
 @dataclass(frozen=True, repr=False)
 class BatchResult:
-    """What is kept of the runs of a batch.
+    """Kept numbers of the runs of a batch.
 
     `metrics`: by name one number for each run, (runs,), NaN where it cannot be measured. `signals`:
     by channel the samples of each run at the instants `time` [s], (runs, samples). `failed`: by

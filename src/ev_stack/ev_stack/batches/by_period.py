@@ -26,7 +26,10 @@ def batch_by_period(
     hashes: bool = False,
     ending: Ending | None = None,
 ) -> BatchResult:
-    """As `batch`, but that *.control_period may vary as well; what is measured comes in the order of the runs."""
+    """Drive a batch in which *.control_period may vary as well.
+
+    Results keep the order of the runs.
+    """
     if PERIOD not in vary:
         return batch(
             configurations,

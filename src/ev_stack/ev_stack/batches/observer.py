@@ -23,7 +23,7 @@ MINIMUM, MAXIMUM, LARGEST_MAGNITUDE, LAST, MEAN, ROOT_MEAN_SQUARE = range(6)
 
 
 class Reduction(NamedTuple):
-    """A way to make one number of all samples of a channel, such as imu.yaw_rate, from the start on.
+    """A reduction: one number of all samples of a channel, such as imu.yaw_rate, from the start on.
 
     Samples are those of each control period and of both ends: their smallest, largest or last one,
     the largest magnitude, their mean, and the root of the mean of their squares.
@@ -148,11 +148,11 @@ class Observation:
         return row
 
     def reduced(self) -> np.ndarray:
-        """What has come of each reduction, (runs, reductions)."""
+        """Results of each reduction, (runs, reductions)."""
         return self._kept[:, 1 : self._head].copy()
 
     def signals(self) -> dict[str, np.ndarray]:
-        """By channel the samples of each run, (runs, samples); NaN where none has come."""
+        """Samples of each run by channel, (runs, samples); NaN where there is none."""
         samples = self._kept[:, self._head :].reshape(
             len(self._kept), len(self._channels), self._samples
         )

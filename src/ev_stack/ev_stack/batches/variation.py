@@ -1,4 +1,4 @@
-"""What differs from run to run of a batch."""
+"""Differences between the runs of a batch."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _SEED = entries_by_name(CommonParameters)["seed"]
 
 
 class Variation:
-    """What differs from run to run; names are ROLE.PARAMETER, or *.PARAMETER for all roles.
+    """Differences between runs; names are ROLE.PARAMETER, or *.PARAMETER for all roles.
 
     `runs` is their number by role where initial states give it. ParameterError for unknown names,
     for what cannot differ, and if the numbers of values are not the same.
@@ -75,7 +75,10 @@ class Variation:
             )
 
     def configurations(self, role: str) -> list[Configuration] | None:
-        """Those of a role in all runs, None if nothing that matters differs; ParameterError if a value is refused."""
+        """Configurations of a role in all runs, None if they are the same.
+
+        Raises ParameterError if a value is refused.
+        """
         base, columns = self._configurations[role], self._by_role[role]
         is_sound = base.is_ideal and not base.faults
         matters = self.concerns_method(role) or self.concerns_sensors(role) or not is_sound
@@ -92,11 +95,11 @@ class Variation:
         return found or None
 
     def concerns_sensors(self, role: str) -> bool:
-        """Whether errors of sensors differ."""
+        """Mark of runs that differ in errors of sensors."""
         return any(name.startswith(_SENSORS) for name in self._by_role[role])
 
     def concerns_method(self, role: str) -> bool:
-        """Whether anything differs that the method of a role knows of, and not its sensors and faults alone."""
+        """Mark of runs that differ in parameters of a role's method, not only in its sensors."""
         seed = () if self._configurations[role].has_random_method else ("seed",)
         return any(
             name not in seed and not name.startswith(_SENSORS) for name in self._by_role[role]

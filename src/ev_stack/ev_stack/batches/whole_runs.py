@@ -1,4 +1,4 @@
-"""Metrics of the whole runs of a batch: all channels of a run are kept until it is measured, and no longer."""
+"""Metrics of whole runs of a batch; the channels of a run are kept until it is measured."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ev_stack.recording.recording import Recording, signal_hash
 
 @dataclass(frozen=True)
 class Ending:
-    """Runs may end before their duration: at the first multiple of `every` [s] at which one `is_over`.
+    """Early end of runs: at the first multiple of `every` [s] at which `is_over` returns True.
 
     It is asked with the run so far, and with the sample up to which it was asked before.
     """
@@ -28,7 +28,7 @@ class Ending:
 
 
 class WholeRun:
-    """The memory for some channels of a run, and for those `of_roles` of the car in front of their sensors."""
+    """Memory for channels of a run, and for those of the car in front of the sensors of roles."""
 
     def __init__(
         self, channels: Sequence[str], of_roles: Mapping[str, Sequence[str]], times: np.ndarray
@@ -38,14 +38,17 @@ class WholeRun:
         self._true: list[Observation] = []
 
     def truth_of(self, role: str) -> Observation | None:
-        """What is to keep the truth of a role that has sensors or faults; None if it has none that counts."""
+        """Keeper of the true motion of a role with sensors or faults.
+
+        None if it has none that counts.
+        """
         if role not in self._of_roles:
             return None
         self._true.append(Observation(self._of_roles[role], 1, (), 1, len(self._times)))
         return self._true[-1]
 
     def recorded(self, instants: int) -> tuple[Recording, Recording]:
-        """What was shown up to an instant, and the true motion (`true_motion`, which has to drive the car again)."""
+        """Signals up to an instant as shown, and the true motion, driven again."""
         times = self._times[:instants]
         shown = Recording(times, _only_run(self.shown, instants))
         true = {
@@ -61,7 +64,9 @@ def _only_run(observation: Observation, instants: int) -> dict[str, np.ndarray]:
 
 
 class WholeRuns:
-    """What is measured of each run once it is driven; `values` have by name one number for each run, (runs,).
+    """Metrics of each run once it is driven.
+
+    `values` have one number for each run, (runs,), by name.
 
     NaN stands where there is none. `ends` are when the runs ended [s], (runs,), and `hashes` those
     of the published signals if they are asked for, NaN and empty for a run that has not ended.

@@ -1,4 +1,4 @@
-"""Panels of other things than curves over time: maps and contour lines, paths seen from above, bands, histograms."""
+"""Panels that show no curve over time: maps, contour lines, paths from above, bands, histograms."""
 
 from __future__ import annotations
 
@@ -21,7 +21,10 @@ def contours(
     values: np.ndarray,
     levels: Sequence[float],
 ) -> Panel:
-    """Lines of equal `values` (rows, columns), NaN where there are none; `x` and `y` are label and places of them."""
+    """Lines of equal `values` (rows, columns), NaN where there are none.
+
+    `x` and `y` are the labels of the axes and the places of columns and rows.
+    """
 
     def lines(axes: Axes) -> None:
         axes.clabel(axes.contour(x[1], y[1], values, levels=levels, linewidths=0.8))
@@ -40,7 +43,7 @@ def number_map(
     values: np.ndarray,
     limit: float,
 ) -> Panel:
-    """Values (rows, columns) as numbers in cells; those from the limit on stand out. Label and ticks of both sides."""
+    """Values (rows, columns) as numbers in cells; those from the limit on stand out."""
 
     def cells(axes: Axes) -> None:
         from matplotlib.colors import ListedColormap
@@ -108,7 +111,7 @@ def mean_of_seeds(values: np.ndarray) -> np.ndarray:
 
 
 def band(title: str, x: tuple[str, np.ndarray], quantity: str, values: np.ndarray) -> Panel:
-    """The mean over the seeds at each x (n,), with a band from least to largest; the values are (n, seeds).
+    """Mean over the seeds at each x (n,), in a band from least to largest; values are (n, seeds).
 
     In the order of x, whatever that of the values is; NaN is of a seed that has none.
     """
@@ -167,7 +170,10 @@ def plan_view(
 
 
 def timing_sheet(timings: Mapping[str, Mapping[str, Any]]) -> Sheet:
-    """Period, lateness of the steps, and arrival of every input, a row for each run (`master/real_time.py`)."""
+    """Panels of period, lateness of the steps, and arrival of every input, a row for each run.
+
+    The numbers are those of `master/real_time.py`.
+    """
     panels = [
         panel
         for name, timing in timings.items()

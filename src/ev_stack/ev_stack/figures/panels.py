@@ -1,4 +1,4 @@
-"""What the panels of a figure show: curves over time or over another quantity, beside those of the source."""
+"""Panels of a figure: curves over time or over another quantity, beside those of the source."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Curve:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Panel:
-    """One pair of axes: `ylabel` gives quantity and unit, `note` the reason why there is nothing to see.
+    """One pair of axes: `ylabel` gives quantity and unit, `note` why there is nothing to see.
 
     Panels of a sheet with the same `scale` have the same ordinate. `within`: the ends beyond which
     a curve may leave the panel, so that the others are seen; `ends`: those of the ordinate, None
@@ -65,7 +65,7 @@ class Panel:
 
     @property
     def is_empty(self) -> bool:
-        """Whether nothing would be seen."""
+        """Mark of a panel that would show nothing."""
         return not (self.curves or self.note or self.ground)
 
     @property
@@ -96,7 +96,7 @@ class Panel:
 
 
 def _in_turns(panel: Panel, strokes: Mapping[str, Stroke]) -> list[tuple[Curve, tuple[str, Any]]]:
-    """The curves that are not published with colour and dashes; those that would cover each other take turns."""
+    """Curves that are not published, with colour and dashes; curves that coincide take turns."""
     lines: list[list[Curve]] = []
     for curve in (each for each in panel.curves if not each.published):
         line = next((line for line in lines if _is_alike(line[0], curve)), None)
@@ -127,7 +127,7 @@ def _are_close(some: np.ndarray, others: np.ndarray) -> bool:
 
 
 def _draw_curve(axes: Axes, curve: Curve, columns: int, stroke: dict[str, Any]) -> None:
-    """A line; where it would be solid ink a band from its lowest to its highest values, with their mean."""
+    """Draw a line, or a band of lowest to highest values where the line would be solid ink."""
     found = chatter(curve.time, curve.values, columns)
     line = curve.values if found is None else found.line
     axes.plot(*thinned(curve.time, line, columns), dash_capstyle="butt", **stroke)

@@ -22,7 +22,7 @@ _HOW = {
 
 @dataclass(frozen=True, slots=True)
 class Print:
-    """Which figures are also wanted for print: FORMATS, none for none, width [inch], and patterns of panels."""
+    """Figures for print: FORMATS (none for none), width [inch], and patterns of panels."""
 
     formats: tuple[str, ...] = ()
     width: float = COLUMN
@@ -34,7 +34,7 @@ class Print:
         folder: Path,
         claim: Callable[[Sequence[str]], None] = lambda names: None,
     ) -> None:
-        """Write them, once `claim` has allowed their names; ParameterError for a pattern that fits no panel."""
+        """Write the figures for print; ParameterError for a pattern that fits no panel."""
         if self.formats:
             figures = printed(sheets, self.width, self.panels)
             claim(figure_files(figures, self.formats))

@@ -1,4 +1,4 @@
-"""Figures as data, and how they are laid out: on the screen, and at the widths and heights of a journal's page."""
+"""Figures as data, and their layout on the screen and on the pages of a journal."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _LINE = 0.13  # of a title [inch]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sheet:
-    """A figure: panels in reading order, `columns` abreast where there is room, and the abscissa that they share.
+    """A figure: panels in reading order, `columns` abreast where there is room, over one abscissa.
 
     The abscissa begins at `start` if that is given.
     """
@@ -59,14 +59,17 @@ Sheets = Mapping[str, Sheet]  # by the name of the file without suffix
 
 
 def drawn(sheets: Sheets, width: float = WIDE) -> dict[str, Figure]:
-    """The figures of a report, each name in one stroke in all of them; without those that would show nothing."""
+    """Draw the figures of a report, without those that would show nothing.
+
+    A name has the same stroke in all of them.
+    """
     strokes = _strokes(sheets)
     pages = {name: list(_pages(sheet, width, math.inf, strokes)) for name, sheet in sheets.items()}
     return {name: page for name, found in pages.items() for page in found}
 
 
 def printed(sheets: Sheets, width: float = COLUMN, panels: Sequence[str] = ()) -> dict[str, Figure]:
-    """The same for print, at most TALLEST, each figure in as many pages as it needs: NAME, NAME_2, ...
+    """Draw the figures for print, at most TALLEST, in as many pages as needed: NAME, NAME_2, ...
 
     `panels`: patterns of NAME, PANEL or NAME.PANEL; empty for all. ParameterError for one that fits
     none.
@@ -135,7 +138,10 @@ def _pages(
 
 
 def _spans(panels: Sequence[Panel]) -> dict[int, tuple[float, float] | None]:
-    """Lowest and highest value that each panel shows, alike for all of one scale; None where there is nothing."""
+    """Lowest and highest value of each panel, alike for all of one scale.
+
+    None where it is empty.
+    """
     together: dict[str, tuple[float, float]] = {}
     for panel in panels:
         if panel.scale and (span := panel.span):
@@ -160,11 +166,11 @@ class _Page:
         return self.width / self.columns - _BESIDE
 
     def height(self, row: Sequence[Panel]) -> float:
-        """Of a row, with titles and labels of its own [inch]."""
+        """Height of a row, with titles and labels of its own [inch]."""
         return max(self._axes_height(panel) + _BELOW * bool(panel.xlabel) for panel in row) + _ABOVE
 
     def fitting(self, rows: Sequence[Sequence[Panel]], room: float) -> int:
-        """How many rows have room [inch], one at least."""
+        """Number of rows that have room [inch], at least one."""
         return max(1, sum(end <= room for end in itertools.accumulate(map(self.height, rows))))
 
     def _axes_height(self, panel: Panel) -> float:
@@ -249,7 +255,10 @@ def _time_limits(panels: Sequence[Panel], start: float | None) -> tuple[float, f
 
 
 def _legend(figure: Figure, width: float, strokes: Mapping[str, Stroke]) -> float:
-    """One legend for all panels, names in the order of the report and in as few rows as fit; its height [inch]."""
+    """Place one legend for all panels in as few rows as fit, and return its height [inch].
+
+    Names stand in the order of the report.
+    """
     entries = {
         label: handle
         for axes in figure.axes

@@ -1,4 +1,4 @@
-"""One stroke for one name: the colour and the dashes of a law or run, the same in all figures of a report."""
+"""One stroke for one name: colour and dashes of a law or run in all figures of a report."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Stroke(NamedTuple):
 
 
 def stroke(number: int) -> Stroke:
-    """Of the n-th name: the colours one after the other, then again with other dashes."""
+    """Stroke of the n-th name: the colours one after the other, then again with other dashes."""
     again, hue = divmod(number, len(HUES))
     return Stroke(HUES[hue], DASHES[(hue + again) % len(DASHES)])
 

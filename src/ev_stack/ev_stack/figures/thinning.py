@@ -1,4 +1,4 @@
-"""What is drawn of more samples than a line has pixels: their lowest and highest values, bands where they chatter."""
+"""Thinning of curves to the pixels of a line: lowest and highest, bands where they chatter."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ SMALL = 0.08  # share of the range of all values below which a bin is a line all
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Chatter:
-    """Bins of a curve: their instants (bins + 1,), lowest, highest and mean values (bins,), NaN where a line will do.
+    """Bins of a curve: instants (bins + 1,), and lowest, highest and mean values (bins,).
+
+    NaN where a line will do.
 
     `line`: the samples (n,) without those that stand in bins, NaN in their place.
     """
@@ -26,7 +28,7 @@ class Chatter:
 
 
 def chatter(time: np.ndarray, values: np.ndarray, columns: int) -> Chatter | None:
-    """Where values (n,) over time (n,) chatter when they are drawn `columns` pixels wide; None if nowhere."""
+    """Bins of values (n,) over time (n,) that chatter at `columns` pixels; None if none do."""
     count = max(columns // PIXELS, 1)
     size = len(values) // count
     if size <= SWINGS:
@@ -53,7 +55,7 @@ def chatter(time: np.ndarray, values: np.ndarray, columns: int) -> Chatter | Non
 
 
 def thinned(time: np.ndarray, values: np.ndarray, columns: int) -> tuple[np.ndarray, np.ndarray]:
-    """Samples that draw the same line at `columns` pixels: the lowest and the highest of each, and both ends.
+    """Samples that draw the same line at `columns` pixels: both ends, and extremes of each pixel.
 
     NaN counts as lowest and highest, so a gap stays a gap. Short series come back as they are.
     """

@@ -1,4 +1,4 @@
-"""Report on a coast-down: rolling resistance and drag from the deceleration (after SAE J1263 and UN R154).
+"""Report on a coast-down: rolling resistance and drag (after SAE J1263 and UN R154).
 
 Road load: (m + sum J/r^2) dV/dt = -m g f_0 - rho c_d A V^2/2, fitted by least squares to the mean
 decelerations of intervals of one second.
@@ -36,7 +36,7 @@ UPPER, LOWER = 100 / 3.6, 80 / 3.6  # [m/s], between which the coast-down is tim
 
 
 def effective_mass(vehicle: Vehicle) -> float:
-    """Mass and rotating inertias, m + sum (J_w + J_m n^2)/r^2, of each wheel with its own radius [kg]."""
+    """Mass and rotating inertias, m + sum (J_w + J_m n^2)/r^2, by the radius of each wheel [kg]."""
     of_wheels = zip(wheel_inertias(vehicle), vehicle.wheel_radius_ratio, strict=True)
     return (
         vehicle.mass
@@ -45,7 +45,10 @@ def effective_mass(vehicle: Vehicle) -> float:
 
 
 def decelerations(run: Recording) -> tuple[np.ndarray, np.ndarray]:
-    """Speeds (n,) [m/s] in the middle of the intervals and decelerations (n,) [m/s^2]; NotMeasured without any."""
+    """Speeds in the middle of the intervals (n,) [m/s] and decelerations (n,) [m/s^2].
+
+    Raises NotMeasured if there is no interval.
+    """
     speed = coasting_speed(run)
     ends = np.arange(run.time[0], run.time[-1] + 1e-9, INTERVAL)
     at_ends = np.interp(ends, run.time, speed)
@@ -56,7 +59,10 @@ def decelerations(run: Recording) -> tuple[np.ndarray, np.ndarray]:
 
 
 def coasting_speed(run: Recording) -> np.ndarray:
-    """Speed of the car, forwards or in reverse, (n,) [m/s]; NotMeasured if a pedal is pressed: that is no road load."""
+    """Speed of the car, forwards or in reverse, (n,) [m/s].
+
+    Raises NotMeasured if a pedal is pressed: the deceleration is then not that of the road load.
+    """
     for pedal in (motion.DRIVE_TORQUE, motion.BRAKE_TORQUE):
         if channel(run, pedal).any():
             raise NotMeasured(
@@ -78,7 +84,7 @@ def road_load(run: Recording, vehicle: Vehicle) -> tuple[float, float]:
 
 
 def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
-    """The fitted road load beside that of the vehicle description, and the time from 100 to 80 km/h."""
+    """Fitted road load beside that of the vehicle description, and the time from 100 to 80 km/h."""
     road = parameters.get(MASTER, {})
 
     def level(measure: Callable[[], float]) -> Callable[[], float]:

@@ -1,4 +1,4 @@
-"""Report on a course between cones, such as those of ISO 3888: who passes it, and what the car does on its way."""
+"""Report on a course between cones, such as ISO 3888: passing it, and the motion of the car."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _PATH = "path."
 def metrics(
     runs: Runs, vehicle: Vehicle, parameters: Parameters, course: Course
 ) -> dict[str, Metric]:
-    """Whether the course is passed, cones hit, speeds, and largest values between the first and the last cone.
+    """Pass or fail, cones hit, speeds, and largest values between the first and the last cone.
 
     Without a course in the scenario the values are those of the whole run.
     """
@@ -116,7 +116,7 @@ def _road_of(parameters: Parameters) -> PathParameters | None:
 
 
 def passed(run: Recording, vehicle: Vehicle, road: PathParameters | None, course: Course) -> bool:
-    """Whether a car stays in the lanes of a course, if there is one, and on the road of the driver, and hits no cone.
+    """Cleanness: 1 if the car stays in the lanes and on the road, and hits no cone; else 0.
 
     NotMeasured if it does neither leave them nor reach the end.
     """
@@ -131,7 +131,9 @@ def passed(run: Recording, vehicle: Vehicle, road: PathParameters | None, course
 def is_over(
     run: Recording, since: int, vehicle: Vehicle, road: PathParameters | None, course: Course
 ) -> bool:
-    """Whether a car has left lanes or road, or is whole behind the last cone; it had not at the sample `since`.
+    """End of the drive through a course: the car has left it, or is whole behind the last cone.
+
+    At the sample `since` it had not.
 
     To which side its lanes go is known in the first lane aside: before, it has to have left those
     of both.
@@ -167,7 +169,10 @@ def _end_of_course(run: Recording, vehicle: Vehicle, course: Course) -> int:
 
 
 def _on_course(run: Recording, vehicle: Vehicle, course: Course) -> np.ndarray:
-    """Which samples lie between the first and the last cone, (n,) bool; NotMeasured if the last one is not reached."""
+    """Mark the samples between the first and the last cone, (n,) bool.
+
+    Raises NotMeasured if the last cone is not reached.
+    """
     x = channel(run, "pose.x")
     if not course.begin:
         return np.ones(len(x), bool)
@@ -177,7 +182,9 @@ def _on_course(run: Recording, vehicle: Vehicle, course: Course) -> np.ndarray:
 def _left(
     run: Recording, road: PathParameters | None, course: Course, lanes: Sequence[Lane]
 ) -> str:
-    """Where the car left the course up to its end, in a line: a lane, or the road of the driver's path; empty if not.
+    """Place at which the car left the course up to its end, in one line; empty if it did not.
+
+    It left a lane, or the road of the driver's path.
 
     That of the driver's path is as wide as `driver.path.width`.
     """

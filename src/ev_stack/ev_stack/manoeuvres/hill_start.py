@@ -1,4 +1,4 @@
-"""Report on a hill start: does the car stay while it is held, does it roll back, do the driven wheels spin."""
+"""Report on a hill start: standing while held, roll-back, and spin of the driven wheels."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PULL_AWAY = 1.0  # [m], the pull-away is timed over it
 
 
 def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
-    """Movement while the brake holds, roll-back, slip and time for the first metre, for each run."""
+    """Movement under the brake, roll-back, slip, and time for the first metre, of each run."""
 
     def of(run: Recording) -> dict[str, Metric]:
         def moved() -> float:

@@ -1,4 +1,4 @@
-"""Report on laps of a closed course: their times, how near the car is to its limits, and what they cost."""
+"""Report on laps of a closed course: times, distance from the limits of the car, and cost."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ from ev_stack.recording.recording import Recording
 def split_friction_figures(
     name: str, runs: Runs, vehicle: Vehicle, wheels: Sequence[str]
 ) -> dict[str, Sheet]:
-    """Speed, heading, steering-wheel angle and path of all runs, and the rim speeds of some wheels of each.
+    """Panels of speed, heading, steering-wheel angle and path of all runs, and of rim speeds.
 
     The sheet is called `name`, the plan view `path`.
     """
@@ -111,7 +111,10 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
 
 
 def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Sheet]:
-    """Speed, heading and steering-wheel angle of all runs, rim speeds of the first, and the paths."""
+    """Panels of speed, heading, steering-wheel angle and paths of all runs.
+
+    Rim speeds of the first.
+    """
     return split_friction_figures("launch", runs, vehicle, vehicle.driven_wheels)
 
 

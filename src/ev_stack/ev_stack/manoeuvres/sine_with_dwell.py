@@ -46,7 +46,7 @@ YAW_LIMITS = ((1.0, 35.0), (1.75, 20.0))
 
 
 def metrics(runs: Runs) -> dict[str, Metric]:
-    """The angle A, and for each sine its amplitude over A, yaw rate ratios, lateral displacement and verdict."""
+    """Metrics of the angle A and of each sine: amplitude, yaw rate ratios, displacement, verdict."""
     result = {
         "steering_wheel_angle_at_0_3_g": metric(
             lambda: _reference_angle(runs),
@@ -155,7 +155,7 @@ def _steering(run: Recording) -> tuple[int, int]:
 
 
 def _peak_yaw_rate(run: Recording) -> float:
-    """First local peak of the yaw rate after the steering-wheel angle has changed its sign [rad/s]."""
+    """First local peak of the yaw rate after the steering-wheel angle has changed sign [rad/s]."""
     begin, end = _steering(run)
     angle, yaw_rate = channel(run, motion.STEERING_WHEEL_ANGLE), channel(run, motion.YAW_RATE)
     reversal = (
@@ -185,7 +185,10 @@ def _beginning(run: Recording) -> float:
 
 
 def _displacement(run: Recording, beginning: float) -> float:
-    """Way of the centre of mass across its straight path before [m], in the direction of the first steering."""
+    """Displacement of the centre of mass across its former straight path [m].
+
+    Positive in the direction of the first steering.
+    """
     begin, _ = _steering(run)
     side = np.sign(channel(run, motion.STEERING_WHEEL_ANGLE)[begin + 1])
     return side * motion.value_at(run, motion.way_aside(run, begin), beginning + DISPLACEMENT_TIME)

@@ -42,12 +42,15 @@ STANDARD = "ISO 4138"
 
 
 def sideslip_gradient(vehicle: Vehicle) -> float:
-    """Closed form -m a/(C_r L) [rad s^2/m]: sideslip of the centre of mass beyond that of rolling on the circle."""
+    """Sideslip gradient of a linear car, -m a/(C_r L) [rad s^2/m], beyond rolling on the circle."""
     return -axle_masses(vehicle)[1] / axle_cornering_stiffnesses(vehicle)[1]
 
 
 def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
-    """Gradients of each run, those of the linear ones beside the closed form, and the largest lateral acceleration."""
+    """Gradients of each run, those of linear cars beside the closed form.
+
+    Largest lateral acceleration.
+    """
     result = {}
     for name, run in runs.items():
         closed = (understeer_gradient(vehicle), sideslip_gradient(vehicle))
@@ -84,7 +87,7 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
 
 
 def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Sheet]:
-    """Steering angle beyond rolling, sideslip angle, yaw rate, speed over lateral acceleration by method, and paths."""
+    """Panels over lateral acceleration, by method, and paths."""
     at_radius = {name: run for name, run in runs.items() if name.startswith(CONSTANT_RADIUS)}
     methods = {
         "steady_circle": {name: run for name, run in runs.items() if name not in at_radius},
@@ -128,7 +131,9 @@ def _panels(runs: Runs, vehicle: Vehicle) -> list[Panel]:
 
 
 def steady(run: Recording) -> slice:
-    """The samples from the end of steering in to the largest lateral acceleration, before the car loses the circle.
+    """Samples from the end of steering in to the largest lateral acceleration.
+
+    Behind it the car loses the circle.
 
     A driver who stays on a circle never ends steering; with him the car is on it, at this slowly
     rising speed, long before the lowest acceleration that gradients are taken from.
@@ -154,7 +159,10 @@ def steady(run: Recording) -> slice:
 
 
 def _side(run: Recording) -> float:
-    """1 on a circle to the left, -1 to the right: an oversteering car may be steered against it in the end."""
+    """Side of the circle: 1 to the left, -1 to the right.
+
+    The steering does not show it: an oversteering car may be steered against the circle in the end.
+    """
     if not channel(run, motion.STEERING_WHEEL_ANGLE)[-1]:
         raise NotMeasured("the steering wheel is not turned")
     return float(np.sign(motion.lateral_acceleration_on_path(run).sum()))

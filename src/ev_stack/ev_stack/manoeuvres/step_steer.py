@@ -31,7 +31,7 @@ STEADY_BAND = 0.03  # steady values change by less than this fraction from one w
 
 @dataclass(frozen=True, slots=True)
 class Response:
-    """One quantity after the step: `steady` and `peak` in its unit, with the sign of the step; times [s]."""
+    """One quantity after the step: `steady` and `peak`, with the sign of the step; times [s]."""
 
     steady: float
     peak: float
@@ -40,7 +40,7 @@ class Response:
 
     @property
     def overshoot(self) -> float:
-        """How far the peak lies beyond the steady value [%]."""
+        """Overshoot: distance of the peak beyond the steady value [%]."""
         return 100 * (self.peak / self.steady - 1)
 
 

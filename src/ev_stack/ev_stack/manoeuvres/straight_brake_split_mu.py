@@ -1,4 +1,4 @@
-"""Report on braking with different friction left and right: stopping distance, deviation, locked wheels (ISO 14512)."""
+"""Report on braking on split friction: stopping distance, deviation, locked wheels (ISO 14512)."""
 
 from __future__ import annotations
 

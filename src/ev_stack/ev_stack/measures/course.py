@@ -18,7 +18,10 @@ from ev_stack.recording.recording import Recording
 
 @dataclass(frozen=True, slots=True)
 class Course:
-    """Lanes along x in odom, each a value of every list; `width_*` make the width of a lane of that of the car.
+    """Lanes along x in odom; every list has one value for each lane.
+
+    The width of a lane is `width_factor` times the width of the car plus `width_margin`, at least
+    `least_width`.
 
     A course is symmetric: a car that goes to the other side in the first lane that lies aside
     drives its mirror image.
@@ -44,7 +47,7 @@ class Course:
     gap: tuple[float, ...] = setting(
         (), unit="m", low=-1e3, high=1e3, lateral=True,
         about="where not 0, from the edge of the first lane to the near edge of this one, instead of `middle`",
-    )  # fmt: skip
+    )
     width_factor: tuple[float, ...] = setting(
         (), unit="1", low=0.0, high=10.0, about="times the width of the car; none: all 0"
     )
@@ -67,7 +70,10 @@ class Course:
     )
 
     def __post_init__(self) -> None:
-        """ParameterError if the lists do not describe the same lanes, one behind the other, that have a width."""
+        """Check the lists.
+
+        ParameterError unless they describe lanes one behind the other, with widths.
+        """
         for each in fields(self):
             values = getattr(self, each.name)
             if (
@@ -124,7 +130,10 @@ class Lane:
 
 
 def lanes_driven(run: Recording, vehicle: Vehicle, course: Course) -> tuple[Lane, ...]:
-    """The lanes on the side to which the car goes in the first lane aside; NotMeasured if there is no course."""
+    """Lanes on the side to which the car goes in the first lane aside.
+
+    Raises NotMeasured if there is no course.
+    """
     if not course.begin:
         raise NotMeasured(
             "the scenario has no course: course.begin, course.end and so on describe one"
@@ -137,7 +146,10 @@ def lanes_driven(run: Recording, vehicle: Vehicle, course: Course) -> tuple[Lane
 
 
 def cones(run: Recording, vehicle: Vehicle, course: Course) -> np.ndarray:
-    """Positions of the cones, (n, 2) [m]; the lane's edge is where a cone begins, so a cone is a point on it."""
+    """Positions of the cones, (n, 2) [m].
+
+    The lane's edge is where a cone begins, so a cone is a point on it.
+    """
     return np.array(
         [
             (x, lane.middle + side * lane.width / 2)
@@ -149,7 +161,10 @@ def cones(run: Recording, vehicle: Vehicle, course: Course) -> np.ndarray:
 
 
 def hit_cones(run: Recording, vehicle: Vehicle, course: Course) -> np.ndarray:
-    """Which of the cones came to lie under the body, (n,) bool; its middle is beside an offset centre of mass."""
+    """Marks of the cones that came to lie under the body, (n,) bool.
+
+    The middle of the body is beside a centre of mass that is offset.
+    """
     x, y, heading = channel(run, "pose.x"), channel(run, "pose.y"), motion.heading(run)
     front = vehicle.wheelbase - vehicle.centre_of_mass_to_rear_axle + course.overhang
     rear = vehicle.centre_of_mass_to_rear_axle + course.overhang
@@ -163,7 +178,7 @@ def hit_cones(run: Recording, vehicle: Vehicle, course: Course) -> np.ndarray:
 
 
 def outside_lanes(run: Recording, lanes: Iterable[Lane]) -> np.ndarray:
-    """Where the centre of mass is beside a lane and not in it, (n,) bool."""
+    """Marks of the samples with the centre of mass beside a lane and not in it, (n,) bool."""
     x, y = channel(run, "pose.x"), channel(run, "pose.y")
     found = np.zeros(len(x), bool)
     for lane in lanes:
@@ -174,7 +189,7 @@ def outside_lanes(run: Recording, lanes: Iterable[Lane]) -> np.ndarray:
 def edges(
     run: Recording, vehicle: Vehicle, course: Course
 ) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
-    """Paths of the left and of the right end of the body beside the centre of mass, x and y (n,) each [m]."""
+    """Paths of the left and the right side of the body at the centre of mass, x and y (n,) [m]."""
     x, y, heading = channel(run, "pose.x"), channel(run, "pose.y"), motion.heading(run)
     half, offset = course.body_width(vehicle) / 2, vehicle.centre_of_mass_offset
     ends = (half - offset, -half - offset)

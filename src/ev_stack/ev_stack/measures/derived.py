@@ -1,4 +1,4 @@
-"""What expressions know besides channels and metrics: series of the motion, and the parameters of the car."""
+"""Terms of expressions besides channels and metrics: series of motion, parameters of the car."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _ON_PATH = (_TWIST, "imu.longitudinal_acceleration", motion.LATERAL_ACCELERATION
 
 
 class Derived(NamedTuple):
-    """A series that follows from channels, (n,) in a unit, what it is, and how the names of those channels begin."""
+    """A series (n,) that follows from channels; `needs` are the beginnings of their names."""
 
     unit: str
     formula: str
@@ -62,7 +62,7 @@ SERIES: Mapping[str, Derived] = {
 
 
 def of_vehicle(name: str, place: int | None) -> Callable[[DrivenRun], float]:
-    """The function that reads a number of the car by its dotted name, or the one at a place of a list.
+    """Build the function that reads a number of the car by its dotted name, or by name and place.
 
     ParameterError if no car has it, or if it is a list and no place is given, or the other way
     round.

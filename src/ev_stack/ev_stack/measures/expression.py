@@ -1,4 +1,6 @@
-"""Expressions over channels, metrics and the car, such as `maximum(abs(imu.yaw_rate[time > 2])) / vehicle.mass`.
+"""Expressions over channels, metrics and the car.
+
+An example: `maximum(abs(imu.yaw_rate[time > 2])) / vehicle.mass`.
 
 They are read as Python's syntax and never run as Python: of the tree only what stands here has a
 meaning.
@@ -28,7 +30,7 @@ _LONGEST, _MOST = 500, 200
 
 
 class Kind(NamedTuple):
-    """Whether a term has a value at each sample, at some of them, and whether it is a condition."""
+    """Kind of a term: a value at each sample, at some of them, or a condition."""
 
     is_series: bool = False
     is_part: bool = False
@@ -39,7 +41,7 @@ _NUMBER, _SERIES, _CONDITION, _PART = Kind(), Kind(True), Kind(True, False, True
 
 
 class Term(NamedTuple):
-    """What a part of an expression is, and how it is computed."""
+    """A part of an expression: its kind, and the function that computes it."""
 
     kind: Kind
     of: Callable[[DrivenRun], Any]
@@ -97,11 +99,11 @@ ELEMENTWISE: Mapping[str, tuple[int, Callable[..., Any]]] = {  # number of argum
 }
 _ARITHMETIC: Mapping[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: np.true_divide, ast.Pow: np.power
-}  # fmt: skip
+}
 _COMPARISONS: Mapping[type, Callable[[Any, Any], Any]] = {
     ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt, ast.GtE: operator.ge,
     ast.Eq: operator.eq, ast.NotEq: operator.ne,
-}  # fmt: skip
+}
 _LOGIC: Mapping[type, Callable[[Any, Any], Any]] = {
     ast.BitAnd: np.logical_and,
     ast.BitOr: np.logical_or,
@@ -111,7 +113,10 @@ FUNCTIONS = sorted({*REDUCTIONS, *OVER_TIME, *ELEMENTWISE, AT})
 
 
 def number_of(tree: ast.expr) -> Callable[[DrivenRun], float]:
-    """The function that computes a tree; ParameterError, in one line, for what has no meaning or is not one number."""
+    """Build the function that computes a tree.
+
+    Raises ParameterError, in one line, for what has no meaning or is not one number.
+    """
     term = term_of(tree)
     if term.kind.is_series:
         raise ParameterError(
@@ -149,7 +154,7 @@ def name_of(node: ast.expr) -> str | None:
 
 
 def term_of(node: ast.expr) -> Term:
-    """How a tree is computed; ParameterError, in one line, for what has no meaning."""
+    """Build the term of a tree; ParameterError, in one line, for what has no meaning."""
     if (name := name_of(node)) is not None:
         return _named(name)
     if isinstance(node, ast.Constant) and type(node.value) in (int, float):

@@ -1,4 +1,4 @@
-"""Forces, slip and work of the wheels, and what a control law does for the handling of a car and costs."""
+"""Forces, slip and work of the wheels; the effect of a control law on handling, and its cost."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Force(NamedTuple):
 
 
 def wheel_directions(run: Recording, vehicle: Vehicle) -> Mapping[str, Direction]:
-    """Where each wheel points: by the steering geometry, what turns the rear wheels, and compliance steer.
+    """Direction of each wheel: steering geometry, rear steering, and compliance steer.
 
     The side force of an axle turns its wheels, those in front out of the bend
     (`plant.planar.contact.point`).
@@ -87,7 +87,10 @@ def _bent(run: Recording, vehicle: Vehicle, axle: str, tangent: np.ndarray) -> n
 
 
 def tyre_force(run: Recording, wheel: str, vehicle: Vehicle) -> Force:
-    """F_x = F_p cos d - F_b sin d, F_y = F_p sin d + F_b cos d of a wheel (Tatar & Chudzik, eq 4)."""
+    """Force of a wheel in axes of the car; Tatar & Chudzik, eq. 4.
+
+    F_x = F_p cos d - F_b sin d, F_y = F_p sin d + F_b cos d.
+    """
     along, across = (
         channel(run, f"tire_forces.{kind}_force.{wheel}") for kind in ("longitudinal", "lateral")
     )
@@ -101,7 +104,10 @@ def peak_sideslip(run: Recording) -> float:
 
 
 def has_spun(run: Recording) -> bool:
-    """Whether the moving car slid backwards, its sideslip angle beyond 90 deg; not where no motion was recorded."""
+    """Mark of a car that slid backwards while it moved: its sideslip angle was beyond 90 deg.
+
+    False where no motion was recorded.
+    """
     try:
         return peak_sideslip(run) > 0.5 * np.pi
     except NotMeasured:
@@ -160,7 +166,10 @@ def measured_understeer_gradient(run: Recording, vehicle: Vehicle) -> float:
 
 
 def _refuse_unsteady(run: Recording, across: np.ndarray) -> None:
-    """NotMeasured where the car does not turn steadily, or so sharply that L/R is not the angle of rolling."""
+    """Check that the car turns steadily, in bends in which L/R is the angle of rolling.
+
+    Raises NotMeasured if it does not.
+    """
     low, high = GRADIENT_RANGE
     beyond = np.flatnonzero(across > high)
     if len(run.time) < 2 or not len(beyond):
@@ -187,7 +196,10 @@ def peak_slip_ratio(run: Recording) -> float:
 
 
 def slip_energy(run: Recording, vehicle: Vehicle) -> float:
-    """Work that the tyres take where they slip, along and across [J]; trapezoidal rule between the samples."""
+    """Work that slip of the tyres takes, along and across [J].
+
+    Trapezoidal rule between the samples.
+    """
     power = np.zeros_like(run.time)
     for wheel in WHEEL_NAMES:
         for part in slip_powers(run, vehicle, wheel):
@@ -196,7 +208,7 @@ def slip_energy(run: Recording, vehicle: Vehicle) -> float:
 
 
 def slip_powers(run: Recording, vehicle: Vehicle, wheel: str) -> tuple[np.ndarray, np.ndarray]:
-    """Force of a tyre times the speed at which it slips over the road, along and across the wheel, (n,) each [W]."""
+    """Force of a tyre times its slip speed, along and across the wheel, (n,) each [W]."""
     vx, vy, yaw_rate = (
         channel(run, f"twist.{name}") for name in ("longitudinal", "lateral", "yaw_rate")
     )
@@ -215,7 +227,10 @@ def slip_powers(run: Recording, vehicle: Vehicle, wheel: str) -> tuple[np.ndarra
 
 
 def drive_work(run: Recording) -> np.ndarray:
-    """Work of the drives at the wheels since the start, (n,) [J]: mean torque over a step times angle turned in it."""
+    """Work of the drives at the wheels since the start, (n,) [J].
+
+    Mean torque over a step times the angle turned in it.
+    """
     work = np.zeros(len(run.time))
     for wheel in WHEEL_NAMES:
         turned = np.diff(channel(run, f"wheel_states.position.{wheel}"))
@@ -298,7 +313,7 @@ def time_since_turning_in(run: Recording) -> np.ndarray:
 
 
 def surfaces_under(run: Recording, vehicle: Vehicle, wheel: str) -> np.ndarray:
-    """The surface of the table whose friction comes closest to that under the wheel, at each sample, (n,) str.
+    """Surface of the table whose friction is closest to that under the wheel, (n,) str.
 
     The closest one, for a sensor may add noise. Surfaces with the same friction for the tyre are
     not distinguished, and those of one's own are not known here.
@@ -309,7 +324,7 @@ def surfaces_under(run: Recording, vehicle: Vehicle, wheel: str) -> np.ndarray:
 
 
 def share_of(run: Recording, vehicle: Vehicle, wheel: str, prefix: str) -> float:
-    """Share of the driven distance on which surfaces lay whose name begins so, under the wheel [1]."""
+    """Share of the driven distance on surfaces whose name begins so, under the wheel [1]."""
     distance = distance_on_path(run)
     if distance[-1] <= 0.0:
         raise NotMeasured("the car has not moved")

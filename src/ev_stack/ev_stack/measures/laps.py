@@ -1,4 +1,4 @@
-"""Laps of a closed course: their times, the distance from the racing line, and whether the car leaves the road."""
+"""Laps of a closed course: times, distance from the racing line, and leaving the road."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def line_of(course: CourseParameters | None, vehicle: Vehicle) -> RacingLine:
 
 
 def lap_times(run: Recording, vehicle: Vehicle, course: CourseParameters | None) -> np.ndarray:
-    """Times of the laps [s], from crossing the line of the course to crossing it again, linear between the samples.
+    """Times of the laps [s], from line to line, linear between samples.
 
     NotMeasured if the car leaves the course, or comes to no end of a lap.
     """
@@ -44,12 +44,12 @@ def lap_times(run: Recording, vehicle: Vehicle, course: CourseParameters | None)
 
 
 def laps_begun(run: Recording, vehicle: Vehicle, course: CourseParameters | None) -> int:
-    """How often the car crosses the line of the course forwards; NotMeasured where no course is driven."""
+    """Number of forward crossings of the start line; NotMeasured where no course is driven."""
     return len(_crossings(run, line_of(course, vehicle)))
 
 
 def path_error(run: Recording, vehicle: Vehicle, course: CourseParameters | None) -> float:
-    """Root mean square of the distance of the centre of mass from the racing line in all whole laps [m]."""
+    """Root mean square distance of the centre of mass from the racing line in whole laps [m]."""
     line = line_of(course, vehicle)
     crossed = _crossings(run, line)
     if len(crossed) < 2:
@@ -72,7 +72,7 @@ def leaves(run: Recording, vehicle: Vehicle, course: CourseParameters | None) ->
 
 
 def _beside(run: Recording, line: RacingLine) -> tuple[np.ndarray, np.ndarray]:
-    """The point of a line that the car has come to, (n,), and how far left of the line the car is there, (n,) [m]."""
+    """Point of a line that the car has reached, (n,), and its distance to the left, (n,) [m]."""
     place = np.stack((channel(run, "pose.x"), channel(run, "pose.y")), axis=1)
     at = _progress(line, place, motion.heading(run))
     found = np.full(len(place), np.inf)
@@ -87,7 +87,10 @@ def _beside(run: Recording, line: RacingLine) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _progress(line: RacingLine, place: np.ndarray, heading: np.ndarray) -> np.ndarray:
-    """The points of a line (n,) by which a car goes along it: the nearest ones, but none on a part that crosses it."""
+    """Points of a line (n,) by which a car goes along it.
+
+    They are the nearest ones, but none on a part of the line that crosses the car's.
+    """
     nearest = _tree(line.points.tobytes()).query(place)[1]
     at = nearest.copy()
     ways = np.roll(line.points, -1, axis=0) - line.points
@@ -118,7 +121,10 @@ def _tree(points: bytes) -> Any:
 
 
 def _crossings(run: Recording, line: RacingLine) -> np.ndarray:
-    """When the car passes the first point of a line forwards, between the edges [s]; not once more after going back."""
+    """Times of the forward passes of the first point of a line, between the edges [s].
+
+    A car that goes back over the line and forwards again has passed it once.
+    """
     start = line.points[0]
     along = line.points[1] - line.points[-1]
     along = along / np.hypot(*along)

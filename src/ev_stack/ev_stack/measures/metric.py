@@ -26,12 +26,17 @@ class NotMeasured(Exception):
 
 
 class NotJudged(NotMeasured):
-    """A verdict cannot be given, for not all that it takes was judged; the message says why in one line."""
+    """A verdict that cannot be given, since a part of it was not judged.
+
+    The message gives the reason.
+    """
 
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """A published number, the band (both ends included) in which a run reproduces it, and where it comes from.
+    """A published number, its source, and the band in which a run reproduces it.
+
+    Both ends belong to the band.
 
     `source` states whether the number itself is printed or follows from printed equations and
     parameters. `assumption` names what had to be added to the source; empty if nothing. `inputs`
@@ -72,7 +77,7 @@ class Metric:
 
     @property
     def judgement(self) -> str:
-        """What the number is worth: (not) measured, not judged, (not) reproduced, or no more than its inputs."""
+        """Worth of the number: (not) measured, (not) judged, (not) reproduced, or only its inputs."""
         if self.value is None:
             return NOT_MEASURED if self.reason else NOT_JUDGED
         if self.reference is None:
@@ -86,7 +91,10 @@ class Metric:
 
     @property
     def note(self) -> str:
-        """What belongs to the judgement: why nothing was measured or judged, or what was assumed to reproduce it."""
+        """Reason or assumption that belongs to the judgement.
+
+        It gives why nothing was measured or judged, or what was assumed to reproduce the number.
+        """
         if self.judgement == NOT_JUDGED:
             return self.unjudged
         if self.reference and self.judgement == FROM_INPUTS:
@@ -132,7 +140,10 @@ def metric(
     better: str = "",
     reference: Reference | None = None,
 ) -> Metric:
-    """The metric that `measure` returns; what raises NotMeasured or is not finite becomes a metric without value."""
+    """Build the metric that `measure` returns.
+
+    A metric has no value if `measure` raises NotMeasured or returns a number that is not finite.
+    """
 
     def without_value(reason: str = "", unjudged: str = "") -> Metric:
         return Metric(
@@ -158,7 +169,7 @@ def mean_over_seeds(
 
 
 def within(value: float, *, relative: float = 0.0, absolute: float = 0.0) -> Band:
-    """The band around a published value, by a fraction of it and by a distance in its unit (their sum)."""
+    """Band around a published value: a fraction of it plus a distance in its unit."""
     half = abs(value) * relative + absolute
     return value - half, value + half
 
@@ -176,7 +187,10 @@ def run_named(runs: Runs, name: str) -> Recording:
 
 
 def channel(recording: Recording, name: str) -> np.ndarray:
-    """The samples of a channel, (n,); NotMeasured if the channel is missing, empty, not finite or not the truth."""
+    """Samples of a channel, (n,).
+
+    Raises NotMeasured if the channel is missing, empty, not finite or not the true motion.
+    """
     if name in recording.unknown:
         raise NotMeasured(
             f"{name} was recorded as its sensor shows it, and what is true is not known"
@@ -194,7 +208,9 @@ def channel(recording: Recording, name: str) -> np.ndarray:
 
 
 def between(recording: Recording, start: float, end: float) -> np.ndarray:
-    """Mark the samples with start <= time < end [s], (n,) bool; NotMeasured if the run does not cover the window.
+    """Mark the samples with start <= time < end [s], (n,) bool.
+
+    Raises NotMeasured if the run does not cover the window.
 
     The end is left out because at this instant the driver already answers to what comes next.
     """

@@ -1,4 +1,4 @@
-"""The motion of the car in the plane, as the standards of vehicle dynamics define it, from recorded channels."""
+"""Motion of the car in the plane from recorded channels, by the standards of vehicle dynamics."""
 
 from __future__ import annotations
 
@@ -18,19 +18,25 @@ DRIVER_HAND_TORQUE = "driver.command.hand_torque"
 
 
 def right_minus_left(recording: Recording, quantity: str) -> np.ndarray:
-    """Difference of the front wheels, right minus left, (n,), in the unit of the quantity (`wheel_states.effort`)."""
+    """Difference of the front wheels in a quantity (`wheel_states.effort`), right minus left, (n,)."""
     return channel(recording, f"{quantity}.front_right") - channel(
         recording, f"{quantity}.front_left"
     )
 
 
 def differential_torque(recording: Recording) -> np.ndarray:
-    """Differential torque that the electronic differential asks for, (n,) [N m]; Shchur (2019), eq. 4."""
+    """Differential torque that the electronic differential commands, (n,) [N m].
+
+    Shchur (2019), eq. 4.
+    """
     return right_minus_left(recording, "torque_request.drive")
 
 
 def path_speed(recording: Recording) -> np.ndarray:
-    """Speed of the centre of mass along its path, negative backwards, (n,) [m/s]; V of Shchur (2019)."""
+    """Speed of the centre of mass along its path, negative backwards, (n,) [m/s].
+
+    V of Shchur (2019).
+    """
     longitudinal = channel(recording, "twist.longitudinal")
     return np.copysign(np.hypot(longitudinal, channel(recording, "twist.lateral")), longitudinal)
 
@@ -56,7 +62,7 @@ def rim_speed(recording: Recording, vehicle: Vehicle, wheel: str) -> np.ndarray:
 
 
 def hand_torque_step_time(recording: Recording) -> float:
-    """Instant at which the driver lays hands on the steering wheel [s]; NotMeasured if that never happens."""
+    """Time at which the driver takes the steering wheel [s]; NotMeasured if that never happens."""
     pushing = np.flatnonzero(channel(recording, DRIVER_HAND_TORQUE))
     if not len(pushing):
         raise NotMeasured("the driver never turns the steering wheel")
@@ -66,7 +72,9 @@ def hand_torque_step_time(recording: Recording) -> float:
 def mean_while_held(
     recording: Recording, values: np.ndarray, angle: float, start: float, end: float
 ) -> float:
-    """Mean over start <= time < end [s]; NotMeasured if the road-wheel angle is not held within 1 deg of `angle` [rad].
+    """Mean over start <= time < end [s] while the road-wheel angle is held.
+
+    Raises NotMeasured if the angle is not held within 1 deg of `angle` [rad].
 
     A torque at another angle than the named one would be a different quantity.
     """
@@ -100,12 +108,14 @@ def speed(run: Recording) -> np.ndarray:
 
 
 def moving(run: Recording) -> np.ndarray:
-    """Whether the car moves, (n,)."""
+    """Mark the samples at which the car moves, (n,) bool."""
     return speed(run) >= SLOWEST
 
 
 def driving_direction(run: Recording) -> np.ndarray:
-    """1 where the car has set off forwards and -1 where in reverse, (n,), until it stands again; at rest as before.
+    """Direction of travel, (n,): 1 from setting off forwards, -1 from setting off in reverse.
+
+    It lasts until the car stands again; at rest it is that of before.
 
     So a car that slides backwards without having stood still has spun, and does not reverse.
     """
@@ -119,7 +129,9 @@ def driving_direction(run: Recording) -> np.ndarray:
 
 
 def sideslip_angle(run: Recording) -> np.ndarray:
-    """Angle of the velocity of the centre of mass against the body's axis, in reverse against its rear, (n,) [rad].
+    """Angle between the velocity of the centre of mass and the body's axis, (n,) [rad].
+
+    In reverse it counts against the rear of the body.
 
     Left of the velocity positive forwards (ISO 8855), and on a circle of one steering angle the
     same in reverse.
@@ -132,7 +144,9 @@ def sideslip_angle(run: Recording) -> np.ndarray:
 
 
 def sideslip_in_motion(run: Recording, continuous: bool = False) -> np.ndarray:
-    """The same where the car moves, (n,) [rad]; NaN at rest, where a velocity of rounding errors has any direction.
+    """Sideslip angle where the car moves, (n,) [rad].
+
+    NaN at rest, where a velocity of rounding errors has any direction.
 
     A `continuous` one goes on beyond half a turn.
     """
@@ -141,7 +155,10 @@ def sideslip_in_motion(run: Recording, continuous: bool = False) -> np.ndarray:
 
 
 def lateral_acceleration_on_path(run: Recording) -> np.ndarray:
-    """Acceleration of the centre of mass across its path, level, left positive, (n,) [m/s^2]; ISO 8855 centripetal."""
+    """Acceleration of the centre of mass across its path, level, left positive, (n,) [m/s^2].
+
+    The centripetal acceleration of ISO 8855.
+    """
     sideslip = sideslip_angle(run)
     along, across = (
         channel(run, "imu.longitudinal_acceleration"),
@@ -151,7 +168,9 @@ def lateral_acceleration_on_path(run: Recording) -> np.ndarray:
 
 
 def radius_of_path(run: Recording) -> np.ndarray:
-    """Radius of curvature of the path of the centre of mass, left positive, (n,) [m]; V/(w + beta') of Ge & Ni (2005).
+    """Radius of curvature of the path of the centre of mass, left positive, (n,) [m].
+
+    V/(w + beta') of Ge & Ni (2005).
 
     Infinite where the path is straight.
     """
@@ -180,7 +199,9 @@ def first(condition: np.ndarray, what: str) -> int:
 
 
 def crossing_time(time: np.ndarray, values: np.ndarray, level: float, what: str) -> float:
-    """When the values first reach a level from below, linear between samples [s]; NotMeasured if they never do.
+    """Time at which the values first reach a level from below, linear between samples [s].
+
+    Raises NotMeasured if they never do.
 
     Nor is it known of values that are beyond the level from the first sample on.
     """
@@ -194,7 +215,7 @@ def crossing_time(time: np.ndarray, values: np.ndarray, level: float, what: str)
 
 
 def value_at(run: Recording, values: np.ndarray, time: float) -> float:
-    """The value at a time [s], linear between samples; NotMeasured if the run does not last that long."""
+    """Value at a time [s], linear between samples; NotMeasured if the run ends before."""
     if not run.time[0] <= time <= run.time[-1] + 1e-9:
         raise NotMeasured(f"the run ends at {run.time[-1]:g} s, before {time:g} s")
     return float(np.interp(time, run.time, values))
@@ -212,7 +233,9 @@ def of_each_run(runs: Runs, measure: Callable[[Recording], dict[str, Metric]]) -
 def line_over(
     across: np.ndarray, values: np.ndarray, low: float, high: float
 ) -> tuple[float, float]:
-    """Slope and offset of values (n,) over a lateral acceleration (n,) within bounds [m/s^2], by least squares.
+    """Slope and offset, by least squares, of values (n,) over a lateral acceleration (n,).
+
+    Samples within bounds of the acceleration [m/s^2] count.
 
     It is that before the acceleration is first above them; NotMeasured if it never is, or jumps
     over them.

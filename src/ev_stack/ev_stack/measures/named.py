@@ -18,7 +18,7 @@ from ev_stack.recording.recording import Recording
 
 
 class DrivenRun(NamedTuple):
-    """What a metric is computed from: the true motion, the car, the surfaces on its road, and a closed course.
+    """A driven run as metrics see it: true motion, car, surfaces of its road, and a closed course.
 
     `driver` are the parameters of its driver, such as his path.
     """
@@ -51,7 +51,9 @@ def surfaces_of(road: RoadParameters | None) -> tuple[Surface, ...]:
 
 @dataclass(frozen=True, slots=True)
 class NamedMetric:
-    """A metric: `formula` in one line, `of` computes it, in its unit, and raises NotMeasured where it cannot be.
+    """A metric with a name: `formula` in one line, and `of`, which computes it in its unit.
+
+    `of` raises NotMeasured where it cannot be computed.
 
     `needs` are the channels that it reads, or how the names of several begin.
     """

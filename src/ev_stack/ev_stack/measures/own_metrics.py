@@ -20,7 +20,9 @@ FORM = (
 
 
 def named_metric(text: str | NamedMetric) -> NamedMetric:
-    """A registered metric by its name, or the one that an expression declares; ParameterError, in one line, if neither.
+    """A registered metric by its name, or the one that an expression declares.
+
+    Raises ParameterError, in one line, if the text is neither.
 
     The unit may be left out of a reduction of a channel, which has that of the channel. A metric is
     itself.
@@ -51,7 +53,7 @@ def named_metric(text: str | NamedMetric) -> NamedMetric:
 
 
 def named_metrics(texts: Sequence[str | NamedMetric]) -> dict[str, NamedMetric]:
-    """By name those of some texts; ParameterError also for a name that stands there twice."""
+    """Metrics of some texts by name; ParameterError also for a name that is listed twice."""
     found: dict[str, NamedMetric] = {}
     for text in texts:
         each = named_metric(text)

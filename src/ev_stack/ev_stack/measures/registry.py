@@ -1,4 +1,4 @@
-"""Metrics of any run by name, each with its unit, its formula, the channels that it needs and which way is better.
+"""Metrics of any run by name, with unit, formula, channels that it needs, and the better direction.
 
 A metric is a pure function of a driven run. An entry in METRICS is all that a new one takes: runs,
 comparisons, sweeps, batches, the files of scenarios and docs/metrics.md know it then. Another
@@ -160,7 +160,7 @@ _OF_ANY_RUN = (
         "torque_activity", "N m/s", "sum of |changes of the torque commands| of all wheels over the duration",
         lambda run: _torque_activity(run.signals), ("torque_command.drive.",), LOWER,
     ),
-)  # fmt: skip
+)
 
 
 def _offered() -> dict[str, NamedMetric]:

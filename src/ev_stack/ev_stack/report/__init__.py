@@ -1,1 +1,1 @@
-"""From the recorded signals of a scenario to its summary, its figures and its printed table."""
+"""The way from the recorded signals of a scenario to its summary, figures and printed table."""

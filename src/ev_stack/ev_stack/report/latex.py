@@ -1,4 +1,4 @@
-"""Tables for LaTeX: rules of booktabs, numbers in columns of siunitx, on demand the best ones in bold."""
+"""Tables for LaTeX: rules of booktabs, number columns of siunitx, on demand the best in bold."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def latex_table(
     digits: int = DIGITS,
     best: Mapping[str, str] = MappingProxyType({}),
 ) -> str:
-    """A tabular of siunitx 3: numbers to so many significant digits and aligned at their points, all else as text.
+    """Build a tabular of siunitx 3: numbers aligned at their points, all else as text.
 
     `best` has `metric.LOWER` or `metric.HIGHER` of the columns whose best value is set in bold;
     None is an empty cell.
@@ -71,7 +71,7 @@ def _number(value: float, digits: int) -> str:
 
 
 def _format(shown: Sequence[str]) -> str:
-    """How many digits siunitx leaves room for before and behind the point and in the exponent."""
+    """Digits for which siunitx leaves room before and behind the point and in the exponent."""
     parts = [number.partition("e") for number in shown]
     signs = "-" * any(number.startswith("-") for number, _, _ in parts)
     whole = max(len(number.lstrip("-").partition(".")[0]) for number, _, _ in parts)

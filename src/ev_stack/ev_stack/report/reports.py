@@ -1,4 +1,4 @@
-"""The reports of scenarios; and what is measured of runs by them, by the files of scenarios and by commands."""
+"""Reports of scenarios: metrics and figures of their runs."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ ARGUMENTS = ("runs", "vehicle", "parameters", "course")
 
 
 class Report(NamedTuple):
-    """Metrics of the runs of a scenario in the order of the table, and figures by their file's name without suffix.
+    """Metrics of the runs of a scenario in the order of the table, and figures by file name.
 
     Both are of ARGUMENTS; the course may be left out where there is none.
     """
@@ -41,7 +41,7 @@ class Report(NamedTuple):
 
 
 def report_for(scenario: str) -> Report:
-    """The report of a scenario: that of its name among the installed ones, or that of any if there is none."""
+    """Find the report of a scenario by its name, or the report of any scenario if it has none."""
     if scenario not in offered(REPORTS):
         return Report(_of_all(_any_metrics), _of_all(_any_figures))
     module = offered_module(REPORTS, "report", scenario)
@@ -49,7 +49,7 @@ def report_for(scenario: str) -> Report:
 
 
 def _of_all(function: Callable[..., Any]) -> Callable[..., Any]:
-    """A function that names as arguments what it uses of ARGUMENTS, called with all; TypeError if it names others."""
+    """Check that a function takes only arguments of ARGUMENTS, and call it with those it takes."""
 
     def called(
         runs: Runs, vehicle: Vehicle, parameters: Parameters, course: Course = NO_COURSE
@@ -75,7 +75,7 @@ _OVERVIEW = (
 
 
 def _any_metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
-    """Speeds and largest torque and angle of each run; the name of the run stands in front if there are several."""
+    """Speeds and largest torque and angle of each run; with several runs, their names in front."""
 
     def of(run: Recording) -> dict[str, Metric]:
         found = {name: METRICS[name].measured(DrivenRun(run, vehicle)) for name in _OVERVIEW}
@@ -107,12 +107,12 @@ def _panels(run: Recording) -> list[Panel]:
 
 
 def measured_metrics(signals: Recording, run: Run) -> dict[str, Metric]:
-    """By name the metrics of one run, of which the true motion is given."""
+    """Metrics of one run by name; its true motion is given."""
     return metrics_of_runs({run.name: signals}, [run])
 
 
 def metrics_of_runs(signals: Runs, runs: Sequence[Run]) -> dict[str, Metric]:
-    """By name those of the runs of a scenario, of which the true motions are given; its own go before its report's.
+    """Metrics of the runs of a scenario by name, its own before those of its report.
 
     The vehicle, the parameters and the course are those of the first run.
     """
@@ -121,7 +121,7 @@ def metrics_of_runs(signals: Runs, runs: Sequence[Run]) -> dict[str, Metric]:
 
 
 def figures_of_runs(signals: Runs, runs: Sequence[Run]) -> dict[str, Sheet]:
-    """By name the figures of the report of a scenario."""
+    """Figures of the report of a scenario by name."""
     return dict(_of_report("figures", signals, runs[0]))
 
 
@@ -168,7 +168,7 @@ def further_metrics(run: Run, texts: Sequence[str], must_exist: bool = True) -> 
 
 
 def row_of(metrics: Mapping[str, Metric]) -> dict[str, Any]:
-    """Metrics as a study keeps them: values, units, what is better, and why some have no value, each by name.
+    """Metrics by name as a study keeps them: values, units, better direction, and reasons for gaps.
 
     The values are in a mapping of their own: a metric of a user's may have any name.
     """

@@ -1,4 +1,4 @@
-"""What driving a scenario gives, to look at from Python and to write into a folder."""
+"""Result of driving a scenario, to look at from Python and to write into a folder."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class Result:
 
     @cached_property
     def truth(self) -> Runs:
-        """The true motion of each run by its name: that of metrics and figures, whatever sensors have shown."""
+        """True motion of each run by its name; metrics and figures rest on it."""
         known = {run.name: run.configurations for run in self.scenario.runs}
         return {name: true_motion(run, known[name]) for name, run in self.runs.items()}
 
@@ -77,7 +77,10 @@ class Result:
 
     @property
     def signals(self) -> Mapping[str, np.ndarray]:
-        """By channel, such as imu.yaw_rate, the samples of the only run, (n,); ParameterError if there are several."""
+        """Samples of the only run by channel, such as imu.yaw_rate, (n,).
+
+        Raises ParameterError if there are several runs.
+        """
         return self._only.channels
 
     @property
@@ -107,7 +110,10 @@ class Result:
 
     @property
     def _other_than_the_source(self) -> list[str]:
-        """What is not as the scenario has it by which a source is reproduced; how fast it is run does not matter."""
+        """Parameters that differ from those with which the scenario reproduces its source.
+
+        The speed at which it is run does not count.
+        """
         source = files_in_config("scenarios").get(self._report)
         own_file = (
             [f"scenario {self.scenario.file}"]
@@ -129,13 +135,13 @@ class Result:
 
     @cached_property
     def differs(self) -> Sequence[Difference]:
-        """What is not as the scenario's file, or as the defaults have it."""
+        """Parameters that differ from the scenario's file, or from the defaults."""
         runs = [run.name for run in self.scenario.runs]
         return differences(self.scenario, load_scenario(str(self.scenario.file), only=runs))
 
     @cached_property
     def sheets(self) -> dict[str, Sheet]:
-        """What the figures show, by name."""
+        """Figures as data, by name."""
         timing = {"timing": timing_sheet(self._timing)} if self._timing else {}
         return {**figures_of_runs(self.truth, self.scenario.runs), **timing}
 
@@ -148,7 +154,9 @@ class Result:
         return {name: outcome.timing for name, outcome in self.outcomes.items() if outcome.timing}
 
     def data_frame(self, run: str = "") -> DataFrame:
-        """The signals of a run, which may be left out if there is one only, over time [s]; needs pandas.
+        """Signals of a run over time [s] as a table of pandas.
+
+        The name may be left out of a single run.
 
         `attrs["units"]` has the unit of each column and of the index by name.
         """
@@ -203,7 +211,9 @@ class Result:
         width: float = COLUMN,
         panels: Sequence[str] = (),
     ) -> None:
-        """Write report.html, summary.json, figures and, for several runs in folders of their names, signals.npz.
+        """Write report.html, summary.json, figures, and signals.npz.
+
+        Several runs have folders of their names for their signals.
 
         What this or `scripts/run.sh` has written there of the same scenario is replaced.
         ParameterError, before anything is written, if something else is in the way. `formats`: pdf
@@ -223,7 +233,10 @@ class Result:
     def write_report(
         self, folder: Path, figures: Mapping[str, Figure], page: bool = True
     ) -> dict[str, Any]:
-        """Write figures, report.html if it is wanted, and summary.json, whose content comes back."""
+        """Write figures, report.html if it is wanted, and summary.json.
+
+        Return the content of the last.
+        """
         summary = self.summary()
         save_figures(figures, folder)
         content = summary.as_json()

@@ -1,4 +1,4 @@
-"""summary.json: what was run, with what, what of it is not as in files or by default, what came out."""
+"""The file summary.json: what was run, with which parameters, and what came out."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _OF_THE_CAR = "vehicle."
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """A parameter that is not what it would be without its cause `by`: `value` in the place of `instead_of`.
+    """A parameter whose `value` stands in the place of `instead_of`, with the cause `by`.
 
     `instead_of` is the value of the scenario's own file where the command line is the cause, else
     the default.
@@ -41,7 +41,9 @@ class Difference:
 
 
 def differences(driven: Scenario, own: Scenario) -> list[Difference]:
-    """Those of the command line, then those of the scenario's file; `own` is the scenario without the command line.
+    """List the parameters of the command line, then those of the scenario's file.
+
+    `own` is the scenario without the command line.
 
     The car's parameters count where the command line changes them: its file gives all of them.
     """
@@ -81,7 +83,7 @@ def _of_run(run: Run, before: Run) -> Iterator[Difference]:
 
 
 def _defaults(configuration: Configuration) -> dict[str, Any]:
-    """What the parameters of a node would be if nothing but its method and its car were chosen."""
+    """Parameters that a node would have if only its method and its car were chosen."""
     given = {
         name: value
         for name, value in configuration.values().items()
@@ -185,7 +187,10 @@ class Summary:
 
 
 def versions() -> dict[str, str | None]:
-    """Versions of Python and of the packages that compute or carry numbers; None for what is not installed."""
+    """Versions of Python and of the packages that compute or carry numbers.
+
+    None if not installed.
+    """
     return {"python": platform.python_version(), **{name: _version(name) for name in PACKAGES}}
 
 

@@ -1,4 +1,4 @@
-"""Tables: of metrics on the terminal or in a notebook, how well real time was kept in words, and files for other tools.
+"""Tables of metrics on the terminal, in a notebook, and as files for other tools.
 
 Files are CSV, Markdown, LaTeX, and Parquet where pyarrow is installed.
 """
@@ -35,7 +35,9 @@ def write_tables(
     digits: int = DIGITS,
     best: Mapping[str, str] = MappingProxyType({}),
 ) -> None:
-    """Write table.csv with all digits of numbers, table.md, table.tex, and table.parquet; None is an empty cell.
+    """Write table.csv with all digits, table.md, table.tex, and table.parquet.
+
+    None is an empty cell.
 
     `digits` and `best` are those of `latex_table`.
     """
@@ -92,7 +94,7 @@ def markdown_table(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str
 
 
 def text_table(columns: Sequence[str], rows: Sequence[Sequence[str]], left: Collection[str]) -> str:
-    """A table with a line below the names of its columns; those in `left` are set to the left, numbers to the right."""
+    """Lay out a table with a line below its head; columns in `left` are set to the left."""
     widths = [max(len(row[i]) for row in (columns, *rows)) for i in range(len(columns))]
     sides = [str.ljust if column in left else str.rjust for column in columns]
     lines = [columns, ["-" * width for width in widths], *rows]
@@ -107,7 +109,7 @@ def text_table(columns: Sequence[str], rows: Sequence[Sequence[str]], left: Coll
 def tables_by_width(
     columns: Sequence[str], rows: Sequence[Sequence[str]], kept: int, left: Collection[str]
 ) -> str:
-    """A table; where the terminal is too narrow several, one below the other, each with the first `kept` columns."""
+    """Lay out a table, in a narrow terminal as several, each with the first `kept` columns."""
     widths = [2 + max(len(row[i]) for row in (columns, *rows)) for i in range(len(columns))]
     room = _terminal_width() + 2 - sum(widths[:kept])
     parts: list[list[int]] = [[]]
@@ -132,7 +134,7 @@ _TEXT = ("metric", "unit", "band", "verdict")
 
 
 def print_metrics(metrics: Mapping[str, Metric], file: TextIO | None = None) -> None:
-    """Print the table of metrics, in a narrow terminal without bands, angles in degrees and references."""
+    """Print the metrics; a narrow terminal omits bands, angles in degrees and references."""
     print(metric_table(metrics, _terminal_width()), file=file or sys.stdout)
 
 
@@ -228,7 +230,7 @@ def html_of(metrics: Mapping[str, Metric], figures: Mapping[str, Figure], signal
 
 
 def quantile(histogram: Mapping[str, Any], share: float) -> float:
-    """A time [s] that at least this share of the counted ones is not above: the upper end of a bin, or the largest."""
+    """Smallest end of a bin [s] below which at least this share lies, or the largest time."""
     due, seen = share * sum(histogram["counts"]), 0
     for count, end in zip(histogram["counts"], histogram["edges"], strict=False):
         seen += count

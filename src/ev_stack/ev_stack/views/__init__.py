@@ -1,1 +1,1 @@
-"""The car as viewers show it: its geometry, its description as URDF, and what moves of it as messages."""
+"""The car for viewers: its geometry, its description as URDF, and its motion as messages."""

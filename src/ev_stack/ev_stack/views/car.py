@@ -1,4 +1,4 @@
-"""Geometry of a car about its centre of mass, and the angles that a view of it needs beside the recorded channels."""
+"""Geometry of a car about its centre of mass, and the angles that a view derives from channels."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _VEHICLE = "vehicle."  # what the names of its parameters begin with
 
 @dataclass(frozen=True, slots=True)
 class Wheel:
-    """Place of the centre of a wheel from the centre of mass, x forward and y left, and its radius [m]."""
+    """Centre of a wheel from the centre of mass, x forward and y left, and its radius [m]."""
 
     name: str
     x: float
@@ -32,7 +32,7 @@ class Wheel:
 
 
 def vehicle_in(parameters: Mapping[str, Any]) -> Vehicle:
-    """The car that parameters of a plant describe, by their names; ParameterError if they describe none."""
+    """Build the car that parameters of a plant describe; ParameterError if they describe none."""
     of_car = {name: value for name, value in parameters.items() if name.startswith(_VEHICLE)}
     return build(Vehicle, of_car, _VEHICLE)
 
@@ -71,7 +71,7 @@ def mean_load(vehicle: Vehicle) -> float:
 
 
 def view_channels(run: Recording, vehicle: Vehicle) -> dict[str, np.ndarray]:
-    """Heading and angle of each wheel against the car, (n,) [rad], as far as the run holds what they follow from."""
+    """Heading, and angle of each wheel against the car, (n,) [rad], as far as recorded."""
 
     def angles() -> dict[str, np.ndarray]:
         directions = wheel_directions(run, vehicle)

@@ -1,4 +1,4 @@
-"""What viewers are shown of a car, as serialized messages, without the packages of their definitions.
+"""Messages that show a car to viewers, serialized without the packages of their definitions.
 
 The definitions are those of rosbags; the bag has them embedded. Each moving message is written
 once, and the numbers of an instant are put into its bytes.
@@ -71,7 +71,10 @@ _MARKED_NUMBER = 1e9  # and more
 
 
 class Template:
-    """A message with the places of its stamps and numbers; `make` gives it for a stamp and so many numbers."""
+    """A serialized message with the places of its stamps and numbers.
+
+    `make` returns it for a stamp and as many numbers.
+    """
 
     def __init__(self, view: View, make: Callable[[Any, Sequence[float]], Any], count: int) -> None:
         stamp = message(
@@ -101,7 +104,7 @@ class _Moving(NamedTuple):
 
 @dataclass(frozen=True)
 class CarViews:
-    """What viewers are shown of the car of a namespace; `parameters` are those of its nodes, by their names."""
+    """Messages of the car of a namespace; `parameters` are those of its nodes, by name."""
 
     namespace: str
     car: Vehicle
@@ -126,7 +129,7 @@ class CarViews:
             )
 
     def moving(self, stamps_ns: np.ndarray, run: Recording) -> Iterator[tuple[View, list[bytes]]]:
-        """At instants with these stamps [ns] (n,), as far as the recording of them holds what is shown."""
+        """Messages at instants with these stamps [ns] (n,), as far as the recording has numbers."""
         at = {**run.channels, **view_channels(run, self.car)}
         for view, (template, numbers) in self._moving.items():
             try:

@@ -35,7 +35,7 @@ def wheel_link(wheel: str) -> str:
 
 
 class _Mass(NamedTuple):
-    """Where a part of the car is from the point below the centre of mass [m], its mass [kg], its inertias [kg m^2]."""
+    """A part of the car: place from below the centre of mass [m], mass [kg], inertias [kg m^2]."""
 
     at: tuple[float, float, float]
     mass: float
@@ -94,7 +94,7 @@ def _scaled(inertia: _Numbers) -> tuple[float, float, float]:
 
 
 def _body(robot: Element, car: Vehicle, wheels: Sequence[Wheel], others: Sequence[_Mass]) -> None:
-    """What the car is without the other parts, in a frame at the centre of mass of the whole."""
+    """The car without its other parts, in a frame at the centre of mass of the whole."""
     height = car.centre_of_mass_height
     mass = car.mass - sum(each.mass for each in others)
     x, y, z = (-sum(each.mass * each.at[axis] for each in others) / mass for axis in range(3))
