@@ -255,7 +255,8 @@ def main() -> None:
         tried = [trial(ready, fault, seed) for seed in range(given.seeds)]
         passed, cycles = sum(not wrong for _, wrong in tried), [count for count, _ in tried]
         print(
-            f"{what:32} {passed:5d} of {given.seeds:3d} {min(cycles):8d} to {max(cycles):3d} ms {fault.limit:5d} ms"
+            f"{what:32} {passed:5d} of {given.seeds:3d} {min(cycles):8d} to {max(cycles):3d} ms"
+            f" {fault.limit:5d} ms"
         )
         wrong = sorted({text for _, text in tried if text})
         table[what] = {"passed": passed, "trials": given.seeds, "least_ms": min(cycles), "most_ms": max(cycles),

@@ -262,7 +262,8 @@ def main() -> None:
         times = "".join(f" {row[key]:7.0f} us" for key in ("median_us", "p99_9_us", "largest_us"))
         print(f"{name:12} {row['sent']:8d} {row['not_answered']:13d}{times}")
     print(
-        f"median {ours['median_us'] / bare['median_us']:.2f}, 99.9 % {ours['p99_9_us'] / bare['p99_9_us']:.2f} of bare"
+        f"median {ours['median_us'] / bare['median_us']:.2f}, 99.9 %"
+        f" {ours['p99_9_us'] / bare['p99_9_us']:.2f} of bare"
     )
     if given.json:
         machine = {

@@ -151,7 +151,8 @@ def main() -> None:
     gone, back = ([times[i] for times in found] for i in (0, 1))
     limit = TIMEOUT + PERIOD
     print(
-        f"no torque within {limit:g} s of the last command: {sum(t <= limit for t in gone)} of {len(gone)} trials, ",
+        f"no torque within {limit:g} s of the last command: {sum(t <= limit for t in gone)} of"
+        f" {len(gone)} trials, ",
         end="",
     )
     print(f"{1e3 * min(gone):.1f} to {1e3 * max(gone):.1f} ms")

@@ -81,6 +81,7 @@ def compiled_loop(
             for i in range(x.size):
                 total += function(x[i], y[i])
             return total
+
     else:
 
         @njit(error_model="numpy")

@@ -238,7 +238,8 @@ def main() -> None:
             print(f"{row.name:<48}{'-':>10}{'-':>10}  {row.note}")
         else:
             print(
-                f"{row.name:<48}{row.seconds * 1e6:>10.2f}{row.seconds / reference:>10.1f}  {row.note}"
+                f"{row.name:<48}{row.seconds * 1e6:>10.2f}{row.seconds / reference:>10.1f} "
+                f" {row.note}"
             )
     if arguments.json:
         table = [{**asdict(row), "ratio": row.seconds and row.seconds / reference} for row in rows]

@@ -51,14 +51,16 @@ def main() -> None:
             found[sums].append(rate(run, sums, given.in_process))
     for sums, rates in found.items():
         print(
-            f"{'with' if sums else 'without'} sums: {max(rates):.0f} steps/s, median {statistics.median(rates):.0f}"
+            f"{'with' if sums else 'without'} sums: {max(rates):.0f} steps/s, median"
+            f" {statistics.median(rates):.0f}"
         )
     ratios = [
         with_sums / without for with_sums, without in zip(found[True], found[False], strict=True)
     ]
     low, middle, high = np.quantile(ratios, (0.25, 0.5, 0.75))
     print(
-        f"ratio: {max(found[True]) / max(found[False]):.3f}, of rounds {middle:.3f} ({low:.3f} to {high:.3f})"
+        f"ratio: {max(found[True]) / max(found[False]):.3f}, of rounds {middle:.3f} ({low:.3f} to"
+        f" {high:.3f})"
     )
 
 

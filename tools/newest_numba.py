@@ -177,7 +177,8 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         python = sys.executable if words.smoke else made(Path(folder), words.numba, words.pre)
         print(
-            "| way | first run | again | signal hash | what comes of it |\n| --- | --- | --- | --- | --- |"
+            "| way | first run | again | signal hash | what comes of it |\n| --- | --- | --- | ---"
+            " | --- |"
         )
         plain, broke, version = None, False, ""
         for each in rows(python, words.smoke):

@@ -18,6 +18,7 @@ for seed in (1, 2):
         )
         total, over = total + reward, terminated or truncated
     print(
-        f"seed {seed}: {info['time']:.2f} s, speed {observation[0]:.3f} m/s, sum of rewards {total:.6f}"
+        f"seed {seed}: {info['time']:.2f} s, speed {observation[0]:.3f} m/s, sum of rewards"
+        f" {total:.6f}"
     )
 environment.close()

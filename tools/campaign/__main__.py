@@ -126,7 +126,10 @@ def line_of(verdict: Verdict) -> str:
     """One line on a failure, with the command that repeats it."""
     trial = verdict.trial
     where = f"{trial.kind} ({trial.about}), {trial.scenario} {trial.duration:g} s, {trial.way}"
-    return f"FAILURE {trial.seed}: {where}: {verdict.remark}; repeat: scripts/campaign.sh --only {trial.seed}"
+    return (
+        f"FAILURE {trial.seed}: {where}: {verdict.remark}; repeat: scripts/campaign.sh --only"
+        f" {trial.seed}"
+    )
 
 
 if __name__ == "__main__":

@@ -21,8 +21,9 @@ def result_text(verdicts: Sequence[Verdict], first: int, asked: int, seconds: fl
     found = Counter(verdict.outcome for verdict in verdicts)
     driven = len(verdicts) - found[SKIPPED]
     head = (
-        f"{driven - found[FAILED]} of {driven} trials ended as they should, {found[SKIPPED]} skipped, "
-        f"of {asked} asked for; seeds from {first} on, {seconds / 60:.0f} min of wall time."
+        f"{driven - found[FAILED]} of {driven} trials ended as they should, {found[SKIPPED]}"
+        f" skipped, of {asked} asked for; seeds from {first} on, {seconds / 60:.0f} min of wall"
+        " time."
     )
     columns = ("fault", *OUTCOMES, "struck", "median [s]", "longest [s]")
     rows = [

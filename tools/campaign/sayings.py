@@ -24,7 +24,10 @@ from ev_msgs_py.wire import STAMP_AT, format_of, stamp_alone
 from ev_nodes.stepping.signal_io import NAMELESS, QUALITY
 
 ESCAPES = "\x1b[2J\x1b]0;mine\x07\x1b[31m\x9b1A\b\b\r"
-INVENTED = "\nerror: node plant was killed by nobody\r\nstopped\n\u2028error: once more\x85error: and again\n"
+INVENTED = (
+    "\nerror: node plant was killed by nobody\r\nstopped\n\u2028error: once more\x85error: and"
+    " again\n"
+)
 STEP, SECOND = 10**7, 10**9  # ns
 _OTHER = 7.0  # a finite number that no run gives
 _MEGABYTE = 10**6

@@ -94,7 +94,8 @@ def tried(scenario: str, trials: int, seconds: float, seed: int, progress: tqdm)
             found.equal[surroundings.way] += 1
         else:
             found.others.append(
-                f"{scenario} {name}, trial {trial}: {given}, not {wanted}: {surroundings}, {changes}"
+                f"{scenario} {name}, trial {trial}: {given}, not {wanted}: {surroundings},"
+                f" {changes}"
             )
         progress.update()
     return found
@@ -140,7 +141,10 @@ def result_table(found: list[Found], trials: int, seconds: float, seed: int) -> 
     ]
     total = sum(each.trials for each in found)
     equal = sum(each.equal.total() for each in found)
-    head = f"{equal} of {total} trials equal: {trials} of each scenario, {seconds:g} s each, seed {seed}."
+    head = (
+        f"{equal} of {total} trials equal: {trials} of each scenario, {seconds:g} s each, seed"
+        f" {seed}."
+    )
     return f"{head}\n\n{table(('scenario', 'trials', *(f'equal {way}' for way in WAYS), 'others'), rows)}"
 
 

@@ -39,7 +39,10 @@ def main(argv: list[str] | None = None) -> None:
         "--runs",
         nargs="*",
         metavar="PAGE",
-        help="also drive the scenarios and studies for the results and the images, of all pages or of these",
+        help=(
+            "also drive the scenarios and studies for the results and the images, of all pages or"
+            " of these"
+        ),
     )
     way.add_argument(
         "--full",
@@ -146,7 +149,8 @@ def _keep_full(root: Path, folder: Path) -> None:
         save_image(folder / "board.png", root / "docs" / "images" / f"{IMAGE}.png")
     except (OSError, EOFError, LookupError, ValueError) as problem:
         sys.exit(
-            f"--full {folder}: {problem}, expected what `scripts/run.sh benchmark full --out DIR` leaves in DIR"
+            f"--full {folder}: {problem}, expected what `scripts/run.sh benchmark full --out DIR`"
+            " leaves in DIR"
         )
     write_kept(root / FILE, kept)
 

@@ -102,5 +102,8 @@ def held_out_table() -> str:
     columns = ["law"]
     for of in ("handling", "worst tenth", "energy"):
         columns += [of, "tuned", "difference"]
-    driven = f"{len(result.cells)} held-out cells of seed {HELD_OUT}, {board.draws} draws, hash of all runs `{result.hash}`."
+    driven = (
+        f"{len(result.cells)} held-out cells of seed {HELD_OUT}, {board.draws} draws, hash of all"
+        f" runs `{result.hash}`."
+    )
     return f"{table([*columns, 'unstable [%]', 'tuned'], rows)}\n{driven}\n"

@@ -40,7 +40,10 @@ def frame_table() -> str:
         "E2E data id",
         "longest response time",
     )
-    load = f"Bus load with every frame as long as it can be: {100 * bus_load(layouts, BIT_RATE):.1f} % of 1 Mbit/s.\n"
+    load = (
+        f"Bus load with every frame as long as it can be: {100 * bus_load(layouts, BIT_RATE):.1f} %"
+        " of 1 Mbit/s.\n"
+    )
     return f"{table(columns, rows)}\n{load}"
 
 

@@ -162,11 +162,13 @@ def _by_variation(
     """By variation the least and the most of what is drawn, and of each law how it differs, with half the interval."""
     counted = {name: np.stack(of, axis=1) for name, of in {**costs, "unstable": unstable}.items()}
     return {
-        name: {"drawn": [of.least, of.most]}
-        | {
-            counts: [_rounded(list(each)) for each in laws]
-            for counts, laws in of.differences.items()
-        }
+        name: (
+            {"drawn": [of.least, of.most]}
+            | {
+                counts: [_rounded(list(each)) for each in laws]
+                for counts, laws in of.differences.items()
+            }
+        )
         for name, of in differences_by_variation(board, board.cells(), counted).items()
     }
 

@@ -35,13 +35,15 @@ def scores() -> str:
     rows.sort(key=lambda row: row[0])
     count = len(kept()["cells"]) * len(kept()["laws"]) * kept()["draws"]
     driven = (
-        f"Version {kept()['version']}: {len(kept()['cells'])} cells, {kept()['draws']} draws, {count} runs, "
-        f"{kept()['runs_driven']} with those of the searches; hash of all runs `{kept()['hash']}`."
+        f"Version {kept()['version']}: {len(kept()['cells'])} cells, {kept()['draws']} draws,"
+        f" {count} runs, {kept()['runs_driven']} with those of the searches; hash of all runs"
+        f" `{kept()['hash']}`."
     )
     best = kept()["best of each run"]
     bound = (
-        f"With the best law of each run, handling and energy apart: handling {best['handling']:.3f}, worst tenth "
-        f"{best['worst tenth']:.3f}, energy {best['energy']:.3f}, unstable {100.0 * best['unstable']:.1f} %."
+        "With the best law of each run, handling and energy apart: handling"
+        f" {best['handling']:.3f}, worst tenth {best['worst tenth']:.3f}, energy"
+        f" {best['energy']:.3f}, unstable {100.0 * best['unstable']:.1f} %."
     )
     columns = SCORE_COLUMNS[: len(rows[0][1])]  # version 5 had no demand
     return f"{table(columns, [texts for _, texts in rows])}\n{bound}\n\n{driven}\n"

@@ -48,7 +48,8 @@ def hash_table(hashes: Hashes) -> str:
 def changes(before: Hashes, now: Hashes) -> list[str]:
     """One line for each run whose hash is another one, new or gone."""
     return [
-        f"{scenario} / {run}: {before.get((scenario, run), 'new')} -> {now.get((scenario, run), 'gone')}"
+        f"{scenario} / {run}: {before.get((scenario, run), 'new')} ->"
+        f" {now.get((scenario, run), 'gone')}"
         for scenario, run in {**before, **now}
         if before.get((scenario, run)) != now.get((scenario, run))
     ]

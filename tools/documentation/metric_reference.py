@@ -69,7 +69,10 @@ def _section(report: str, scenarios: Sequence[str]) -> str:
         if len(rows) == len(found)
         else f"\n{'Besides these, w' if rows else 'W'}hat its source is judged by"
     )
-    head = f"### {report or 'scenarios without a report'}\n\n{'That' if report else 'Those'} of {codes(scenarios)}.\n"
+    head = (
+        f"### {report or 'scenarios without a report'}\n\n{'That' if report else 'Those'} of"
+        f" {codes(scenarios)}.\n"
+    )
     columns = ("metric", "unit", "what is computed", "better")
     link = f"{judged} ([verdicts](verdicts.md)).\n" if judged else ""
     return head + (f"\n{table(columns, rows)}" if rows else "") + link

@@ -67,7 +67,8 @@ def method_parameters() -> str:
         for name, method in own_methods(role.name).items():
             default = " (default)" if name == role.default_method else ""
             sections.append(
-                f"### {role.name}: {name}{default}\n\n{method.about}\n\n{_of_method(method.parameters)}"
+                f"### {role.name}:"
+                f" {name}{default}\n\n{method.about}\n\n{_of_method(method.parameters)}"
             )
     return "\n".join(sections)
 

@@ -77,7 +77,10 @@ def titled(text: str, titles: Mapping[str, str]) -> str:
 
 def reference(root: Path) -> Iterator[str]:
     """The page that mkdocstrings fills."""
-    yield "# Reference from docstrings\n\nWhat programs and laws import, with types, units and errors.\n"
+    yield (
+        "# Reference from docstrings\n\nWhat programs and laws import, with types, units and"
+        " errors.\n"
+    )
     for heading, names in REFERENCE.items():
         yield f"\n## {heading}\n"
         for name in names:

@@ -88,7 +88,8 @@ class Browser:
     def wait_for(self, condition: str) -> None:
         """Wait until a condition holds; the time limit of the test ends what never does."""
         self.run(
-            f"new Promise(done => (function look() {{ ({condition}) ? done() : setTimeout(look, 10) }})())"
+            f"new Promise(done => (function look() {{ ({condition}) ? done() : setTimeout(look, 10)"
+            " })())"
         )
 
     def press(self, key: str, code: int) -> None:

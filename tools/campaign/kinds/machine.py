@@ -22,7 +22,10 @@ def busy(trial: Trial) -> None:
     """As many processes as cores that do nothing but compute."""
 
     def disturb(run: UnderWay) -> None:
-        text = f"import time; end = time.monotonic() + {_BUSY_AT_MOST}\nwhile time.monotonic() < end: pass"
+        text = (
+            f"import time; end = time.monotonic() + {_BUSY_AT_MOST}\nwhile time.monotonic() < end:"
+            " pass"
+        )
         hogs = [
             subprocess.Popen([sys.executable, "-c", text], env=run.environment)
             for _ in range(os.cpu_count() or 1)
@@ -167,6 +170,9 @@ def rival(trial: Trial) -> None:
         if second.returncode == 0 and run.process.poll() is not None:
             trial.replaced = True  # on a busy machine it begins when the first one has ended
         elif not refused and run.process.poll() is None:
-            run.remark = f"the second run was not refused: {second.returncode} {second.stderr.strip()[-200:]}"
+            run.remark = (
+                f"the second run was not refused: {second.returncode}"
+                f" {second.stderr.strip()[-200:]}"
+            )
 
     trial.disturb = disturb

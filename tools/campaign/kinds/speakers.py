@@ -41,7 +41,10 @@ def with_helper(trial: Trial, module: str, *words: str) -> None:
         run.wait_until(lambda: helper.poll() is not None)
         helper.terminate()
         if helper.wait(20) not in (0, -signal.SIGTERM):
-            run.remark = f"the {module} itself has failed: {(run.trial.folder / f'{module}.txt').read_text()}"
+            run.remark = (
+                f"the {module} itself has failed:"
+                f" {(run.trial.folder / f'{module}.txt').read_text()}"
+            )
 
     trial.disturb = disturb
 

@@ -26,7 +26,8 @@ def bus_log(file: str) -> can.Listener:
     path = Path(file)
     if path.suffix not in SUFFIXES:
         raise ValueError(
-            f"parameter log: {quoted(file)} is refused, expected files ending with {', '.join(SUFFIXES)}"
+            f"parameter log: {quoted(file)} is refused, expected files ending with"
+            f" {', '.join(SUFFIXES)}"
         )
     if os.path.lexists(path):
         raise ValueError(

@@ -120,7 +120,8 @@ def _open(interface: str, channel: str, address: str) -> can.BusABC:
         host, port = _split(place, ":", "NAME@HOST:PORT")
         if address == LOOPBACK and not _is_here(host):
             raise ValueError(
-                f"host {quoted(host)} is refused, expected {LOOPBACK} unless bus.address is another one"
+                f"host {quoted(host)} is refused, expected {LOOPBACK} unless bus.address is"
+                " another one"
             )
         # It would warn of every message that comes in two pieces, which is how streams are.
         logging.getLogger("can.interfaces.socketcand").setLevel(logging.ERROR)

@@ -52,21 +52,28 @@ class BusInterface:
     interface: str = setting(
         "udp_multicast",
         choices=INTERFACES,
-        about="virtual: within one process; udp_multicast: between processes, see `bus.address`; socketcand: between "
-        "those of this machine, over TCP through `ev_bench can_hub`; socketcan: hardware",
+        about=(
+            "virtual: within one process; udp_multicast: between processes, see `bus.address`;"
+            " socketcand: between those of this machine, over TCP through `ev_bench can_hub`;"
+            " socketcan: hardware"
+        ),
         read_only=True,
     )
     channel_11: str = setting(
         "",
-        about="of the right circuit: a name, GROUP:PORT, NAME@HOST:PORT or a network interface, by the interface; "
-        "empty for its usual one",
+        about=(
+            "of the right circuit: a name, GROUP:PORT, NAME@HOST:PORT or a network interface, by"
+            " the interface; empty for its usual one"
+        ),
         read_only=True,
     )
     channel_12: str = setting("", about="of the left circuit, likewise", read_only=True)
     address: str = setting(
         LOOPBACK,
-        about="of this machine in the network that udp_multicast uses; with any but 127.0.0.1 whoever is there hears "
-        "all frames and can send some",
+        about=(
+            "of this machine in the network that udp_multicast uses; with any but 127.0.0.1 whoever"
+            " is there hears all frames and can send some"
+        ),
         read_only=True,
     )
     database: str = setting("can/ev_bench.dbc", about="DBC file of the frames", read_only=True)
@@ -75,8 +82,9 @@ class BusInterface:
         """What a file may not open is refused: a socket on a network, and what is further away than it may lead."""
         if isinstance(self.address, TextOfFile) and self.address != LOOPBACK:
             raise ParameterError(
-                f"address: {quoted(str(self.address))} is refused, expected from a file {LOOPBACK}; another network "
-                "is named on the command line: --set NODE.bus.address=ADDRESS, for a node -p bus.address:=ADDRESS"
+                f"address: {quoted(str(self.address))} is refused, expected from a file {LOOPBACK};"
+                " another network is named on the command line: --set NODE.bus.address=ADDRESS,"
+                " for a node -p bus.address:=ADDRESS"
             )
         if isinstance(self.database, TextOfFile):
             try:
@@ -97,7 +105,10 @@ class BusParameters(BusInterface):
 
     log: str = setting(
         "",
-        about="file for all frames that are sent and received: .log (candump), .blf (Vector) or, where asammdf is "
-        "installed, .mf4; empty for none; that of a run lies beside its signals",
+        about=(
+            "file for all frames that are sent and received: .log (candump), .blf (Vector) or,"
+            " where asammdf is installed, .mf4; empty for none; that of a run lies beside its"
+            " signals"
+        ),
         read_only=True,
     )

@@ -163,4 +163,7 @@ def _frame(words: str) -> str | None:
     identifier, length, data = found[1].upper(), int(found[2]), found[3].split()
     if len(data) != length:
         return None
-    return f"< frame {identifier} {time.time():.6f} {''.join(byte.rjust(2, '0') for byte in data).upper()} >"
+    return (
+        f"< frame {identifier} {time.time():.6f}"
+        f" {''.join(byte.rjust(2, '0') for byte in data).upper()} >"
+    )

@@ -215,7 +215,10 @@ def _as_in(of: type, name: str, **changed: Any) -> Any:
     return parameter(**{"default": known.default, **asdict(known.spec), **changed})
 
 
-_LOST = "data of the 1PV5138-4WS24 are lost in the source: assumed to hold the machine under test up to 10000 rpm"
+_LOST = (
+    "data of the 1PV5138-4WS24 are lost in the source: assumed to hold the machine under test up to"
+    " 10000 rpm"
+)
 
 
 @dataclass(frozen=True, slots=True)

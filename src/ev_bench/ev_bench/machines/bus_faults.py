@@ -76,8 +76,8 @@ class BusFaultParameters:
             return
         if _first_tick(self.end) <= _first_tick(self.begin):
             raise ParameterError(
-                f"end: {self.end!r} is refused beside begin {self.begin!r}, expected a multiple of {TICK:g} s from "
-                "begin on and before end: the fault would never strike"
+                f"end: {self.end!r} is refused beside begin {self.begin!r}, expected a multiple of"
+                f" {TICK:g} s from begin on and before end: the fault would never strike"
             )
         if self.kind == "load_limit" and self.value < 0.0:
             raise ParameterError(
@@ -85,7 +85,8 @@ class BusFaultParameters:
             )
         if self.value == _WITHOUT_EFFECT.get(self.kind):
             raise ParameterError(
-                f"value: {self.value!r} is refused beside kind {self.kind}, expected another one: it changes nothing"
+                f"value: {self.value!r} is refused beside kind {self.kind}, expected another one:"
+                " it changes nothing"
             )
 
 

@@ -50,7 +50,8 @@ def prepare(
         longest = periods * period
         if path.delay > longest:
             raise ParameterError(
-                f"{name}.delay: {path.delay!r} is refused, expected at most {longest:g} s, {periods} control periods"
+                f"{name}.delay: {path.delay!r} is refused, expected at most {longest:g} s,"
+                f" {periods} control periods"
             )
     motor = {field.name: getattr(vehicle.motor, field.name) for field in fields(Machine)}
     machine = Machine(

@@ -65,7 +65,8 @@ def prepare(parameters: CanCircuitsParameters, vehicle: Vehicle, period: float) 
     for name, path in (("set_point", p.set_point), ("load_set_point", p.load_set_point)):
         if path.delay > (KEPT_SET_POINTS - 2) * TICK:
             raise ParameterError(
-                f"{name}.delay: {path.delay!r} is refused, expected at most {(KEPT_SET_POINTS - 2) * TICK:g} s"
+                f"{name}.delay: {path.delay!r} is refused, expected at most"
+                f" {(KEPT_SET_POINTS - 2) * TICK:g} s"
             )
     ticks = ticks_of(period, MOST_TICKS)
     steps = max(math.ceil(TICK / p.step - 1e-9), 1)
@@ -93,7 +94,8 @@ def channel_layouts(database: Database, circuit: str) -> list[FrameLayout]:
     frames.append(database["Ecu_Heartbeat"])
     if [frame.identifier for frame in frames] != sorted(frame.identifier for frame in frames):
         raise ParameterError(
-            f"the frames of circuit {circuit} must have identifiers in the order {', '.join(_FRAMES)}"
+            f"the frames of circuit {circuit} must have identifiers in the order"
+            f" {', '.join(_FRAMES)}"
         )
     return frames
 

@@ -51,7 +51,10 @@ class FrameLog:
                 )
             )
         self._log.stop()
-        ends = f"the log of the bus ends at {until:g} s: from there on the test bench was not what its parameters say"
+        ends = (
+            f"the log of the bus ends at {until:g} s: from there on the test bench was not what its"
+            " parameters say"
+        )
         return "" if until == recording.time[-1] else ends
 
 

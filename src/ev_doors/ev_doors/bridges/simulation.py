@@ -208,7 +208,8 @@ class SimulationInterfaces:
                 self._paused, self._is_stopped = True, False
                 if not await stepped:
                     raise LookupError(
-                        f"no step within {_PATIENCE:g} s: who does not answer, {self._master} reports"
+                        f"no step within {_PATIENCE:g} s: who does not answer, {self._master}"
+                        " reports"
                     )
         except LookupError as error:
             return self._result.RESULT_OPERATION_FAILED, str(error)

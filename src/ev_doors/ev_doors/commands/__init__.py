@@ -7,7 +7,10 @@ COMMANDS = {  # name -> module and function that takes words, and what it does
     ),
     "fmu": (
         "ev_doors.commands.exports:export_fmu",
-        "a car or its laws as an FMU (FMI 2.0 or 3.0, co-simulation): ev-stack fmu SCENARIO --out NAME.fmu",
+        (
+            "a car or its laws as an FMU (FMI 2.0 or 3.0, co-simulation): ev-stack fmu SCENARIO"
+            " --out NAME.fmu"
+        ),
     ),
     "dashboard": (
         "ev_doors.commands.dashboard:main",

@@ -40,7 +40,8 @@ def bridge(argv: list[str]) -> None:
     given, rest = parser.parse_known_args(argv)
     if given.kind in _VEHICLES and given.namespace:
         parser.error(
-            f"--namespace is for {_SIMULATION}; that of a driver is -r __ns:=/NAME behind --ros-args"
+            f"--namespace is for {_SIMULATION}; that of a driver is -r __ns:=/NAME behind"
+            " --ros-args"
         )
     if given.kind == _SIMULATION and rest:
         parser.error(f"unrecognized arguments: {' '.join(rest)}")

@@ -55,9 +55,12 @@ def _arguments(argv: list[str] | None) -> tuple[argparse.Namespace, list[str]]:
     parser = Parser(
         prog="dashboard.sh",
         usage="dashboard.sh [--port N] [--namespace /NAME] [SCENARIO [options of run.sh]]",
-        description="A page on this machine with live signals, the car from above, parameters and time. Without a "
-        "SCENARIO it attaches to the run that is under way (of several: ROS_DOMAIN_ID=N); with one it drives that, "
-        "in real time unless --set plant.real_time_factor says otherwise.",
+        description=(
+            "A page on this machine with live signals, the car from above, parameters and time."
+            " Without a SCENARIO it attaches to the run that is under way (of several:"
+            " ROS_DOMAIN_ID=N); with one it drives that, in real time unless --set"
+            " plant.real_time_factor says otherwise."
+        ),
         allow_abbrev=False,
     )
     parser.add_argument(

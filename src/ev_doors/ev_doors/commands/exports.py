@@ -37,7 +37,8 @@ def export_library(argv: list[str]) -> None:
     except (ParameterError, OSError) as error:
         refuse(error)
     print(
-        f"{name}: {', '.join(content.roles)} for {target.name} in {given.out}, hash {content.digest[:12]}"
+        f"{name}: {', '.join(content.roles)} for {target.name} in {given.out}, hash"
+        f" {content.digest[:12]}"
     )
 
 

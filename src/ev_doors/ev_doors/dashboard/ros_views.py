@@ -31,7 +31,8 @@ class RosViews:
             except ImportError:
                 package = view.message_type.partition("/")[0]
                 say(
-                    f"no {view.name}: {package} is not installed; a bag has it without (docs/live.md)"
+                    f"no {view.name}: {package} is not installed; a bag has it without"
+                    " (docs/live.md)"
                 )
                 continue
             quality = _HELD if view.lasts else QoSProfile(depth=10)

@@ -35,7 +35,10 @@ from ev_stack.scenarios.about import NAMESPACE
 ADDRESS = "127.0.0.1"  # no other machine can ask
 _KEPT = 1200  # rows that a page gets when it is opened
 _LONGEST_WISH = 1 << 20  # bytes
-_POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; connect-src 'self'; img-src data:"
+_POLICY = (
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; connect-src 'self';"
+    " img-src data:"
+)
 
 
 def listening(port: int) -> list[socket]:

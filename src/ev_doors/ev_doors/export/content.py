@@ -158,7 +158,8 @@ def _parts(configuration: Configuration, required: Collection[str], bare: bool) 
     role, vehicle, period = configuration.role, common.vehicle, common.control_period
     if method.law is None or not method.law.is_compilable:
         raise ParameterError(
-            f"{role} method {method.name} is not compiled, which an export needs: mark it @compilable"
+            f"{role} method {method.name} is not compiled, which an export needs: mark it"
+            " @compilable"
         )
     given = given_to(method, parameters, vehicle, period)
     with in_one_line(method, parameters, vehicle, period) as look_at:

@@ -204,7 +204,8 @@ def write_library(content: Content, name: str, target: Target, directory: Path) 
         }
         if foreign := sorted(called - target.processor.may_call):
             raise ParameterError(
-                f"target {target.name}: the loop calls {', '.join(foreign)}, which is not everywhere"
+                f"target {target.name}: the loop calls {', '.join(foreign)}, which is not"
+                " everywhere"
             )
         archive = target.archive([*objects, loop], folder / f"lib{library.name}.a")
         more = {

@@ -102,8 +102,8 @@ class OnProcessor:
             )
         per_step = took.nanoseconds / max(took.steps, 1) / 1000.0
         return (
-            f"{begin}: {took.steps} steps of {per_step:.3g} us, {took.stack} bytes of stack, {took.code} of code, "
-            f"{took.constants} of constants and state; {instructions}"
+            f"{begin}: {took.steps} steps of {per_step:.3g} us, {took.stack} bytes of stack,"
+            f" {took.code} of code, {took.constants} of constants and state; {instructions}"
         )
 
 

@@ -54,7 +54,8 @@ class Target:
         """ParameterError, in one line, if the compiler is not installed."""
         if not shutil.which(self.compiler):
             raise ParameterError(
-                f"target {self.name}: {self.compiler} is not installed; Debian has it in {self.package}"
+                f"target {self.name}: {self.compiler} is not installed; Debian has it in"
+                f" {self.package}"
             )
 
     def compiled(self, source: Path, options: Sequence[str] = OPTIONS) -> Path:

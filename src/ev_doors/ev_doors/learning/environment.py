@@ -203,8 +203,9 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
         """
         if options:
             raise ParameterError(
-                f"reset option {quoted(str(next(iter(options))))} is refused, expected is none: what differs from the "
-                "scenario is given where the environment is made, such as set={'plant.initial_speed': 10.0}"
+                f"reset option {quoted(str(next(iter(options))))} is refused, expected is none:"
+                " what differs from the scenario is given where the environment is made, such as"
+                " set={'plant.initial_speed': 10.0}"
             )
         if seed is None:
             seed = self._first_seed
@@ -272,9 +273,9 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
             if value != self._answer[name]:
                 law = self.simulation.configurations[self._action.role].method.name
                 raise ParameterError(
-                    f"{self._action.role} method {law} writes {name} {self._answer[name]:g} at "
-                    f"{self.simulation.time:g} s, where action {self._kind} only limits what is asked for: expected is "
-                    "a method that does so, too"
+                    f"{self._action.role} method {law} writes {name} {self._answer[name]:g} at"
+                    f" {self.simulation.time:g} s, where action {self._kind} only limits what is"
+                    " asked for: expected is a method that does so, too"
                 )
 
 

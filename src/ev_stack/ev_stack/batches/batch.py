@@ -74,8 +74,8 @@ class Runs:
             law = configuration.method.law
             if law is None or not law.is_compilable:
                 raise ParameterError(
-                    f"{role} method {configuration.method.name} runs in plain Python, allowed in a batch are methods "
-                    "that run compiled"
+                    f"{role} method {configuration.method.name} runs in plain Python, allowed in a"
+                    " batch are methods that run compiled"
                 )
         self._answering, self._integrating = roles_in_order(configurations)
         self._base, self._initial_states = configurations, initial_states
@@ -213,7 +213,10 @@ class BatchResult:
             f"{name} {np.shape(values)}"
             for name, values in {**self.metrics, **self.signals}.items()
         )
-        return f"BatchResult of {kept or 'nothing, as neither metrics nor signals were named'}; {len(self.failed)} failed"
+        return (
+            f"BatchResult of {kept or 'nothing, as neither metrics nor signals were named'};"
+            f" {len(self.failed)} failed"
+        )
 
 
 def batch(

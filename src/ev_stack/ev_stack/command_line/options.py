@@ -29,7 +29,9 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
     """Parse the command line; argparse ends the process with status 2 for words it does not know."""
     parser = Parser(
         prog="run.sh",
-        description="Run a scenario: every node its own process over DDS, unless an option changes this.",
+        description=(
+            "Run a scenario: every node its own process over DDS, unless an option changes this."
+        ),
     )
     parser.add_argument(
         "scenario", nargs="?", help="name of a scenario, --list shows them, or path of your own"
@@ -157,12 +159,18 @@ def add_outputs(parser: argparse.ArgumentParser) -> None:
         "--width",
         type=float,
         choices=(COLUMN, WIDE),
-        help=f"of figures for print [inch]: a column (default) or a page of a paper; none is taller than {TALLEST:g}",
+        help=(
+            "of figures for print [inch]: a column (default) or a page of a paper; none is taller"
+            f" than {TALLEST:g}"
+        ),
     )
     parser.add_argument(
         "--panels",
         metavar="NAME,NAME",
-        help="only these in print: FIGURE, PANEL or FIGURE.PANEL with * and ?, where PANEL is its title, as yaw_rate",
+        help=(
+            "only these in print: FIGURE, PANEL or FIGURE.PANEL with * and ?, where PANEL is its"
+            " title, as yaw_rate"
+        ),
     )
     parser.add_argument(
         "--no-report", action="store_true", help="neither report.html nor PNG figures"

@@ -66,7 +66,8 @@ def coasting_speed(run: Recording) -> np.ndarray:
     for pedal in (motion.DRIVE_TORQUE, motion.BRAKE_TORQUE):
         if channel(run, pedal).any():
             raise NotMeasured(
-                f"the car does not coast: {pedal} is not zero at {run.time[channel(run, pedal) != 0][0]:g} s"
+                f"the car does not coast: {pedal} is not zero at"
+                f" {run.time[channel(run, pedal) != 0][0]:g} s"
             )
     return motion.speed(run)
 
@@ -95,7 +96,8 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
                 )
             if vehicle.road_load.linear != 0.0:
                 raise NotMeasured(
-                    "f_0 and c_d A do not describe a road load with a part in proportion to the speed"
+                    "f_0 and c_d A do not describe a road load with a part in proportion to the"
+                    " speed"
                 )
             return measure()
 

@@ -202,7 +202,8 @@ def _gradient(run: Recording, values: np.ndarray) -> float:
         raise NotMeasured(f"the lateral acceleration stays below {GRADIENT_RANGE[1]:g} m/s^2")
     if np.count_nonzero(inside) < 2:
         raise NotMeasured(
-            f"the lateral acceleration jumps over {GRADIENT_RANGE[0]:g} to {GRADIENT_RANGE[1]:g} m/s^2"
+            f"the lateral acceleration jumps over {GRADIENT_RANGE[0]:g} to {GRADIENT_RANGE[1]:g}"
+            " m/s^2"
         )
     return float(np.polyfit(acceleration[inside], values[inside], 1)[0])
 

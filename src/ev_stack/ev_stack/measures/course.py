@@ -45,8 +45,15 @@ class Course:
         lateral=True,
     )
     gap: tuple[float, ...] = setting(
-        (), unit="m", low=-1e3, high=1e3, lateral=True,
-        about="where not 0, from the edge of the first lane to the near edge of this one, instead of `middle`",
+        (),
+        unit="m",
+        low=-1e3,
+        high=1e3,
+        lateral=True,
+        about=(
+            "where not 0, from the edge of the first lane to the near edge of this one, instead of"
+            " `middle`"
+        ),
     )
     width_factor: tuple[float, ...] = setting(
         (), unit="1", low=0.0, high=10.0, about="times the width of the car; none: all 0"

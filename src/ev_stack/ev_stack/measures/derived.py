@@ -77,7 +77,8 @@ def of_vehicle(name: str, place: int | None) -> Callable[[DrivenRun], float]:
         )
     if isinstance(known[name], str) or (place is not None and not is_list):
         raise ParameterError(
-            f"{VEHICLE}{name} is refused, expected a number, or a list with the place of one, as [0]"
+            f"{VEHICLE}{name} is refused, expected a number, or a list with the place of one,"
+            " as [0]"
         )
     read = operator.attrgetter(name)
 

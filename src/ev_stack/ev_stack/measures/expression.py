@@ -98,11 +98,19 @@ ELEMENTWISE: Mapping[str, tuple[int, Callable[..., Any]]] = {  # number of argum
     },
 }
 _ARITHMETIC: Mapping[type, Callable[[Any, Any], Any]] = {
-    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: np.true_divide, ast.Pow: np.power
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: np.true_divide,
+    ast.Pow: np.power,
 }
 _COMPARISONS: Mapping[type, Callable[[Any, Any], Any]] = {
-    ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt, ast.GtE: operator.ge,
-    ast.Eq: operator.eq, ast.NotEq: operator.ne,
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
 }
 _LOGIC: Mapping[type, Callable[[Any, Any], Any]] = {
     ast.BitAnd: np.logical_and,
@@ -179,8 +187,8 @@ def term_of(node: ast.expr) -> Term:
         "; and, or, not are written &, |, ~" if isinstance(node, ast.BoolOp | ast.UnaryOp) else ""
     )
     raise ParameterError(
-        f"{quoted(ast.unparse(node))} has no meaning, expected numbers, channels, time, metrics, vehicle.NAME, "
-        f"+ - * / **, comparisons, & | ~, [condition] and functions{hint}"
+        f"{quoted(ast.unparse(node))} has no meaning, expected numbers, channels, time, metrics,"
+        f" vehicle.NAME, + - * / **, comparisons, & | ~, [condition] and functions{hint}"
     )
 
 
@@ -270,7 +278,8 @@ def _subscript(node: ast.Subscript) -> Term:
     values, condition = term_of(node.value), term_of(node.slice)
     if not condition.kind.is_condition or not values.kind.is_series or values.kind.is_part:
         raise ParameterError(
-            f"{quoted(ast.unparse(node))} is refused, expected CHANNEL[condition], such as [time > 1], or [1:2]"
+            f"{quoted(ast.unparse(node))} is refused, expected CHANNEL[condition], such as [time >"
+            " 1], or [1:2]"
         )
     return Term(_PART, lambda run: _chosen(_as_numbers(values.of(run)), condition.of(run)))
 

@@ -124,9 +124,11 @@ class Metric:
                 else {}
             ),
             "reference": reference.value if reference else None,
-            "band": [end if math.isfinite(end) else None for end in reference.band]
-            if reference
-            else None,
+            "band": (
+                [end if math.isfinite(end) else None for end in reference.band]
+                if reference
+                else None
+            ),
             "verdict": self.verdict,
             "source": reference.source if reference else None,
             "assumption": (reference.assumption or None) if reference else None,
@@ -222,7 +224,8 @@ def between(recording: Recording, start: float, end: float) -> np.ndarray:
     rounding = 1e-9
     if time[0] > start + rounding or time[-1] < end - rounding:
         raise NotMeasured(
-            f"the run lasts from {time[0]:g} s to {time[-1]:g} s, the window from {start:g} s to {end:g} s"
+            f"the run lasts from {time[0]:g} s to {time[-1]:g} s, the window from {start:g} s to"
+            f" {end:g} s"
         )
     inside: np.ndarray = (time >= start - rounding) & (time < end - rounding)
     if not inside.any():

@@ -87,5 +87,6 @@ def refuse_unmeasurable(
                 f"{role} {configured.method.name}" for role, configured in configurations.items()
             )
             raise ParameterError(
-                f"metric {each.name} needs {need.rstrip('.')}, which none of these writes: {methods}"
+                f"metric {each.name} needs {need.rstrip('.')}, which none of these writes:"
+                f" {methods}"
             )

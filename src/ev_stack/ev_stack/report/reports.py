@@ -59,7 +59,8 @@ def _of_all(function: Callable[..., Any]) -> Callable[..., Any]:
         for name in names:
             if name not in by_name:
                 raise TypeError(
-                    f"{function.__module__}.{function.__name__}: {name} is none of {', '.join(ARGUMENTS)}"
+                    f"{function.__module__}.{function.__name__}: {name} is none of"
+                    f" {', '.join(ARGUMENTS)}"
                 )
         return function(**{name: by_name[name] for name in names})
 
@@ -145,8 +146,9 @@ def known_metrics(runs: Sequence[Run]) -> dict[str, Metric]:
     except Exception as error:  # whatever somebody's report raises
         last = traceback.extract_tb(error.__traceback__)[-1]
         raise ParameterError(
-            f"report {runs[0].report} fails with a run without samples, where metrics raise NotMeasured: "
-            f"{type(error).__name__} {error} ({Path(last.filename).name}, line {last.lineno})"
+            f"report {runs[0].report} fails with a run without samples, where metrics raise"
+            f" NotMeasured: {type(error).__name__} {error} ({Path(last.filename).name}, line"
+            f" {last.lineno})"
         ) from error
 
 

@@ -190,15 +190,19 @@ def _row(name: str, metric: Metric, notes: list[str]) -> dict[str, str]:
         value += f" ± {metric.standard_deviation:.2g}"
     return {
         "metric": name,
-        "value": f"{value} ({math.degrees(metric.value):.2f} deg)"
-        if metric.unit == "rad" and metric.value
-        else value,
+        "value": (
+            f"{value} ({math.degrees(metric.value):.2f} deg)"
+            if metric.unit == "rad" and metric.value
+            else value
+        ),
         "value in rad": value,
         "unit": metric.unit,
         "reference": _number(reference.value) if reference else "-",
-        "band": " .. ".join(_number(end) if math.isfinite(end) else "" for end in reference.band)
-        if reference
-        else "-",
+        "band": (
+            " .. ".join(_number(end) if math.isfinite(end) else "" for end in reference.band)
+            if reference
+            else "-"
+        ),
         "verdict": _judgement(metric, notes),
     }
 
@@ -246,7 +250,8 @@ def in_words(timing: Mapping[str, Any]) -> str:
         1e3 * time for time in (quantile(late, 0.5), quantile(late, 0.99), late["largest"])
     )
     return (
-        f"real time: {timing['overruns']} of {timing['steps']} steps came more than a period late; lateness at most "
-        f"{middle:.3g} ms of half of them, {most:.3g} ms of 99 %, {largest:.3g} ms of all; "
-        f"{timing['without_command']} steps with less torque since the command was too old"
+        f"real time: {timing['overruns']} of {timing['steps']} steps came more than a period late;"
+        f" lateness at most {middle:.3g} ms of half of them, {most:.3g} ms of 99 %, {largest:.3g}"
+        f" ms of all; {timing['without_command']} steps with less torque since the command was"
+        " too old"
     )

@@ -194,8 +194,8 @@ def _precision(planes: int, every: int) -> str:
     if every == 1:
         return f"{rounding}; every sample is there."
     return (
-        f"{rounding}; of {2 * every} samples the lowest and the highest of each channel are there, for all of them "
-        "would make the page too large."
+        f"{rounding}; of {2 * every} samples the lowest and the highest of each channel are there,"
+        " for all of them would make the page too large."
     )
 
 
