@@ -1,4 +1,4 @@
-"""What nobody starts, breaks: every benchmark, tool and script with its smallest work."""
+"""Every benchmark, tool and script runs with its smallest work: unrun code will break."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a spoilt message may be: nothing that the wire makes whole again."""
+"""A spoilt message is one that the wire does not repair."""
 
 from __future__ import annotations
 

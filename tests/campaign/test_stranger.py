@@ -1,4 +1,7 @@
-"""Every act of the campaign's stranger is declared, comes up, and can be said; no process and no graph is needed."""
+"""Every act of the campaign's stranger is declared and comes up.
+
+Its messages can be built. No process and no graph is needed.
+"""
 
 from __future__ import annotations
 
@@ -41,9 +44,9 @@ def test_every_act_says_what_it_is():
 @pytest.mark.parametrize("name", SAYINGS)
 def test_what_is_said_is_a_message(name):
     """One that rclpy serializes, or bytes that begin as one does."""
-    said = list(SAYINGS[name].say(random.Random(1), 10**9))
-    assert said
-    for topic, kind, message in said:
+    messages = list(SAYINGS[name].say(random.Random(1), 10**9))
+    assert messages
+    for topic, kind, message in messages:
         assert topic
         if not isinstance(message, bytes):
             assert isinstance(message, kind)
@@ -54,7 +57,7 @@ def test_what_is_said_is_a_message(name):
 @pytest.mark.parametrize("name", FORGERIES)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_what_is_forged_is_a_datagram_in_the_name_of_a_process(name, seed):
-    """Of a size that can be sent; all but noise and what is cut off have a whole header."""
+    """Datagrams can be sent; all but noise and what is cut off have a whole header."""
     forgery = FORGERIES[name]
     datagrams = list(forgery.forge(random.Random(seed), HEARD))
     assert forgery.topic in CLASSES

@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def lint_imports(config: Path) -> subprocess.CompletedProcess[str]:
-    """What `lint-imports` gives from the top of the repository."""
+    """Run `lint-imports` from the top of the repository."""
     program = (
         "import sys; from importlinter.cli import lint_imports_command; lint_imports_command()"
     )
@@ -33,7 +33,7 @@ def test_imports_go_one_way():
 
 
 def test_an_import_against_the_layers_is_found(tmp_path: Path):
-    """With the packages in another order, those that import downwards import upwards."""
+    """Imports that go downwards go upwards once two packages change places."""
     turned = tmp_path / "turned"
     declared = DECLARATION.read_text()
     turned.write_text(
@@ -55,7 +55,7 @@ HAND_WRITTEN = PAGE.partition("## Packages")[0]
 
 
 def test_every_path_and_name_of_the_page_is_there():
-    """What is added by its tables is looked for where they name it."""
+    """Every path exists, and every name stands in the file given with it."""
     paths = re.findall(r"`((?:src|tests|tools)/[\w./]+)`", HAND_WRITTEN)
     assert len(paths) > 30
     assert [path for path in paths if not (ROOT / path).exists()] == []

@@ -22,7 +22,7 @@ def test_page_has_every_law_and_cell():
 
 
 def test_row_of_a_cell_is_what_its_runs_say():
-    """A changed law or plant makes this fail: scripts/document.sh --runs docs/benchmark.md writes it anew."""
+    """A changed law or plant makes this fail: scripts/document.sh --runs docs/benchmark.md."""
     (row,) = cell_table(drive_small(CELL)).splitlines()[2:]
     (written,) = [line for line in TEXT.splitlines() if line.startswith(f"| `{CELL}")]
     assert written.count("`") == 6  # id, first digits of the signal hash, command

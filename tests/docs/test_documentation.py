@@ -94,7 +94,7 @@ def test_links_lead_somewhere(page: Path):
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_files_that_are_named_with_their_folder_are_there(page: Path):
-    """From the top of the repository, or from that of one of the packages."""
+    """Paths begin at the top of the repository or of one of the packages."""
     named = re.findall(r"`(\w[\w/]*/\w+\.(?:py|sh|yaml|csv))`", page.read_text())
     folders = [ROOT, *ROOT.glob("src/*"), *(folder / folder.name for folder in ROOT.glob("src/*"))]
     assert [name for name in named if not any((folder / name).exists() for folder in folders)] == []
@@ -182,8 +182,8 @@ def test_own_node_replaces_the_built_in_one(tmp_path: Path):
 
 def test_own_methods_are_held_against_the_contract():
     command = [sys.executable, str(EXAMPLES / "check_own_law.py")]
-    said = subprocess.run(command, check=True, capture_output=True, text=True).stdout
-    assert said.count("keeps the contract") == 5
+    output = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    assert output.count("keeps the contract") == 5
 
 
 def test_a_first_law_takes_few_lines_and_few_things_to_know():
@@ -195,10 +195,13 @@ def test_a_first_law_takes_few_lines_and_few_things_to_know():
 
 
 def test_yaw_feedback_lowers_the_error_that_the_page_says():
-    """Without and with the law; each run in a process of its own, where its method is registered."""
+    """Numbers of the page are those of a run without and one with the law.
+
+    Each has a process of its own, where its method is registered.
+    """
     page = (ROOT / "docs" / "own_things.md").read_text()
-    said = re.search(r"falls from ([\d.]+) rad/s with equal torques to ([\d.]+)\.", page)
-    assert errors_of_yaw_rate("yaw_feedback", {}) == [*said.groups()]
+    printed = re.search(r"falls from ([\d.]+) rad/s with equal torques to ([\d.]+)\.", page)
+    assert errors_of_yaw_rate("yaw_feedback", {}) == [*printed.groups()]
 
 
 def errors_of_yaw_rate(module: str, *given: dict) -> list[str]:
@@ -218,11 +221,16 @@ def errors_of_yaw_rate(module: str, *given: dict) -> list[str]:
 
 
 def test_yaw_moment_lowers_the_error_that_the_page_says():
-    """In a process of its own: methods that are registered are there for all other tests."""
+    """Numbers of the page are those of runs in a process of their own.
+
+    There registered methods are not seen by other tests.
+    """
     found = errors_of_yaw_rate("yaw_moment", {}, {"control": "sliding_mode"})
     page = (ROOT / "docs" / "own_things.md").read_text()
-    said = re.search(r"falls from ([\d.]+) rad/s \(equal torques\) to ([\d.]+) and ([\d.]+),", page)
-    assert found == list(said.groups())
+    printed = re.search(
+        r"falls from ([\d.]+) rad/s \(equal torques\) to ([\d.]+) and ([\d.]+),", page
+    )
+    assert found == list(printed.groups())
 
 
 @pytest.mark.parametrize(
@@ -238,7 +246,7 @@ def test_yaw_moment_lowers_the_error_that_the_page_says():
 def test_own_method_is_found_by_its_entry_point(
     built_in: Path, tmp_path: Path, module: str, method: str
 ):
-    """As installed: a folder on the path with the module and its metadata."""
+    """A folder on the path with the module and its metadata counts as installed."""
     package = tmp_path / f"{module}-1.0.dist-info"
     package.mkdir()
     (package / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {module}\nVersion: 1.0\n")
@@ -262,10 +270,10 @@ def test_own_method_is_found_by_its_entry_point(
     calls = (["--list"], limited, [*short, "--out", str(tmp_path / "equal")])
     code = f"from ev_stack.commands.run_scenario import main\nfor words in {calls}: main(words)"
     command = [sys.executable, "-c", code]
-    said = subprocess.run(
+    output = subprocess.run(
         command, env=environment, check=True, capture_output=True, text=True
     ).stdout
-    assert "Limit the drive torque of every wheel" in said
+    assert "Limit the drive torque of every wheel" in output
     assert (
         np.max(
             load(tmp_path / "limited" / "signals.npz").channels["wheel_states.effort.front_left"]

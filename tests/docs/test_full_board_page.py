@@ -45,7 +45,10 @@ RUNS_DRIVEN = [
 
 @driven_whole
 def test_page_is_of_the_board_as_it_is():
-    """An edit of the board raises its version, and the full board is driven anew: scripts/document.sh --full DIR."""
+    """An edit of the board raises its version and asks for new runs.
+
+    scripts/document.sh --full DIR writes their page.
+    """
     hold_against(kept(), BOARD)
 
 
@@ -83,7 +86,7 @@ def result(few: Board) -> BoardResult:
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, result: BoardResult) -> Path:
-    """What a board with many runs leaves behind."""
+    """Files that a board with many runs leaves behind."""
     monkeypatch.setattr(run_files, "MOST_IN_JSON", 0)
     (tmp_path / "board.json").write_text(
         json.dumps(result.as_json() | {"versions": {"python": "3"}})
@@ -93,7 +96,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, result: BoardResult)
 
 
 def test_what_is_kept_are_the_numbers_of_the_runs(folder: Path, few: Board, result: BoardResult):
-    """To four digits; over all three cells that of the car is the score."""
+    """Kept numbers have four digits; over all three cells that of the car is the score."""
     found = kept_board(folder, few)
     assert found["laws"] == ["equal_torque", "pi"]
     for n, (cell, driven) in enumerate(zip(found["cells"], result.cells, strict=True)):

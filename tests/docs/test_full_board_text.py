@@ -1,7 +1,7 @@
-"""What the page of the full board says in words, against the numbers that were kept of it.
+"""Claims of the full board's page, against the numbers that were kept of it.
 
-Each claim computes its words, which have to stand in the page: a board that is driven anew shows
-which of them to write anew.
+Each claim computes its words, which have to stand in the page: new runs of the board show which of
+them to rewrite.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def score(law: str, name: str) -> float:
 
 
 def lost(law: str) -> float:
-    """Of all runs [%]."""
+    """Share of lost runs [%]."""
     return 100.0 * kept()["scores"][law]["unstable"]
 
 
@@ -46,7 +46,7 @@ def at(cell: str, law: str, name: str) -> float:
 
 
 def varied(name: str, law: str, of: str = "unstable") -> float:
-    """By how much a law has more at the greater end of what varies."""
+    """Return how much a law has more at the greater end of a variation."""
     return VARIED[name][of][kept()["laws"].index(law)][0]
 
 
@@ -60,7 +60,7 @@ def span(values: Iterable[float], digits: int) -> str:
 
 
 def lap(law: str, cars: Sequence[str] = CARS) -> list[float]:
-    """By what share a law takes less time than equal torques."""
+    """Return the share of time that a law saves against equal torques [%]."""
     cells = [f"{car}:lap:dry" for car in cars]
     return [
         100.0 * (1.0 - at(cell, law, "lap_time") / at(cell, "equal_torque", "lap_time"))
@@ -87,7 +87,7 @@ def won_elsewhere() -> list[str]:
 
 
 RAMP = "compact_ev:rear:slow_ramp:wet"
-TOLD, DELAY, FAULT, PERIOD = (
+BELIEVED, DELAY, FAULT, PERIOD = (
     "told_friction",
     "plant.sensors.imu_yaw_rate.delay",
     "motor_fault",
@@ -158,14 +158,14 @@ CLAIMS: list[Callable[[], str]] = [
         f"{at('racing_car:all:lap:dry', 'equal_torque', 'lap_time'):.0f} s"
     ),
     lambda: (
-        f"`pi` loses {percent(varied(TOLD, 'pi'))} points more of the runs than with 0.5 to 0.83, `lqr` "
-        f"{percent(varied(TOLD, 'lqr'))} and `all_known_neutral` {percent(varied(TOLD, 'all_known_neutral'))}."
+        f"`pi` loses {percent(varied(BELIEVED, 'pi'))} points more of the runs than with 0.5 to 0.83, `lqr` "
+        f"{percent(varied(BELIEVED, 'lqr'))} and `all_known_neutral` {percent(varied(BELIEVED, 'all_known_neutral'))}."
     ),
     lambda: (
-        f"The mean of handling is {span((varied(TOLD, law, 'handling') for law in PAYING), 2)} higher with laws of a "
+        f"The mean of handling is {span((varied(BELIEVED, law, 'handling') for law in PAYING), 2)} higher with laws of a "
         "yaw rate by sensors (but `stability_by_drives`), that of energy "
-        f"{varied(TOLD, 'lqr_all_known', 'energy'):.2f} "
-        f"and {varied(TOLD, 'all_known_neutral', 'energy'):.2f} with the laws that know all"
+        f"{varied(BELIEVED, 'lqr_all_known', 'energy'):.2f} "
+        f"and {varied(BELIEVED, 'all_known_neutral', 'energy'):.2f} with the laws that know all"
     ),
     lambda: (
         f"over all cells `lqr` and `predictive` lose {percent(varied(DELAY, 'lqr'))} and "
@@ -230,8 +230,11 @@ def test_bounds_that_the_page_names():
 
 
 def test_laws_without_sensors_feel_none_and_believe_in_no_friction():
-    """What can make no difference to them is tied: the comparison within cells finds nothing where there is nothing."""
-    for name in (TOLD, DELAY, NOISE, NOISE_OF_WHEELS):
+    """Variations that cannot act on a law are tied.
+
+    The comparison within cells finds nothing where there is nothing.
+    """
+    for name in (BELIEVED, DELAY, NOISE, NOISE_OF_WHEELS):
         for counted in ("handling", "unstable"):
             of_law = VARIED[name][counted][kept()["laws"].index("equal_torque")]
             assert Difference(*of_law).in_words(1.0, 2) == "tied"

@@ -1,4 +1,4 @@
-"""Whoever looks for a law finds its equation, file and test within a minute: one line names all."""
+"""One line names the equation, file and test of a law: each is found within a minute."""
 
 from __future__ import annotations
 

@@ -23,8 +23,8 @@ def program(*calls: list[str]) -> str:
     return f"from ev_stack.commands.run_scenario import main\nfor words in {calls}: main(words)"
 
 
-def said(code: str, installed: Path, folder: Path) -> str:
-    """What a program prints in a folder, with another folder of installed packages before all others."""
+def output_of(code: str, installed: Path, folder: Path) -> str:
+    """Return what a program prints in a folder; its path begins with the installed packages."""
     path = f"{installed}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
     command = [sys.executable, "-c", code]
     run = subprocess.run(
@@ -60,9 +60,9 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_an_installed_source_is_listed_driven_and_reported_with_its_verdicts(
     installed: Path, tmp_path: Path
 ):
-    """With its law and its scenario; twice in a row."""
+    """An installed source brings its law and its scenario; twice in a row."""
     driven = ["own_source", "--offline", "--out", "out"]
-    listed = said(program(["--list"], driven, driven), installed, tmp_path)
+    listed = output_of(program(["--list"], driven, driven), installed, tmp_path)
     names = [line.split()[0] for line in listed.splitlines() if line.strip()]
     assert {"own_source", "outer_wheel"} <= set(names)
     metrics = json.loads((tmp_path / "out" / "summary.json").read_text())["metrics"]
@@ -72,7 +72,7 @@ def test_an_installed_source_is_listed_driven_and_reported_with_its_verdicts(
 
 def test_its_verdicts_are_those_of_its_page(installed: Path, tmp_path: Path):
     judged = ["verdicts", "--only", "own_source", "--out", "out"]
-    said(program(judged, judged), installed, tmp_path)
+    output_of(program(judged, judged), installed, tmp_path)
     rows = re.findall(
         r"^\| `(own\.\w+)` \|(.*)\|$", (tmp_path / "out" / "verdicts.md").read_text(), re.MULTILINE
     )
@@ -89,13 +89,13 @@ def test_its_verdicts_are_those_of_its_page(installed: Path, tmp_path: Path):
 
 
 def test_its_law_keeps_the_contract(installed: Path, tmp_path: Path):
-    said("from ev_core.check.method import check_method; check_method('electronic_differential', 'outer_wheel')",
+    output_of("from ev_core.check.method import check_method; check_method('electronic_differential', 'outer_wheel')",
          installed, tmp_path)  # fmt: skip
 
 
 @pytest.fixture(scope="module")
 def without(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A copy of the papers' package without the folder of one of them, built anew."""
+    """A copy of the papers' package without the folder of one of them, with new metadata."""
     package = tmp_path_factory.mktemp("without") / "ev_papers"
     shutil.copytree(
         PAPERS, package, ignore=shutil.ignore_patterns("__pycache__", "*.egg-info", REMOVED)
@@ -111,7 +111,7 @@ def test_without_the_folder_of_a_source_the_others_are_listed(without: Path, tmp
         "from ev_study.verdicts.verdict import wanted\nfrom ev_study.verdicts.sources import sources\n"
         "print(*sources())\nprint(*sorted({source for source, _ in wanted((), quick=False)}))"
     )
-    known, judged = said(code, without, tmp_path).splitlines()
+    known, judged = output_of(code, without, tmp_path).splitlines()
     left = ["dissertation", "ge_ni2005", "outside_checks", "shchur2019", "tatar_chudzik"]
     assert sorted(known.split()) == judged.split() == left
 
@@ -125,7 +125,7 @@ def test_without_the_folder_of_a_source_everything_else_runs(without: Path, tmp_
         [REMOVED, *short, "--out", "its"],
         ["verdicts", "--only", "shchur.hold30", "--out", "verdicts"],
     )
-    text = said(code, without, tmp_path)
+    text = output_of(code, without, tmp_path)
     assert f"{REMOVED}_sweep" not in text
     assert "shchur.hold30.manual" in text
     assert (

@@ -1,4 +1,4 @@
-"""The pictures of the README and of two pages, made anew in little."""
+"""The pictures of the README and of two pages, drawn small."""
 
 from __future__ import annotations
 

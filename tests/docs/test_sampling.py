@@ -22,5 +22,5 @@ SOURCES = ["shchur2019", "ge_ni2005", "tatar_chudzik", "urban_mixed", "zhileykin
 )
 def test_first_middle_and_last_case_are_kept(words: list[str], kept: list[str]):
     command = [sys.executable, "-m", "pytest", "--collect-only", "--quiet", *words]
-    said = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    assert [line.partition("[")[2][:-1] for line in said.splitlines() if CASE in line] == kept
+    output = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    assert [line.partition("[")[2][:-1] for line in output.splitlines() if CASE in line] == kept

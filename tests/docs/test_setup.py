@@ -26,8 +26,8 @@ ROOT = Path(__file__).parents[2]
 UV = """
 import os, subprocess, sys
 def main():
-    with open(os.environ["TOLD"], "a") as told:
-        print(*sys.argv[1:], os.environ.get("UV_FIND_LINKS"), file=told)
+    with open(os.environ["CALLS"], "a") as calls:
+        print(*sys.argv[1:], os.environ.get("UV_FIND_LINKS"), file=calls)
     python, words = sys.argv[4], sys.argv[5:]
     sys.exit(os.environ.get("UV_FAILS") or subprocess.call([python, "-m", "pip", "install", "--no-compile", *words]))
 """
@@ -63,7 +63,11 @@ class Checkout:
     """The scripts in a folder of their own, with two packages to install, and a machine that has Python alone."""
 
     def __init__(self, folder: Path) -> None:
-        self.root, self.wheels, self.told = folder / "checkout", folder / "wheels", folder / "told"
+        self.root, self.wheels, self.calls = (
+            folder / "checkout",
+            folder / "wheels",
+            folder / "calls",
+        )
         self.wheels.mkdir()
         shutil.copytree(ROOT / "scripts", self.root / "scripts")
         package = self.root / "src" / "ev_sim"
@@ -88,7 +92,7 @@ class Checkout:
         self.environment = bare | {
             "PIP_NO_INDEX": "1",
             "PIP_FIND_LINKS": str(self.wheels),
-            "TOLD": str(self.told),
+            "CALLS": str(self.calls),
         }
 
     def start(self, **environment: str) -> subprocess.Popen:
@@ -106,9 +110,9 @@ class Checkout:
     def set_up(self, **environment: str) -> tuple[int, str]:
         """Status, and what it says on standard error; on standard output it says nothing."""
         process = self.start(**environment)
-        out, said = process.communicate()
+        out, output = process.communicate()
         assert out == ""
-        return process.returncode, said
+        return process.returncode, output
 
     @property
     def is_complete(self) -> bool:
@@ -123,8 +127,8 @@ def checkout(tmp_path: Path) -> Checkout:
     return Checkout(tmp_path)
 
 
-def said_of(text: str) -> list[str]:
-    """The steps that were said, without their times."""
+def steps_of(text: str) -> list[str]:
+    """Steps that setup.sh names, without their times."""
     return [line.partition(" done in ")[0] for line in text.splitlines()]
 
 
@@ -133,16 +137,19 @@ INSTALLING = "installing ROS 2 and the tools of requirements.lock (once) ..."
 
 @pytest.mark.slow
 def test_the_uv_of_the_lock_installs_the_lock_as_pip_is_told_to(checkout):
-    """With its hashes. The next call does nothing; another lock is installed into the same .venv."""
-    status, said = checkout.set_up()
-    assert (status, said_of(said)) == (
+    """Packages are installed with their hashes.
+
+    The next call does nothing; another lock is installed into the same .venv.
+    """
+    status, output = checkout.set_up()
+    assert (status, steps_of(output)) == (
         0,
         ["making .venv ...", INSTALLING, "building the workspace ..."],
     )
-    told = checkout.told.read_text()
+    calls = checkout.calls.read_text()
     assert (
-        "--no-deps --require-hashes --requirement .venv/locked.txt" in told
-        and str(checkout.wheels) in told
+        "--no-deps --require-hashes --requirement .venv/locked.txt" in calls
+        and str(checkout.wheels) in calls
     )
     assert checkout.is_complete
     assert checkout.set_up() == (0, "")
@@ -150,13 +157,13 @@ def test_the_uv_of_the_lock_installs_the_lock_as_pip_is_told_to(checkout):
     other.write_text("#!/bin/sh\necho 3.99.0 of /elsewhere\n")
     other.chmod(0o755)
     assert checkout.set_up(PYTHON=str(checkout.root / ".venv" / "bin" / "python")) == (0, "")
-    status, said = checkout.set_up(PYTHON=str(other))  # which was ignored without a word
-    assert status == 1 and said.startswith(f"PYTHON={other} is refused: .venv has Python 3.")
+    status, output = checkout.set_up(PYTHON=str(other))  # which was ignored without a word
+    assert status == 1 and output.startswith(f"PYTHON={other} is refused: .venv has Python 3.")
     checkout.lock.write_text(
         checkout.lock.read_text() + wheel(checkout.wheels, "more", {"more.py": ""})
     )
-    status, said = checkout.set_up()
-    assert (status, said_of(said)) == (0, ["updating .venv ...", "building the workspace ..."])
+    status, output = checkout.set_up()
+    assert (status, steps_of(output)) == (0, ["updating .venv ...", "building the workspace ..."])
     assert (checkout.root / ".venv" / "bin" / "uv").exists()
     assert b" from " in subprocess.check_output(
         [checkout.root / ".venv" / "bin" / "pip", "--version"]
@@ -170,21 +177,21 @@ def test_the_uv_of_the_lock_installs_the_lock_as_pip_is_told_to(checkout):
 def test_where_uv_is_of_no_use_pip_installs_and_one_line_says_so(why, checkout):
     if why == "cannot be had":
         (checkout.wheels / "uv-1.0-py3-none-any.whl").unlink()
-    status, said = checkout.set_up(UV_FAILS="no network")
+    status, output = checkout.set_up(UV_FAILS="no network")
     assert status == 0
     installing = f"{INSTALLING} uv {why}: pip installs, which takes longer ..."
-    assert said_of(said) == ["making .venv ...", installing, "building the workspace ..."]
+    assert steps_of(output) == ["making .venv ...", installing, "building the workspace ..."]
     assert checkout.is_complete
 
 
 @pytest.mark.slow
 def test_another_file_than_the_lock_names_is_refused_and_nothing_is_left_behind(checkout):
-    """By uv and by pip."""
+    """Both uv and pip refuse it."""
     (checkout.wheels / "colcon-1.0-py3-none-any.whl").unlink()
     wheel(checkout.wheels, "colcon", {"colcon/__init__.py": "import evil"})
-    status, said = checkout.set_up()
+    status, output = checkout.set_up()
     assert status == 1
-    assert "DO NOT MATCH THE HASHES" in said
+    assert "DO NOT MATCH THE HASHES" in output
     assert not (checkout.root / ".venv").exists()
 
 
@@ -193,9 +200,9 @@ def test_another_file_than_the_lock_names_is_refused_and_nothing_is_left_behind(
     "kind", [signal.SIGINT, pytest.param(signal.SIGKILL, marks=pytest.mark.weekly)]
 )
 def test_what_was_interrupted_is_repaired_by_the_next_call(kind, checkout):
-    """In the middle of building, by Ctrl-C and without a last word; what was installed is not installed again.
+    """Ctrl-C or a kill in the middle of building costs the building only.
 
-    What compiles meanwhile ends with it, code and imports.
+    What was installed is not installed again; code and imports that compile meanwhile end with it.
     """
     ahead = checkout.root / "scripts" / "compile_ahead.py"
     ahead.write_text("import os, time\nprint(os.getpid(), flush=True)\ntime.sleep(600)\n")
@@ -212,29 +219,32 @@ def test_what_was_interrupted_is_repaired_by_the_next_call(kind, checkout):
         lambda: not any(Path("/proc", number).exists() for number in log.read_text().split())
     )
     ahead.unlink()
-    status, said = checkout.set_up()
-    assert (status, said_of(said)) == (0, ["building the workspace ..."])
+    status, output = checkout.set_up()
+    assert (status, steps_of(output)) == (0, ["building the workspace ..."])
     assert checkout.is_complete
 
 
 @pytest.mark.slow
 def test_one_variable_takes_the_wheels_of_kilted(checkout):
-    """In a new .venv, because what only the wheels of another ROS 2 have would stay. Another name is refused."""
+    """A new .venv is made: what only the wheels of another ROS 2 have would stay.
+
+    Another name is refused.
+    """
     python = checkout.root / ".venv" / "bin" / "python"
     asked = [python, "-c", "from importlib.metadata import version; print(version('ros-rclpy'))"]
     assert checkout.set_up()[0] == 0
     (of_jazzy := checkout.root / ".venv" / "of_jazzy").touch()
     assert checkout.set_up(EV_STACK_ROS="jazzy") == (0, "")
-    status, said = checkout.set_up(EV_STACK_ROS="kilted")
+    status, output = checkout.set_up(EV_STACK_ROS="kilted")
     installing = INSTALLING.replace("requirements.lock", "requirements-kilted.lock")
-    assert (status, said_of(said)) == (
+    assert (status, steps_of(output)) == (
         0,
         ["making .venv ...", installing, "building the workspace ..."],
     )
     assert subprocess.check_output(asked) == b"9.0\n" and not of_jazzy.exists()
-    status, said = checkout.set_up(EV_STACK_ROS="lyrical")
-    assert (status, said.count("\n")) == (1, 1)
-    assert said.startswith("EV_STACK_ROS=lyrical is refused, expected jazzy or kilted")
+    status, output = checkout.set_up(EV_STACK_ROS="lyrical")
+    assert (status, output.count("\n")) == (1, 1)
+    assert output.startswith("EV_STACK_ROS=lyrical is refused, expected jazzy or kilted")
     assert subprocess.check_output(asked) == b"9.0\n"
 
 
@@ -256,13 +266,16 @@ def test_two_calls_at_once_set_up_once(checkout, tmp_path):
 @pytest.mark.weekly
 @pytest.mark.parametrize("distribution", ["jazzy", "kilted", "lyrical", "rolling"])
 def test_beside_a_distribution_only_what_it_lacks_is_installed(distribution, checkout, tmp_path):
-    """Not ROS, and numpy as the distribution has it; by pip, for uv does not see what the distribution has."""
+    """ROS is left out, and numpy stays that of the distribution.
+
+    It is pip that installs, for uv does not see the packages of the distribution.
+    """
     (tmp_path / "ros2").write_text("#!/bin/sh\n")
     (tmp_path / "ros2").chmod(0o755)
     (tmp_path / "numpy.py").write_text("__version__ = '1.26.4'\n")
     path = f"{tmp_path}:{checkout.environment['PATH']}"
-    status, said = checkout.set_up(ROS_DISTRO=distribution, PATH=path, PYTHONPATH=str(tmp_path))
-    assert (status, said_of(said)) == (
+    status, output = checkout.set_up(ROS_DISTRO=distribution, PATH=path, PYTHONPATH=str(tmp_path))
+    assert (status, steps_of(output)) == (
         0,
         [
             f"making .venv beside ROS 2 {distribution} ...",
@@ -273,23 +286,23 @@ def test_beside_a_distribution_only_what_it_lacks_is_installed(distribution, che
     venv = checkout.root / ".venv"
     assert (venv / "missing.txt").read_text() == "colcon\n"
     assert (venv / "constraints.txt").read_text() == "numpy==1.26.4\n"
-    assert not checkout.told.exists()
+    assert not checkout.calls.exists()
     assert "include-system-site-packages = true" in (venv / "pyvenv.cfg").read_text()
     assert checkout.is_complete
 
 
 def middleware_of(checkout: Checkout, before: str = "", **environment: str) -> dict[str, str]:
-    """What a shell that sources setup.sh gives its nodes, by the ends of the names of variables."""
+    """Settings of the middleware that a shell with setup.sh sourced gives its nodes."""
     named = (
         "FASTDDS_DEFAULT_PROFILES_FILE",
         "FASTRTPS_DEFAULT_PROFILES_FILE",
         "ROS_AUTOMATIC_DISCOVERY_RANGE",
     )
     shell = f"{before}\nsource scripts/setup.sh && env"
-    said = subprocess.check_output(
+    output = subprocess.check_output(
         ["bash", "-c", shell], cwd=checkout.root, env=checkout.environment | environment, text=True
     )
-    found = dict(line.split("=", 1) for line in said.splitlines() if line.startswith(named))
+    found = dict(line.split("=", 1) for line in output.splitlines() if line.startswith(named))
     return {name: value.removeprefix(f"{checkout.root}/config/") for name, value in found.items()}
 
 
@@ -350,7 +363,7 @@ runpy.run_path(sys.argv[0], run_name="__main__")
     "words", [["shchur2019", "--set", "driver.wrong=1"], ["shchur2019"]], ids=["none", "run"]
 )
 def test_what_is_compiled_ahead_is_what_runs_look_for(words):
-    """From the sources and with the packages that come first: the same names of files, made once."""
+    """Sources and the first packages give the same names of files, compiled once."""
     compile_for(load_scenario("shchur2019").runs, in_nodes=True)
     path = os.pathsep.join(str(each) for each in (ROOT / "src").iterdir())
     first = re.search(
@@ -403,8 +416,8 @@ def test_a_checkout_with_umlauts_in_its_path_is_set_up_twice(tmp_path: Path):
     checkout = Checkout(folder)
     assert checkout.set_up()[0] == 0
     (checkout.root / "install" / ".complete").unlink()
-    status, said = checkout.set_up()
-    assert status == 0, said
+    status, output = checkout.set_up()
+    assert status == 0, output
     words = [
         checkout.root / ".venv" / "bin" / "python",
         "-c",

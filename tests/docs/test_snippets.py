@@ -41,14 +41,20 @@ def snippets(language: str, excerpts: bool = False) -> list[tuple[str, str]]:
 
 @pytest.mark.parametrize(("file", "text"), snippets("python", excerpts=True))
 def test_an_excerpt_has_the_lines_of_its_file(file, text):
-    """In their order; without indentation and commas at their ends, which the formatter of pages changes."""
+    """Lines keep their order.
+
+    Indentation and commas at their ends do not count: the formatter of pages changes them.
+    """
     bare = (line.strip().rstrip(",") for line in (ROOT / file).read_text().splitlines())
     assert all(line.strip().rstrip(",") in bare for line in text.splitlines() if line)
 
 
 @pytest.mark.parametrize("page", dict.fromkeys(page for page, _ in snippets("python")))
 def test_python_runs_as_it_stands(page, tmp_path, monkeypatch):
-    """All snippets of a page one behind the other; one that declares a law is a file, whose law is then driven."""
+    """All snippets of a page run one behind the other.
+
+    One that declares a law becomes a file, and the law is then driven.
+    """
     texts = [text for of, text in snippets("python") if of == page]
     if "gymnasium" in "".join(texts):
         pytest.importorskip("gymnasium")

@@ -17,7 +17,7 @@ NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.])")
 
 @pytest.mark.parametrize("page", ["docs/ge_ni2005.md", "docs/tatar_chudzik.md"])
 def test_results_of_the_page_are_those_of_the_runs(page: str):
-    """A changed law makes this fail: scripts/document.sh --runs PAGE writes them anew."""
+    """A changed law makes this fail: scripts/document.sh --runs PAGE writes the new ones."""
     compare(
         written(page, "results"),
         results_of(SCENARIO_PAGES[page], driven(SCENARIO_PAGES[page].scenario)),
@@ -26,7 +26,7 @@ def test_results_of_the_page_are_those_of_the_runs(page: str):
 
 @pytest.mark.parametrize("page", ["docs/ge_ni2005.md", "docs/tatar_chudzik.md"])
 def test_no_row_of_the_page_is_empty(page: str):
-    """A judged number whose case has no column would be a row without numbers."""
+    """A judged number without a column for its case would be a row without numbers."""
     named = re.findall(r"^\| `[\w.*,]+` \|(.*)\|$", written(page, "results"), re.MULTILINE)
     assert named and all(NUMBER.search(cells) for cells in named)
 

@@ -1,4 +1,4 @@
-"""What stepped code may use: the bits of a run must not depend on the machine or on how it is run."""
+"""Names that stepped code may use: no bit of a run may depend on machine or way of running."""
 
 from __future__ import annotations
 

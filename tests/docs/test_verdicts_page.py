@@ -64,7 +64,7 @@ def test_measured_numbers_of_a_long_study_are_those_of_its_cases(study: StudyNee
 
 
 def given(need: Need) -> Driven:
-    """What was driven for a need, of a long study from its file."""
+    """Results of a need; those of a long study come from its file."""
     return (
         read_measured(ROOT, need) if isinstance(need, StudyNeed) and is_long(need) else driven(need)
     )

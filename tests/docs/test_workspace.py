@@ -95,10 +95,10 @@ def test_a_release_moves_all_versions_and_gives_its_notes(tmp_path, capsys):
 
 @pytest.mark.parametrize("distribution", ["jazzy", "lyrical", "kilted"])
 def test_pixi_brings_every_message_package_that_the_packages_name(distribution):
-    said = tomllib.loads((ROOT / "pixi.toml").read_text())
-    feature = said["feature"][distribution]
+    settings = tomllib.loads((ROOT / "pixi.toml").read_text())
+    feature = settings["feature"][distribution]
     assert feature["channels"] == [f"robostack-{distribution}"]
-    assert [distribution] in said["environments"].values()
+    assert [distribution] in settings["environments"].values()
     begin = f"ros-{distribution}-"
     names = {name.removeprefix(begin).replace("-", "_") for name in feature["dependencies"]}
     assert all(name.startswith(begin) for name in feature["dependencies"])
@@ -110,7 +110,7 @@ def test_pixi_brings_every_message_package_that_the_packages_name(distribution):
         ]
         needed |= {name for name in required if not name.startswith("python3-")}
     assert needed - set(PACKAGES) <= names
-    assert all((ROOT / task.split()[0]).exists() for task in said["tasks"].values())
+    assert all((ROOT / task.split()[0]).exists() for task in settings["tasks"].values())
 
 
 # The keys of rosdep/python.yaml in ros/rosdistro (8468e88c, 2026-08-22) that the packages name,
@@ -136,7 +136,7 @@ ROSDEP_KEYS = {
 
 
 def dependencies(**environment: str) -> set[str]:
-    """What rosdep would install for all packages."""
+    """Packages that rosdep would install for all of ours."""
     found = set()
     for package in PACKAGES:
         described = parse_package(ROOT / "src" / package / "package.xml")
@@ -180,8 +180,8 @@ def test_the_workflow_tries_every_distribution_that_installing_names():
 
 def test_hooks_before_a_commit_are_what_the_environment_has():
     """Pinned with it, so that a hook and the suite do not disagree."""
-    said = yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text())
-    hooks = [hook for repository in said["repos"] for hook in repository["hooks"]]
+    settings = yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text())
+    hooks = [hook for repository in settings["repos"] for hook in repository["hooks"]]
     programs = {hook["entry"].split()[0].removeprefix(".venv/bin/") for hook in hooks}
     assert programs == {"ruff", "lint-imports", "mypy"}
     assert all((Path(sys.executable).parent / program).exists() for program in programs)
@@ -192,12 +192,12 @@ def test_hooks_before_a_commit_are_what_the_environment_has():
     "form", sorted(ROOT.glob(".github/ISSUE_TEMPLATE/w*.yml")), ids=lambda form: form.stem
 )
 def test_a_form_for_issues_has_what_github_needs(form: Path):
-    said = yaml.safe_load(form.read_text())
-    assert said["name"] and said["description"]
-    assert any(field.get("validations", {}).get("required") for field in said["body"])
+    content = yaml.safe_load(form.read_text())
+    assert content["name"] and content["description"]
+    assert any(field.get("validations", {}).get("required") for field in content["body"])
     assert all(
         field["type"] in ("input", "textarea") and field["attributes"]["label"]
-        for field in said["body"]
+        for field in content["body"]
     )
 
 
@@ -240,7 +240,7 @@ OF_KILTED = {name: version for name, version in WANTED.items() if name != "ros-f
     ids=["jazzy", "kilted"],
 )
 def test_the_lock_has_every_requirement_and_a_hash_for_every_package(lock, wanted):
-    """scripts/lock.sh writes it; whoever changes requirements.txt alone would install what was there before."""
+    """A change of requirements.txt alone is found: scripts/lock.sh writes the lock."""
     locked = (ROOT / lock).read_text()
     packages = re.findall(
         r"^([\w.-]+)(?:\[[\w,]+\])?==(\S+)(.*\n {4}--hash=sha256:[0-9a-f]{64})?",
@@ -310,10 +310,10 @@ def test_every_page_is_in_the_site():
 
 @pytest.mark.slow
 def test_the_python_of_the_environment_knows_the_packages_by_itself():
-    """As the kernel of a notebook, which nobody has sourced anything for."""
-    said = "import ev_stack, ev_control, ev_msgs_py; print(ev_stack.run.__name__)"
+    """The kernel of a notebook imports them without a sourced shell."""
+    program = "import ev_stack, ev_control, ev_msgs_py; print(ev_stack.run.__name__)"
     found = subprocess.run(
-        [sys.executable, "-E", "-c", said], cwd="/", check=True, capture_output=True, text=True
+        [sys.executable, "-E", "-c", program], cwd="/", check=True, capture_output=True, text=True
     )
     assert found.stdout == "run\n"
 
@@ -327,7 +327,10 @@ def test_colcon_finds_that_tests_are_by_pytest(package):
 
 @pytest.mark.parametrize("package", PACKAGES)
 def test_a_package_names_what_it_imports_of_ros_and_the_compiler(package):
-    """Of what rosdep has a key for: what is missing is noticed only on a machine that has not built the others."""
+    """Imports with a key of rosdep are named.
+
+    A missing one would show only on a machine that has not built the others.
+    """
     described = parse_package(ROOT / "src" / package / "package.xml")
     named = {each.name.removeprefix("python3-") for each in described.exec_depends}
     texts = [path.read_text() for path in (ROOT / "src" / package).rglob("*.py")]
@@ -349,7 +352,7 @@ def test_a_package_names_what_it_imports_of_ros_and_the_compiler(package):
 
 
 def test_a_package_without_its_config_is_not_built(tmp_path):
-    """As from an archive of its folder alone, out of which its link to config leads."""
+    """An archive of the folder alone is refused: its link to config leads nowhere."""
     alone = tmp_path / "ev_sim"
     shutil.copytree(
         ROOT / "src" / "ev_sim",

@@ -1,4 +1,4 @@
-"""How many cases each test gets: a few in the suite, always the same, and as many as scripts/fuzz.sh is told."""
+"""Number of cases of each test: few and always the same, or as scripts/fuzz.sh is given."""
 
 from __future__ import annotations
 

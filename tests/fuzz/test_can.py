@@ -97,12 +97,12 @@ def test_a_gateway_that_hears_anything_stays_finite(frames):
         | st.sampled_from([b"< open a >", b"< rawmode >", b"< send 7FF 1 FF >"])
     )
 )
-def test_the_hub_outlives_what_a_client_says(said):
+def test_the_hub_outlives_what_a_client_says(texts):
     hub = SocketcandHub(0)
     try:
         with socket.create_connection((HOST, hub.port)) as client:
             client.setblocking(False)
-            for text in said:
+            for text in texts:
                 try:
                     client.sendall(text)
                 except OSError:  # it has been sent away

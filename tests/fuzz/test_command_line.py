@@ -46,19 +46,19 @@ _words = st.lists(_options | _pairs | _values | _texts, max_size=6)
 
 def refused(call) -> None:
     """Call it; it may end with status 2, or in one line."""
-    said = io.StringIO()
+    output = io.StringIO()
     try:
-        with contextlib.redirect_stderr(said), contextlib.redirect_stdout(said):
+        with contextlib.redirect_stderr(output), contextlib.redirect_stdout(output):
             call()
     except SystemExit as ended:
         if isinstance(ended.code, str):
             assert_one_line(ended.code)
         else:
             assert ended.code in (0, 2), ended.code
-            assert ended.code == 0 or said.getvalue().strip()
+            assert ended.code == 0 or output.getvalue().strip()
             if ended.code:
-                assert_one_line(said.getvalue().strip().rpartition("\n")[2])
-                assert not set(said.getvalue()) & {"\x1b", "\r", "\x9b"}
+                assert_one_line(output.getvalue().strip().rpartition("\n")[2])
+                assert not set(output.getvalue()) & {"\x1b", "\r", "\x9b"}
     except ParameterError as error:
         assert_one_line(error)
 

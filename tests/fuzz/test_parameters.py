@@ -64,7 +64,7 @@ def test_a_value_is_taken_within_its_range_or_refused(method, value, data):
 @fuzzed(15, 1.0)
 @given(method=st.sampled_from(METHODS), data=st.data())
 def test_several_values_at_once(method, data):
-    """What fits one by one may not fit together: one line as well, and what is built is finite."""
+    """Values that fit one by one are refused together in one line, or build something finite."""
     role, name = method
     known = {entry.name: entry for entry in entries_of(role, name)}
     chosen = data.draw(st.lists(st.sampled_from(sorted(known)), min_size=1, max_size=4))

@@ -87,7 +87,7 @@ class Span(NamedTuple):
     rate: float  # [rad/s]
 
     def goes_on_as(self, other: Span) -> bool:
-        """Whether the other span does as this one would."""
+        """Return True if the other span continues this one."""
         there = self.angle + self.rate * self.duration
         return (
             self[1:3] == other[1:3] and self.rate == other.rate and abs(there - other.angle) < 1e-14

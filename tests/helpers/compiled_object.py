@@ -29,8 +29,8 @@ class CompiledObject:
     def step(self, *signals: Any) -> Any:
         """The answer to the signals of an instant."""
         self.advance(*signals)
-        said = self._said()
-        return said[0] if len(said) == 1 else said
+        answer = self._answer()
+        return answer[0] if len(answer) == 1 else answer
 
     def advance(self, *signals: Any) -> None:
         """Integrate to the next instant; what is not finite is let through to the law, as in plain Python."""
@@ -41,10 +41,10 @@ class CompiledObject:
     def outputs(self) -> tuple[Any, ...]:
         """Everything that it writes, at the instant of its state."""
         call(self._function, 0, self._next, *self._memory)
-        return self._said()
+        return self._answer()
 
     def reports(self) -> tuple[str, ...]:
-        """What is worth knowing about the run so far."""
+        """Notes on the run so far."""
         return self._part.notes()
 
     @property
@@ -56,7 +56,7 @@ class CompiledObject:
     def state(self, row: Sequence[float]) -> None:
         self.state[:] = row
 
-    def _said(self) -> tuple[Any, ...]:
+    def _answer(self) -> tuple[Any, ...]:
         return tuple(
             [shape.signal_of(self._there[place].tolist()) for place, shape in self._writes]
         )

@@ -114,7 +114,7 @@ class Motion:
 
     def signals(self) -> dict[type, Any]:
         """The signals by their types."""
-        said = (
+        values = (
             Instant(self.time),
             DriverCommand(self.torque, self.brake, self.column.hand_torque),
             self.column,
@@ -123,7 +123,7 @@ class Motion:
             BodyVelocity(self.u, self.v, self.r),
             TireForces(NO_WHEELS, NO_WHEELS, self.load, NO_WHEELS, NO_WHEELS, self.friction),
         )
-        return {type(signal): signal for signal in said}
+        return {type(signal): signal for signal in values}
 
 
 class Differential:

@@ -61,7 +61,7 @@ class PointMass:
 
 
 def ride(driver: Any, car: PointMass, duration: float) -> list[tuple[float, float, DriverCommand]]:
-    """Time, speed and command of every step of a driver who follows a speed profile."""
+    """Time, speed and command of every step of a driver that follows a speed profile."""
     rows = []
     for step in range(round(duration / PERIOD) + 1):
         command = driver.step(Instant(step * PERIOD), at(car.speed), CENTRED)

@@ -35,7 +35,10 @@ class WatchedStepper(Stepper):
         )
 
     def change(self, configuration: Configuration) -> None:
-        """As the parameters of a node change: from the next run on, or from the first one if it has not spoken."""
+        """Change the parameters of a node.
+
+        They hold from the next run on, or from the first one if the node was silent.
+        """
         self.configuration = configuration
         if self.answer is None:
             self.part = part_of(configuration, compiled=False)
@@ -59,7 +62,7 @@ class Stuck(AssertionError):
 
 
 class FakeNetwork:
-    """A graph whose nodes speak to each other through faulty queues; its master is the plant."""
+    """A graph with faulty queues between its nodes; its master is the plant."""
 
     def __init__(
         self,
@@ -78,7 +81,7 @@ class FakeNetwork:
         }
         self.deaf: set[tuple[str, type]] = set()  # readers and topics that are not connected yet
         self.sent: dict[type, dict[int, Any]] = {}
-        # whether a node may contradict what it said, as one does that has lost its memory
+        # whether a node may send other numbers for an instant, as one does that has lost its memory
         self.forgives = False
         self.frozen = False  # whether the master stays where it is
         self.messages = 0
@@ -161,12 +164,16 @@ class FakeNetwork:
                 self._publish(role, stepper.step())
 
     def _publish(self, role: str, answer: Answer) -> None:
-        """A node may contradict what it said in a run before: a late stamp zero restarts it with its new parameters."""
+        """Send an answer to its readers.
+
+        A node may contradict a message of a run before: a late stamp zero restarts it with its new
+        parameters.
+        """
         for kind in self.steppers[role].writes:
             numbers = answer.frame.numbers[PLACES[kind]].tolist()
             if answer.stamp % self.master.period == self.master.inbox.run:
-                said = self.sent[kind].setdefault(answer.stamp, numbers)
-                assert repr(said) == repr(numbers) or self.forgives, (
+                before = self.sent[kind].setdefault(answer.stamp, numbers)
+                assert repr(before) == repr(numbers) or self.forgives, (
                     f"{role} changed its mind about {answer.stamp}"
                 )
             self.messages += 1

@@ -15,7 +15,10 @@ from ev_study.verdicts.verdict import Verdict, verdict
 
 
 def verdict_on(id: str, *changed: Value) -> Verdict:
-    """The verdict on an id from runs whose parameters (node, name, value) are changed; slow needs are driven, too."""
+    """Judge an id by runs with changed parameters (node, name, value).
+
+    Slow needs are driven, too.
+    """
     return verdict_from(id, lambda need: _with(need, changed))
 
 
@@ -27,7 +30,7 @@ def verdict_from(id: str, changed: Callable[[Need], Need]) -> Verdict:
 
 @cache
 def driven(need: Need) -> Driven:
-    """What is driven for a need, once in this process."""
+    """Drive a need, once in this process."""
     return drive([need], _kept(), drive_here)[need]
 
 
@@ -51,5 +54,5 @@ def _with(need: Need, changed: Sequence[Value]) -> Need:
 
 @cache
 def _kept() -> ResultStore:
-    """Where scripts/run.sh verdicts keeps what it has driven; it stands under a digest of everything it depends on."""
+    """Results kept by scripts/run.sh verdicts, under a digest of all that they depend on."""
     return kept_by_user(cache_folder() / "results")

@@ -1,4 +1,4 @@
-"""What is wrong with the layout of a figure: texts beyond its edge or over each other, sizes that no journal takes."""
+"""Flaws in a figure's layout: texts beyond its edge or over each other, sizes of no journal."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def drawn_texts(figure) -> list[tuple[str, Bbox]]:
 
 
 def flaws(figure, width: float) -> list[str]:
-    """What an editor would send back."""
+    """List the flaws for which an editor would return the figure."""
     wide, tall = figure.get_size_inches()
     found = (
         [] if wide == pytest.approx(width) and tall <= TALLEST else [f"{wide:.2f} x {tall:.2f} in"]

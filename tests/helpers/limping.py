@@ -42,7 +42,7 @@ def stuck_at(stuck: float) -> Fault:
 
 @dataclasses.dataclass
 class Motors:
-    """Front motors that give what they are told, up to `most` [N m], times `battery`, both at the wheel and common."""
+    """Front motors: the command up to `most` [N m], times `battery`, at the wheel and common."""
 
     car: Vehicle = CAR
     period: float = PERIOD
@@ -56,8 +56,8 @@ class Motors:
         self._torque = [0.0, 0.0]
         self._random = random.Random(self.seed)
 
-    def measured(self, told: Wheels, speed: Wheels) -> Wheels:
-        """The torques at the wheels, mean over a period in which they are told this, as the sensors show them."""
+    def measured(self, commanded: Wheels, speed: Wheels) -> Wheels:
+        """Torques at the wheels as the sensors show them, means over a period."""
         motor, gear = self.car.motor, self.car.gear_ratio
         passed = self.period / motor.torque_lag
         left, mean = math.exp(-passed), 1.0 + math.expm1(-passed) / passed
@@ -65,7 +65,7 @@ class Motors:
         for i in range(2):
             turns = abs(speed[i])
             most = min(self.most, motor.peak_torque * gear, motor.peak_power / max(turns, 1e-9))
-            goal = self.battery * min(max(told[i], -most), most)
+            goal = self.battery * min(max(commanded[i], -most), most)
             fault = self.faults[i]
             if fault is not None:
                 goal = fault(goal)
@@ -92,7 +92,10 @@ class Limping:
         self.measured = NO_WHEELS
 
     def step(self, asked: Wheels, speed: Wheels, brake: Wheels = NO_WHEELS) -> Wheels:
-        """What the drives are told [N m]; what that makes of them is measured by the next step."""
+        """Return the commands to the drives [N m].
+
+        The next step measures what the drives make of them.
+        """
         command = self.law.step(
             WheelTorqueRequest(asked, brake), WheelStates(NO_WHEELS, speed, self.measured)
         )
@@ -108,6 +111,6 @@ class Limping:
         return command
 
     def lost(self) -> list[int]:
-        """Which front motors count as lost, left and right."""
+        """Front motors that count as lost, left and right: 0 or 1."""
         state = dict(zip(self._names, self.law.state, strict=True))
         return [int(state[f"motors.lost.{wheel}"]) for wheel in ("front_left", "front_right")]

@@ -67,7 +67,7 @@ class Network:
 
     @property
     def inside(self) -> list[str]:
-        """What stands before the words of a program that shall run here."""
+        """Words in front of a program that shall run here."""
         return ["ip", "netns", "exec", self.here]
 
     def ask(self, *words: Any) -> list[str]:
@@ -78,7 +78,7 @@ class Network:
         return json.loads(self._stranger.stdout.readline())
 
     def not_refused(self, sockets: Iterable[Socket]) -> list[str]:
-        """At which of the ports of these sockets the stranger is not refused."""
+        """Return the ports of these sockets that do not refuse the stranger."""
         ports = {
             kind: sorted({s.port for s in sockets if s.port and s.protocol.startswith(kind)})
             for kind in ("tcp", "udp")
@@ -86,7 +86,7 @@ class Network:
         return self.ask(HERE, ports["tcp"], ports["udp"])
 
     def groups(self) -> set[str]:
-        """What is listened to on the cable by multicast, but for the group of all machines."""
+        """Multicast groups that are joined on the cable, without that of all machines."""
         shown = json.loads(
             subprocess.check_output(
                 ["ip", "-n", self.here, "-json", "maddress", "show", "dev", CABLE]

@@ -1,4 +1,4 @@
-"""A page about two runs whose signals are known in closed form."""
+"""A page about two runs with signals in closed form."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def two_runs() -> dict[str, Recording]:
 
 
 def summary_of(runs: dict[str, Recording]) -> Summary:
-    """What such runs would leave behind."""
+    """A summary as such runs would leave it."""
     reference = Reference(5.0, within(5.0, relative=0.01), "eq 1")
     return Summary(
         scenario="circles",

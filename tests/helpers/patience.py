@@ -1,4 +1,4 @@
-"""How long tests wait for other processes: no test fails because a machine is slow or busy."""
+"""Time that tests wait for other processes: no test fails because a machine is slow or busy."""
 
 import time
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""What follows from the equations of Shchur (2019) with the printed parameters, and is written in published.csv."""
+"""Results of the equations of Shchur (2019) with the printed parameters, as in published.csv."""
 
 from __future__ import annotations
 

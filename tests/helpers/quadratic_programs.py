@@ -15,7 +15,7 @@ _EQUALITY, _OPTIMAL = 5, 1
 def by_daqp(
     hessian: np.ndarray, slope: np.ndarray, low: np.ndarray, high: np.ndarray
 ) -> np.ndarray:
-    """Where x'Hx/2 + c'x is least within low <= x <= high; no unknown has a bound that is missed by more than 1e-12."""
+    """Minimise x'Hx/2 + c'x within low <= x <= high; no bound is missed by more than 1e-12."""
     sense = np.where(low == high, _EQUALITY, 0).astype(np.intc)
     no_rows = np.zeros((0, len(slope)))
     tolerances = {"primal_tol": 1e-12, "dual_tol": 1e-12, "eps_prox": 0.0}

@@ -63,7 +63,7 @@ def recorded_hash(directory: Path) -> str:
 
 @contextmanager
 def ros_domain() -> Iterator[Context]:
-    """A context in a domain that nobody else uses."""
+    """A context in a domain of its own."""
     with free_domain() as domain:
         context = Context()
         rclpy.init(context=context, domain_id=domain)
@@ -187,11 +187,11 @@ class Graph:
 
     @property
     def time(self) -> float:
-        """Where the master of time is [s]."""
+        """Time of the master [s]."""
         return to_seconds(self.nodes["plant"].now)
 
     def _reached(self) -> float | None:
-        """Where the master of time is [s]; None while there is none."""
+        """Time of the master [s]; None while there is none."""
         return self.time if "plant" in self.nodes else None
 
     def run(self, until: Callable[[], bool] | None = None, way: Callable[..., None] = spin) -> None:
@@ -218,11 +218,11 @@ class Graph:
         self.run(lambda: next(left, None) is None)
 
     def can_be_called(self) -> bool:
-        """Whether the services of the plant are known."""
+        """Return True if the services of the plant are known."""
         return all(client.service_is_ready() for client in self.probe.callers.values())
 
     def call(self, service: str) -> str:
-        """What the plant answers to a call of one of its services while the run is under way."""
+        """Call a service of the plant while the run is under way, and return its answer."""
         answer = self.probe.callers[service].call_async(Trigger.Request())
         self.run(answer.done)
         assert answer.result().success
@@ -242,7 +242,7 @@ def graph(
 
 
 def by_rclpy(executor_type: type) -> Callable[[Sequence[Node], Callable[[], bool]], None]:
-    """Run nodes by one of rclpy's executors, as somebody would who embeds them."""
+    """Run nodes by one of rclpy's executors, as an embedding program would."""
 
     def run(nodes: Sequence[Node], finished: Callable[[], bool]) -> None:
         executor = executor_type(context=nodes[0].context)

@@ -66,7 +66,7 @@ class Running:
         return self.script.wait(PATIENCE)
 
     def text(self) -> str:
-        """What the script has printed."""
+        """Output of the script so far."""
         self.output.seek(0)
         return self.output.read()
 

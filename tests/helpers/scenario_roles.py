@@ -1,4 +1,4 @@
-"""How the scenarios configure a role."""
+"""Configurations of a role in the scenarios."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Somebody on another machine: tries the ports of an address, one JSON line after the other from standard input.
+"""A stranger on another machine: tries the ports of an address.
 
-[ADDRESS, TCP_PORTS, UDP_PORTS] is answered by the ports that do not refuse, [GROUP, PORT, HEX] by
-[] when it was sent.
+It reads one JSON line at a time from standard input: [ADDRESS, TCP_PORTS, UDP_PORTS] is answered by
+the ports that do not refuse, [GROUP, PORT, HEX] by [] when it was sent.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ OF_A_CONNECTION = 60.0
 
 
 def is_open(address: str, port: int) -> bool:
-    """Whether a connection is not refused."""
+    """Return True if a connection is not refused."""
     with socket.socket() as caller:
         caller.settimeout(OF_A_CONNECTION)
         return caller.connect_ex((address, port)) != errno.ECONNREFUSED
@@ -49,7 +49,7 @@ def not_refused(address: str, ports: list[int]) -> list[int]:
 
 
 def send_to_group(group: str, port: int, datagram: bytes) -> None:
-    """As far as a multicast datagram goes."""
+    """Send a multicast datagram over at most four routers."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
         sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 4)
         sender.sendto(datagram, (group, port))

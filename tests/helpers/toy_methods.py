@@ -1,4 +1,4 @@
-"""Methods for every role whose every output number depends on every number that was ever read, and on how often.
+"""Methods for every role: every output number depends on every number ever read, and on how often.
 
 They are not registered, so that no list of methods shows them.
 """

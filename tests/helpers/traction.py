@@ -1,4 +1,4 @@
-"""Traction controls as the tests drive them: all that a law is told, mirrored and reversed cars, random drives."""
+"""Traction controls in tests: inputs of a law, mirrored and reversed cars, random drives."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def swapped(wheels: Wheels) -> Wheels:
 
 @dataclasses.dataclass(frozen=True)
 class Measured:
-    """All that a law is told in a step."""
+    """Inputs of a law in a step."""
 
     drive: Wheels = NO_WHEELS
     brake: Wheels = NO_WHEELS
@@ -219,7 +219,7 @@ anything = st.builds(
 )
 # A constant request and random motion for a while is what fills windows and starts interventions.
 launches = st.tuples(drives, st.lists(driven, min_size=1, max_size=12)).map(
-    lambda told: [dataclasses.replace(m, drive=told[0], brake=NO_WHEELS) for m in told[1] * 4]
+    lambda drawn: [dataclasses.replace(m, drive=drawn[0], brake=NO_WHEELS) for m in drawn[1] * 4]
 )
 sequences = launches | st.lists(driven, min_size=1, max_size=30)
 cars = st.sampled_from([on(layout) for layout in (FRONT, REAR, WHEEL_NAMES)])

@@ -21,7 +21,7 @@ from ev_nodes.stepping.signal_io import QUALITY
 from ev_nodes.stepping.stop_request import StopRequest
 from ev_nodes.stepping.taking import taker_of
 
-_SECONDS, _MOST = 30.0, 200  # then it has said enough, or there was nobody to hear
+_SECONDS, _MOST = 30.0, 200  # then it has sent enough, or there was no reader
 
 
 def main() -> None:

@@ -15,7 +15,7 @@ RIGHT, NAMED, INTERRUPTED, KILLED, SKIPPED, FAILED = (
 OUTCOMES = (RIGHT, NAMED, INTERRUPTED, KILLED, SKIPPED, FAILED)
 _LAST_WORD = re.compile(r"^(?:error: .*|stopped|run\.sh: error: .*|ev-stack: .*)$", re.MULTILINE)
 _OBEYED = re.compile(r"[^\n -~\xa0-\U0010ffff]")  # \r, as of a progress bar, is a line break here
-_NOTICED = re.compile(r"node \w+: what it took on \S+ is not what \w+ has said")
+_NOTICED = re.compile(r"node \w+ read on \S+ what \w+ did not write")
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ from ev_nodes.stepping.stop_request import StopRequest
 from ev_nodes.stepping.taking import taker_of
 
 ACTS = (*SAYINGS, *DOINGS, *FORGERIES)
-_SECONDS, _MESSAGES, _DATAGRAMS = 4.0, 20_000, 40_000  # then it has said enough
+_SECONDS, _MESSAGES, _DATAGRAMS = 4.0, 20_000, 40_000  # then it has sent enough
 _MOMENT, _LOOKS = 0.0005, 20.0  # s between looks for a message, and looks into the graph a second
 CLASSES = {topic.name: format_of(signal).message_class for signal, topic in TOPICS.items()}
 CLASSES |= {"/clock": Clock, "/diagnostics": DiagnosticArray}

@@ -1,4 +1,4 @@
-"""A run under way: its processes, what it has said, how far it is, and its end."""
+"""A run under way: its processes, its output, how far it is, and its end."""
 
 from __future__ import annotations
 

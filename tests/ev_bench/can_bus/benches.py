@@ -29,12 +29,12 @@ SPEED = NOTHING | {"Mode": SPEED_MODE, "TorqueLimit": 400.0}
 
 
 class Bench:
-    """The right circuit; `told` is what it has said last, by frame."""
+    """The right circuit; `received` holds the newest values of each frame that it sends."""
 
     def __init__(self, **values: Any) -> None:
         self.station = CircuitStation(ours(), "11", build(CircuitParameters, values))
         self.circuit = self.station.s
-        self.told: dict[str, dict[str, float]] = {}
+        self.received: dict[str, dict[str, float]] = {}
         self.counters: dict[str, int] = {}
         # set-points that are repeated in every cycle, by device
         self.kept: dict[str, dict[str, float]] = {}
@@ -56,7 +56,7 @@ class Bench:
         for _ in range(ticks):
             for frame in self.station.step():
                 layout = self._by_identifier[frame.identifier]
-                self.told[layout.name] = layout.values(int.from_bytes(frame.data, "little"))
+                self.received[layout.name] = layout.values(int.from_bytes(frame.data, "little"))
 
     def cycle(self, device: str = "Drive11", ticks: int = 1, **values: float) -> None:
         """Some cycles with the same set-point."""
@@ -67,8 +67,8 @@ class Bench:
             self.step()
 
     def state(self, device: str = "Drive11") -> int:
-        """As its statusword says."""
-        return state_of(int(self.told[f"{device}_Motion"]["Statusword"]))
+        """State in the statusword of a device."""
+        return state_of(int(self.received[f"{device}_Motion"]["Statusword"]))
 
     def enable(self, device: str = "Drive11", **values: float) -> None:
         """Lead it to operation enabled by its statusword."""

@@ -19,7 +19,7 @@ def exact_frame(identifier: int, data: bytes) -> int:
 
 
 def stuff_bits(bits: list[int]) -> int:
-    """How many bits are stuffed in: one after five equal ones, which counts for the next five."""
+    """Count the stuff bits: one after five equal ones, which counts for the next five."""
     count = run = 0
     last = -1
     for bit in bits:

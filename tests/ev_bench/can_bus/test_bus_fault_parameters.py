@@ -25,7 +25,7 @@ TIMES = st.floats(0.0, 0.03) | st.integers(0, 30).map(lambda tick: tick / 1000)
 @example("trip", 0.01, 0.011, 0.0)
 @example("hot_winding", 0.01, 0.02, 0.0)
 def test_a_fault_is_accepted_where_it_strikes_and_changes_something(kind, begin, end, value):
-    """In some cycle of 1 ms, and not with the value that leaves everything as it is."""
+    """An accepted fault acts in some cycle of 1 ms, with a value that changes something."""
     try:
         parameters = BusFaultParameters(kind, "right", begin, end, value)
     except ParameterError:

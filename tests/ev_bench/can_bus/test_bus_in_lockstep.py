@@ -106,7 +106,7 @@ def test_the_load_of_others_makes_frames_late(healthy):
 
 @pytest.mark.parametrize("load", [0.3, 0.405])
 def test_set_points_that_come_after_the_inverters_phase_act_a_cycle_later(healthy, load):
-    """At 40.5 % each of them was masked by the next one on the wire, and no torque ever acted."""
+    """At a load of 40.5 % each set-point meets the next one on the wire, and still acts."""
     loaded = driven(0.6, ("test_bench", "bus.other_load", load))
     for side in ("left", "right"):
         channel = f"bench.shafts.set_point.front_{side}"
@@ -171,7 +171,7 @@ def test_a_fault_in_the_loop_ends_the_torque_in_time_and_is_latched_by_name(what
 
 
 def test_the_load_machine_is_held_against_the_gear_ratio_that_is_driven():
-    """With 7.4, that of the scenario's car, its fault seemed to begin before it was there."""
+    """The scenario's car has 7.4; with it the fault would seem to begin before its time."""
     what = "load machine at its limit"
     case = trial(what, 1)
     other_gear = (

@@ -56,7 +56,7 @@ def waiting(*frames: tuple[int, float]) -> ChannelState:
 
 
 def ends(s: ChannelState) -> dict[int, float]:
-    """By place the end of the newest frame on the wire [bit], of what was sent so far."""
+    """Return by place the end of the newest frame on the wire [bit]."""
     rows = [s.sent[n : n + SENT] for n in range(0, SENT * int(s.sent_count), SENT)]
     return {int(place): end - s.tick_begin for place, end, *_ in rows}
 

@@ -40,7 +40,7 @@ WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
 
 
 class World(Node):
-    """What the graph around the gateway says and hears."""
+    """The graph around the gateway: its commands, and the signals that it receives."""
 
     def __init__(self, context: Any) -> None:
         super().__init__("asr", context=context, namespace=NAMESPACE)
@@ -116,7 +116,7 @@ class Rig:
         executor.shutdown()
 
     def call(self, client: Any, request: Any) -> Any:
-        """What a service of the gateway answers."""
+        """Call a service of the gateway and return its answer."""
         self.run(client.service_is_ready)
         answer = client.call_async(request)
         self.run(answer.done)
@@ -213,7 +213,7 @@ def test_a_silent_controller_ends_the_torque_of_both_drives():
 
 
 def test_load_machines_follow_load_command():
-    """To 0.5 rad/s, in speed mode."""
+    """In speed mode a load machine keeps its command to 0.5 rad/s."""
     with rig("load") as r:
         command = JointState(name=["right_load"], velocity=[50.0])
 
@@ -238,7 +238,7 @@ def test_commands_that_cannot_be_meant_are_ignored_and_reported():
 
 
 def test_random_frames_end_no_node_and_move_no_motor():
-    """As fast as both can take them; the long form is documented in docs/can.md."""
+    """Frames come as fast as both can take them; docs/can.md has the long form."""
     import random
 
     with rig("fuzz") as r:
@@ -273,7 +273,7 @@ def test_random_frames_end_no_node_and_move_no_motor():
 
 
 @pytest.mark.parametrize(
-    ("kind", "values", "said"),
+    ("kind", "values", "message"),
     [
         (
             InverterNode,
@@ -308,10 +308,10 @@ def test_random_frames_end_no_node_and_move_no_motor():
         ),
     ],
 )
-def test_bad_parameters_are_one_clear_line(kind: type, values: dict[str, Any], said: str):
+def test_bad_parameters_are_one_clear_line(kind: type, values: dict[str, Any], message: str):
     with ros_domain() as context, pytest.raises((ValueError, RuntimeError)) as refused:
         made(kind, context, values)
-    assert said in str(refused.value)
+    assert message in str(refused.value)
     assert "\n" not in str(refused.value)
 
 
@@ -366,9 +366,9 @@ def test_a_file_names_no_log_outside_the_working_directory(tmp_path: Path, monke
     def gateway(log: str, *words: str) -> None:
         values = f"{{bus.interface: virtual, bus.log: {log}}}"
         file.write_text(f"/**/inverter_gateway:\n  ros__parameters: {values}\n")
-        told = ["--ros-args", "--params-file", str(file), *words]
+        arguments = ["--ros-args", "--params-file", str(file), *words]
         with ros_domain() as context:
-            InverterGatewayNode(context=context, namespace=NAMESPACE, cli_args=told).close()
+            InverterGatewayNode(context=context, namespace=NAMESPACE, cli_args=arguments).close()
 
     for log in ("../elsewhere.log", str(tmp_path / "elsewhere.log")):
         with pytest.raises(
@@ -383,7 +383,7 @@ def test_a_file_names_no_log_outside_the_working_directory(tmp_path: Path, monke
 
 
 def test_a_file_opens_no_socket_to_a_network(tmp_path: Path):
-    """Frames on one command the drives, and whoever is there can send some: only the command line names one."""
+    """Only the command line names a network: frames from any sender there command the drives."""
     file = tmp_path / "own.yaml"
     values = "{bus.interface: virtual, bus.address: 192.0.2.7}"
     file.write_text(f"/**/inverter_gateway:\n  ros__parameters: {values}\n")
@@ -399,16 +399,16 @@ def test_a_file_opens_no_socket_to_a_network(tmp_path: Path):
     ):
         load_scenario("urban_mixed_bench", Overrides([file], [can]))
     file.write_text(f"/**/inverter_gateway:\n  ros__parameters: {values}\n")
-    said = Overrides([file], [can, ("inverter_gateway", "bus.address", "192.0.2.8")])
-    (run,) = load_scenario("urban_mixed_bench", said).runs
+    overrides = Overrides([file], [can, ("inverter_gateway", "bus.address", "192.0.2.8")])
+    (run,) = load_scenario("urban_mixed_bench", overrides).runs
     assert run.configurations["inverter_gateway"].parameters.bus.address == "192.0.2.8"
     for words in ((), ("-p", "bus.address:=192.0.2.7")):
-        told = ["--ros-args", "--params-file", str(file), *words]
+        arguments = ["--ros-args", "--params-file", str(file), *words]
         with (
             ros_domain() as context,
             nullcontext() if words else pytest.raises(ParameterError, match=refused),
         ):
-            InverterGatewayNode(context=context, namespace=NAMESPACE, cli_args=told).close()
+            InverterGatewayNode(context=context, namespace=NAMESPACE, cli_args=arguments).close()
 
 
 def test_set_points_that_waited_while_the_inverter_was_held_up_do_not_count_as_in_time(monkeypatch):

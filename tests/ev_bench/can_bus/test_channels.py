@@ -74,7 +74,7 @@ def free_port() -> int:
 
 
 def can_multicast(sender: socket.socket) -> bool:
-    """Whether this machine has a network beside loopback by which multicast goes; it hears there what it sends."""
+    """Return True if this machine receives its own multicast datagrams beside loopback."""
     sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
     try:
         sender.sendto(b"", ("239.192.250.250", 9))
@@ -93,7 +93,7 @@ def received(channel: Channel, count: int) -> list[Frame]:
 
 
 def test_who_is_too_slow_for_its_bus_takes_what_is_new():
-    """What has waited for a tenth of a second is left out, and named."""
+    """A slow reader drops frames older than a tenth of a second and names them."""
     with (
         channel_name("udp_multicast") as name,
         closing(Channel("udp_multicast", name)) as one,
@@ -205,10 +205,10 @@ def test_a_time_of_day_that_is_set_makes_no_frame_old(step: float, monkeypatch):
 
 @contextmanager
 def two_clients() -> Iterator[tuple[SocketcandHub, list[str], socket.socket, socket.socket]]:
-    """A hub that is served by hand, what it has said, and two clients of one bus."""
-    said: list[str] = []
+    """A hub served by hand, its notes, and two clients of one bus."""
+    notes: list[str] = []
     with (
-        closing(SocketcandHub(0, said.append)) as served,
+        closing(SocketcandHub(0, notes.append)) as served,
         socket.create_connection((HOST, served.port)) as one,
         socket.create_connection((HOST, served.port)) as other,
     ):
@@ -220,7 +220,7 @@ def two_clients() -> Iterator[tuple[SocketcandHub, list[str], socket.socket, soc
                 pass
         for client in served.clients:
             client.settle()
-        yield served, said, one, other
+        yield served, notes, one, other
 
 
 def test_who_joins_a_busy_bus_has_the_answer_alone_and_then_all_frames(monkeypatch):
@@ -251,7 +251,10 @@ def test_who_joins_a_busy_bus_has_the_answer_alone_and_then_all_frames(monkeypat
 
 
 def text_of(client: socket.socket, served: SocketcandHub) -> str:
-    """What a client has been told and not taken yet, when the hub has dealt with everything; "" if it was sent away."""
+    """Return the unread bytes of a client after the hub has done its work.
+
+    "" if it was sent away.
+    """
     for _ in range(20):
         served.serve(0.001)
     try:
@@ -281,20 +284,20 @@ def test_the_hub_passes_on_frames_and_sends_away_who_says_anything_else(identifi
         and set("".join([identifier, *data])) <= set(DIGITS)
     )
     fits = fits and int(identifier, 16) < (1 << 11 if len(identifier) == 3 else 1 << 29)
-    with two_clients() as (served, said, one, other):
+    with two_clients() as (served, notes, one, other):
         other.recv(1000)
         one.sendall(f"< send {identifier} {length} {' '.join(data)} >".encode())
-        told = text_of(other, served)
-        assert bool(told) is fits
-        assert len(said) is not fits
-        if told:
-            _, _, shown, _, *shown_data, _ = told.split()
+        answer = text_of(other, served)
+        assert bool(answer) is fits
+        assert len(notes) is not fits
+        if answer:
+            _, _, shown, _, *shown_data, _ = answer.split()
             assert int(shown, 16) == int(identifier, 16)
             assert bytes.fromhex("".join(shown_data)) == bytes(int(word, 16) for word in data)
 
 
 def test_a_hub_without_descriptors_lives_on_and_says_so_once():
-    with two_clients() as (served, said, one, other):
+    with two_clients() as (served, notes, one, other):
         limits = resource.getrlimit(resource.RLIMIT_NOFILE)
         waiting = [socket.socket() for _ in range(2)]
         resource.setrlimit(
@@ -312,26 +315,26 @@ def test_a_hub_without_descriptors_lives_on_and_says_so_once():
             resource.setrlimit(resource.RLIMIT_NOFILE, limits)
             for client in waiting:
                 client.close()
-        assert said == ["a client is sent away: Too many open files"]
+        assert notes == ["a client is sent away: Too many open files"]
         one.sendall(b"< send 123 0 >")
         assert "frame 123" in text_of(other, served)
 
 
 def test_a_hub_has_no_more_clients_than_it_says():
-    with two_clients() as (served, said, one, other), ExitStack() as stack:
+    with two_clients() as (served, notes, one, other), ExitStack() as stack:
         for _ in range(31):
             last = stack.enter_context(socket.create_connection((HOST, served.port)))
             served.serve(0.01)
         last.setblocking(False)
         assert text_of(last, served) == ""
-        assert said == ["a client is sent away: there are 32, which is the most"]
+        assert notes == ["a client is sent away: there are 32, which is the most"]
         one.sendall(b"< send 123 0 >")
         assert "frame 123" in text_of(other, served)
 
 
 @pytest.mark.parametrize("rubbish", [b">" * 65536, b"x" * 65536, b"< send 1 " * 7000])
 def test_who_says_much_without_sense_costs_the_hub_one_answer(rubbish, monkeypatch):
-    with two_clients() as (served, said, one, _):
+    with two_clients() as (served, notes, one, _):
         one.recv(1000)
         answers = []
         (client,) = (
@@ -346,7 +349,7 @@ def test_who_says_much_without_sense_costs_the_hub_one_answer(rubbish, monkeypat
         one.sendall(rubbish)
         text_of(one, served)
         assert answers == [b"< error unknown command >"]
-        assert len(said) == 1 and len(said[0]) < 300
+        assert len(notes) == 1 and len(notes[0]) < 300
 
 
 def test_whatever_else_comes_is_counted_and_passed_over():
@@ -397,7 +400,7 @@ def test_datagrams_that_are_no_frames_do_no_harm():
 
 
 @pytest.mark.parametrize(
-    ("interface", "channel", "said"),
+    ("interface", "channel", "message"),
     [
         # no such device, or no CAN in this kernel
         ("socketcan", "can77", "CAN interface socketcan, channel can77: "),
@@ -418,10 +421,10 @@ def test_datagrams_that_are_no_frames_do_no_harm():
         ("udp_multicast", "bus:28111", "Expected 4 octets in 'bus'"),
     ],
 )
-def test_a_channel_that_cannot_be_had_is_one_clear_line(interface: str, channel: str, said: str):
+def test_a_channel_that_cannot_be_had_is_one_clear_line(interface: str, channel: str, message: str):
     with pytest.raises(BusError) as refused:
         open_channel(interface, channel)
-    assert said in str(refused.value)
+    assert message in str(refused.value)
     assert "\n" not in str(refused.value)
 
 

@@ -32,12 +32,12 @@ def test_published_values(data: str):
 
 
 def test_check_value():
-    """Of the digits 1 to 9, by which catalogues of CRCs name an algorithm: 4Bh for CRC-8/SAE-J1850."""
+    """CRC-8/SAE-J1850 of the digits 1 to 9, by which catalogues name an algorithm, is 4Bh."""
     assert crc8(b"123456789") == 0x4B
 
 
 def test_every_error_in_up_to_eight_neighbouring_bits_is_found():
-    """What an 8-bit CRC promises: no burst up to its own length goes unseen."""
+    """An 8-bit CRC finds every burst up to its own length."""
     right = bytes.fromhex("33 22 55 AA BB CC DD EE")
     for burst in range(1, 256):
         for shift in range(64 - 7):

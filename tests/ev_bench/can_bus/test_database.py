@@ -19,7 +19,7 @@ TEXT = FILE.read_text()
 
 
 @pytest.mark.parametrize(
-    ("before", "after", "said"),
+    ("before", "after", "message"),
     [
         (" 139 ", " 2147483787 ", "frame Drive11_Faults: only classic frames with 11 bits"),
         ("24|16@1- (0.03125", "31|16@0- (0.03125", "Drive11_SetPoint, signal Torque: only whole numbers in Intel"),
@@ -36,14 +36,14 @@ TEXT = FILE.read_text()
         ("BA_DEF_ BO_", "SG_MUL_VAL_ //\n 139 Torque Torque 0-5000000000; BA_DEF_ BO_", "no multiplexing are spoken"),
     ],
 )  # fmt: skip
-def test_refused_databases(tmp_path: Path, before: str, after: str, said: str):
+def test_refused_databases(tmp_path: Path, before: str, after: str, message: str):
     assert before in TEXT
     file = tmp_path / "own.dbc"
     file.write_text(TEXT.replace(before, after))
     with pytest.raises(ParameterError) as refused:
         load_database(str(file))
     assert str(file) in str(refused.value)
-    assert said in str(refused.value)
+    assert message in str(refused.value)
     assert "\n" not in str(refused.value)
 
 

@@ -48,7 +48,7 @@ USED = no_process_left  # a fixture for all tests here
 
 @pytest.fixture(scope="module")
 def folders(tmp_path_factory):
-    """Where programs are built, by target."""
+    """Folder for the programs of each target."""
     return tmp_path_factory.mktemp("ecu")
 
 
@@ -135,10 +135,10 @@ def test_an_exported_law_drives_our_inverters(target, folders):
         load.lead(lambda: ecu.poll() is not None)
         load.channel.close()
         end([inverter])
-    told = ecu.communicate()[0]
-    assert ecu.returncode == 0, told
+    output = ecu.communicate()[0]
+    assert ecu.returncode == 0, output
     rows = np.array(
-        [line.split() for line in told.splitlines() if not line.startswith("ecu: held, ")], float
+        [line.split() for line in output.splitlines() if not line.startswith("ecu: held, ")], float
     )
     run = only_run("urban_mixed_bench", "", overrides(method={LAW: "limited_slip"}))
     law = SteppedLaw(run.configurations[LAW])
@@ -169,9 +169,9 @@ def test_a_fault_while_the_program_is_held_up_past_its_end_is_told(folders):
         time.sleep(3.0)
         wait_for_fault(bus)
         ecu.send_signal(signal.SIGCONT)
-        told = ecu.communicate(timeout=PATIENCE)[0]
+        output = ecu.communicate(timeout=PATIENCE)[0]
         end([inverter])
-    assert "ecu: a drive or the law has failed" in told
+    assert "ecu: a drive or the law has failed" in output
     assert ecu.returncode == 1
 
 

@@ -73,7 +73,7 @@ def test_cycle_times():
 
 @pytest.mark.parametrize("circuit", ["11", "12"])
 def test_one_channel_carries_one_circuit_with_every_frame_in_time(circuit: str):
-    """At 1 Mbit/s and with all stuff bits; two circuits on one channel would need more than the whole bus."""
+    """One circuit fits at 1 Mbit/s with all stuff bits; two would need more than the whole bus."""
     layouts = [frame for frame in ours() if circuit in frame.name or "Heartbeat" in frame.name]
     assert len(layouts) == 11
     assert bus_load(layouts, BIT_RATE) < 0.65

@@ -38,8 +38,8 @@ from ev_msgs_py.refusal import ParameterError
 RPM = math.pi / 30.0
 
 
-class Told:
-    """A gateway, and feedback for it as a test wants it."""
+class FedGateway:
+    """A gateway in a loop with feedback that the test sets."""
 
     def __init__(self, **values) -> None:
         self.station = GatewayStation(ours(), build(GatewayParameters, values))
@@ -91,43 +91,49 @@ def test_everything_it_sends_is_protected_and_counted():
 
 
 def test_it_leads_a_drive_by_its_states_and_commands_no_torque_on_the_way():
-    told = Told()
-    told.cycle(3)
-    assert told.sent["Drive11_SetPoint"]["Controlword"] == 0.0
-    assert told.station.enable(("Drive11",)) == ""
+    gateway = FedGateway()
+    gateway.cycle(3)
+    assert gateway.sent["Drive11_SetPoint"]["Controlword"] == 0.0
+    assert gateway.station.enable(("Drive11",)) == ""
     for state, word in (
         (SWITCH_ON_DISABLED, SHUTDOWN),
         (READY_TO_SWITCH_ON, SWITCH_ON_COMMAND),
         (SWITCHED_ON, ENABLE_COMMAND),
     ):
-        told.state["Drive11"] = state
-        told.cycle()
-        assert told.sent["Drive11_SetPoint"]["Controlword"] == word
-        assert told.sent["Drive11_SetPoint"]["Torque"] == 0.0
-    told.state["Drive11"] = OPERATION_ENABLED
-    told.cycle()
-    assert told.sent["Drive11_SetPoint"] == {
+        gateway.state["Drive11"] = state
+        gateway.cycle()
+        assert gateway.sent["Drive11_SetPoint"]["Controlword"] == word
+        assert gateway.sent["Drive11_SetPoint"]["Torque"] == 0.0
+    gateway.state["Drive11"] = OPERATION_ENABLED
+    gateway.cycle()
+    assert gateway.sent["Drive11_SetPoint"] == {
         "Mode": 1.0, "Direction": 0.0, "Controlword": ENABLE_COMMAND, "Torque": 100.0, "Speed": 7500.0,
         "TorqueLimit": 360.0,
     }  # fmt: skip
-    assert told.sent["Drive12_SetPoint"]["Torque"] == 0.0  # it was not enabled
+    assert gateway.sent["Drive12_SetPoint"]["Torque"] == 0.0  # it was not enabled
 
 
 def test_one_drive_alone_is_enabled_once_the_other_one_says_that_it_is_not_released():
-    """By bit 9 of the statusword; before, both could be meant, and after ten cycles the one is."""
-    told = Told()
-    told.released = {"Drive12"}
-    told.station.s.waits = 1.0
-    told.cycle(10)
-    enabled = {name: device.enable for name, device in told.station.devices.items()}
+    """Bit 9 of the statusword decides.
+
+    Before ten cycles are over, both could be meant; then the released one is enabled alone.
+    """
+    gateway = FedGateway()
+    gateway.released = {"Drive12"}
+    gateway.station.s.waits = 1.0
+    gateway.cycle(10)
+    enabled = {name: device.enable for name, device in gateway.station.devices.items()}
     assert enabled == {"Drive11": 0.0, "Drive12": 0.0, "Load11": 1.0, "Load12": 1.0}
-    told.cycle(3)
-    assert (told.station.s.drive_11.enable, told.station.s.drive_12.enable) == (0.0, 1.0)
-    assert told.station.s.waits == 0.0
+    gateway.cycle(3)
+    assert (gateway.station.s.drive_11.enable, gateway.station.s.drive_12.enable) == (0.0, 1.0)
+    assert gateway.station.s.waits == 0.0
 
 
 def test_a_drive_that_offers_it_holds_a_speed_over_the_bus():
-    """From rest through pre-charge and states to 50 rad/s within the 0.5 rpm that the bus resolves."""
+    """A drive goes from rest through pre-charge and states to 50 rad/s.
+
+    The tolerance is the 0.5 rpm that the bus resolves.
+    """
     values = {
         "drive.offers_speed_mode": True,
         "drive.speed_gain": 10.0,
@@ -151,83 +157,87 @@ def test_a_drive_that_offers_it_holds_a_speed_over_the_bus():
 
 
 def test_torque_is_limited_and_a_load_machine_gets_its_speed():
-    told = Told()
-    told.cycle(3)
-    told.state = dict.fromkeys(DEVICES, OPERATION_ENABLED)
-    assert told.station.enable(DEVICES) == ""
-    told.cycle(2)
-    assert told.sent["Drive12_SetPoint"]["Torque"] == -360.0
-    assert told.sent["Load11_SetPoint"]["Mode"] == 2.0
-    assert told.sent["Load11_SetPoint"]["Speed"] * RPM == pytest.approx(50.0, abs=0.25 * RPM)
+    gateway = FedGateway()
+    gateway.cycle(3)
+    gateway.state = dict.fromkeys(DEVICES, OPERATION_ENABLED)
+    assert gateway.station.enable(DEVICES) == ""
+    gateway.cycle(2)
+    assert gateway.sent["Drive12_SetPoint"]["Torque"] == -360.0
+    assert gateway.sent["Load11_SetPoint"]["Mode"] == 2.0
+    assert gateway.sent["Load11_SetPoint"]["Speed"] * RPM == pytest.approx(50.0, abs=0.25 * RPM)
 
 
 def test_feedback_is_taken_in_si_units():
-    told = Told()
-    told.cycle(3)
-    feedback = told.station.devices["Drive11"].feedback
+    gateway = FedGateway()
+    gateway.cycle(3)
+    feedback = gateway.station.devices["Drive11"].feedback
     assert feedback.torque == 10.0
     assert feedback.speed == pytest.approx(600.0 * RPM)
 
 
 def test_enabling_is_refused_with_the_reason():
-    told = Told()
-    assert told.station.enable(("Drive11",)) == "Drive11 is silent: no valid feedback within 0.01 s"
-    told.cycle(3, commanded=False)
-    assert told.station.enable(("Drive11",)) == "Drive11 has no command: none within 0.1 s"
-    told.cycle(3)
-    assert told.station.enable(("Drive11",)) == ""
-    told.state["Drive11"] = FAULT
-    told.cycle(2)
-    assert told.station.enable(("Drive11",)) == "Drive11 has a latched fault: reset it first"
+    gateway = FedGateway()
+    assert (
+        gateway.station.enable(("Drive11",)) == "Drive11 is silent: no valid feedback within 0.01 s"
+    )
+    gateway.cycle(3, commanded=False)
+    assert gateway.station.enable(("Drive11",)) == "Drive11 has no command: none within 0.1 s"
+    gateway.cycle(3)
+    assert gateway.station.enable(("Drive11",)) == ""
+    gateway.state["Drive11"] = FAULT
+    gateway.cycle(2)
+    assert gateway.station.enable(("Drive11",)) == "Drive11 has a latched fault: reset it first"
 
 
 def test_damaged_feedback_is_not_believed():
-    told = Told()
-    told.cycle(3)
-    told.silent = set(DEVICES)
-    wrong = told.motion("Drive11")
-    told.station.receive("11", Frame(wrong.identifier, bytes([wrong.data[0] ^ 1]) + wrong.data[1:]))
-    told.station.receive("11", Frame(wrong.identifier, wrong.data[:7]))
-    told.station.receive("12", told.motion("Drive11"))  # not its channel
-    feedback = told.station.devices["Drive11"].feedback
+    gateway = FedGateway()
+    gateway.cycle(3)
+    gateway.silent = set(DEVICES)
+    wrong = gateway.motion("Drive11")
+    gateway.station.receive(
+        "11", Frame(wrong.identifier, bytes([wrong.data[0] ^ 1]) + wrong.data[1:])
+    )
+    gateway.station.receive("11", Frame(wrong.identifier, wrong.data[:7]))
+    gateway.station.receive("12", gateway.motion("Drive11"))  # not its channel
+    feedback = gateway.station.devices["Drive11"].feedback
     assert feedback.refused == 2.0
-    told.cycle()
+    gateway.cycle()
     assert feedback.age > 0.001
 
 
 @pytest.mark.parametrize(("stops", "other"), [("drive", 1.0), ("both", 0.0)])
 def test_a_fault_stops_its_drive_and_if_asked_for_the_other(stops: str, other: float):
-    told = Told(fault_stops=stops)
-    told.cycle(3)
-    told.state = dict.fromkeys(DEVICES, OPERATION_ENABLED)
-    assert told.station.enable(("Drive11", "Drive12")) == ""
-    told.cycle(2)
-    told.silent = {"Drive11"}
-    told.cycle(15)
-    assert told.station.devices["Drive11"].enable == 0.0
-    assert told.station.devices["Drive12"].enable == other
-    assert told.sent["Ecu_Heartbeat"]["StaleDrive11"] == 1.0
+    gateway = FedGateway(fault_stops=stops)
+    gateway.cycle(3)
+    gateway.state = dict.fromkeys(DEVICES, OPERATION_ENABLED)
+    assert gateway.station.enable(("Drive11", "Drive12")) == ""
+    gateway.cycle(2)
+    gateway.silent = {"Drive11"}
+    gateway.cycle(15)
+    assert gateway.station.devices["Drive11"].enable == 0.0
+    assert gateway.station.devices["Drive12"].enable == other
+    assert gateway.sent["Ecu_Heartbeat"]["StaleDrive11"] == 1.0
 
 
 def test_the_reset_begins_without_its_bit_so_that_it_can_rise_and_ends_in_time():
-    told = Told()
-    told.cycle(3)
-    told.state["Drive11"] = FAULT
-    told.station.devices["Drive11"].tripped = 1.0
-    told.station.reset()
+    gateway = FedGateway()
+    gateway.cycle(3)
+    gateway.state["Drive11"] = FAULT
+    gateway.station.devices["Drive11"].tripped = 1.0
+    gateway.station.reset()
     words = []
     for _ in range(250):
-        told.cycle()
-        words.append(told.sent["Drive11_SetPoint"]["Controlword"])
+        gateway.cycle()
+        words.append(gateway.sent["Drive11_SetPoint"]["Controlword"])
     assert words[:4] == [0.0] * 4
     assert words[10] == FAULT_RESET
     assert words[-1] == 0.0  # it gave up after 0.2 s, as the inverter stays in its fault
-    assert told.station.devices["Drive11"].tripped == 1.0
-    told.station.reset()
-    told.cycle(12)
-    told.state["Drive11"] = SWITCH_ON_DISABLED
-    told.cycle(3)
-    assert told.station.devices["Drive11"].tripped == 0.0
+    assert gateway.station.devices["Drive11"].tripped == 1.0
+    gateway.station.reset()
+    gateway.cycle(12)
+    gateway.state["Drive11"] = SWITCH_ON_DISABLED
+    gateway.cycle(3)
+    assert gateway.station.devices["Drive11"].tripped == 0.0
 
 
 @pytest.mark.parametrize("state", [FAULT, FAULT_REACTION_ACTIVE])
@@ -252,32 +262,32 @@ def test_beside_a_drive_that_is_in_a_fault_from_before_the_other_one_stays_off(f
 @given(st.integers(0, 25), st.booleans(), st.booleans())
 @settings(deadline=None)
 def test_what_somebody_takes_off_is_not_enabled_by_itself(press, cycles, loads, drives):
-    """With `auto_enable` in any cycle before or behind the one in which it acts, whatever has been commanded by then.
+    """A device that was disabled stays so under `auto_enable`, in any cycle and after any commands.
 
     The load machines wait for nothing but their feedback and commands, so they are on before the
     drives have theirs.
     """
-    told = Told(auto_enable=True)
+    gateway = FedGateway(auto_enable=True)
     for _ in range(cycles):
-        told.cycle(commanded=loads and drives)
+        gateway.cycle(commanded=loads and drives)
         if loads:
-            told.station.command("Load11", SPEED_MODE, 50.0)
+            gateway.station.command("Load11", SPEED_MODE, 50.0)
         if drives:
-            told.station.command("Drive11", TORQUE_MODE, 100.0)
-    press(told.station)
+            gateway.station.command("Drive11", TORQUE_MODE, 100.0)
+    press(gateway.station)
     for _ in range(250):  # longer than a reset may take
-        told.cycle()
-        assert all(device.enable == 0.0 for device in told.station.devices.values())
-    assert told.station.enable(DEVICES) == ""
-    told.cycle(3)
-    assert all(device.enable == 1.0 for device in told.station.devices.values())
+        gateway.cycle()
+        assert all(device.enable == 0.0 for device in gateway.station.devices.values())
+    assert gateway.station.enable(DEVICES) == ""
+    gateway.cycle(3)
+    assert all(device.enable == 1.0 for device in gateway.station.devices.values())
 
 
 def test_diagnosis_by_level():
-    told = Told()
-    device = told.station.devices["Drive11"]
+    gateway = FedGateway()
+    device = gateway.station.devices["Drive11"]
     assert diagnosis(device, 0.01)[:2] == (SILENT, "no valid feedback")
-    told.cycle(3)
+    gateway.cycle(3)
     assert diagnosis(device, 0.01)[:2] == (GOOD, "switch on disabled")
     device.feedback.warning_bits = 1.0
     assert diagnosis(device, 0.01)[:2] == (WARNED, "switch on disabled: Derating")

@@ -32,8 +32,8 @@ def test_the_frames_in_the_signals_are_what_another_tool_reads(healthy):
     """The last motion frame of the left drive, by cantools: operation enabled, and the torque of the machine."""
     low, high = (healthy[f"can.feedback.drive_12_motion_0_{half}"][-1] for half in ("low", "high"))
     data = joined(low, high).to_bytes(8, "little")
-    told = by_cantools().decode_message("Drive12_Motion", data, decode_choices=False)
-    assert int(told["Statusword"]) & 0x6F == 0x27
-    assert told["Torque"] == pytest.approx(
+    values = by_cantools().decode_message("Drive12_Motion", data, decode_choices=False)
+    assert int(values["Statusword"]) & 0x6F == 0x27
+    assert values["Torque"] == pytest.approx(
         healthy["bench.shafts.machine_torque.front_left"][-1], abs=0.1
     )

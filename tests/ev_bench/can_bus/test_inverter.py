@@ -51,7 +51,10 @@ def hold(bench: Bench, speed: float) -> None:
 
 
 def test_precharge_takes_three_time_constants():
-    """To 95 % through 600 ohm into 440 uF: R C ln 20 = 0.791 s; two cycles for the states around it."""
+    """95 % through 600 ohm into 440 uF take R C ln 20 = 0.791 s.
+
+    Two cycles for the states around it.
+    """
     bench = Bench()
     bench.cycle(ticks=5, **(TORQUE | {"Controlword": float(SHUTDOWN)}))
     assert bench.state() == READY_TO_SWITCH_ON
@@ -65,8 +68,8 @@ def test_a_dc_link_that_does_not_charge_is_a_named_fault():
     count = ticks_until(bench, FAULT, **(TORQUE | {"Controlword": float(SWITCH_ON_COMMAND)}))
     assert count * TICK == pytest.approx(2.0, abs=5 * TICK)
     bench.cycle(ticks=10)
-    assert bench.told["Drive11_Faults"]["PrechargeTimeout"] == 1.0
-    assert bench.told["Drive11_Faults"]["ErrorCode"] == 0xFF03
+    assert bench.received["Drive11_Faults"]["PrechargeTimeout"] == 1.0
+    assert bench.received["Drive11_Faults"]["ErrorCode"] == 0xFF03
 
 
 def test_torque_follows_with_its_time_constant():
@@ -74,7 +77,7 @@ def test_torque_follows_with_its_time_constant():
     bench = Bench()
     bench.enable()
     bench.cycle(ticks=2, **(RUN | {"Torque": 100.0}))
-    assert bench.told["Drive11_Motion"]["Torque"] == pytest.approx(
+    assert bench.received["Drive11_Motion"]["Torque"] == pytest.approx(
         100.0 * (1.0 - math.exp(-1.0)), abs=1 / 64
     )
 
@@ -86,7 +89,7 @@ def test_the_shaft_accelerates_by_its_inertia():
     bench.cycle(ticks=100, **(RUN | {"Torque": 120.0}))
     expected = 120.0 / 0.12 * (0.1 - 0.002)
     assert bench.circuit.speed == pytest.approx(expected, rel=0.015)
-    assert bench.told["Drive11_Motion"]["Speed"] * RPM == pytest.approx(
+    assert bench.received["Drive11_Motion"]["Speed"] * RPM == pytest.approx(
         bench.circuit.speed, abs=0.5 * RPM
     )
 
@@ -100,17 +103,17 @@ def test_reverse_counts_the_other_way_round():
 
 
 def test_the_load_machine_holds_a_speed_against_the_machine_under_test():
-    """In speed mode, to half a step of the bus."""
+    """Speed mode holds it to half a step of the bus."""
     bench = Bench()
     hold(bench, 1000.0)
     bench.enable()
     bench.cycle(ticks=3000, **(RUN | {"Torque": 50.0}))
-    assert bench.told["Load11_Motion"]["Speed"] == pytest.approx(1000.0, abs=0.5)
-    assert bench.told["Load11_Motion"]["Torque"] == pytest.approx(-50.0, abs=1.0)
+    assert bench.received["Load11_Motion"]["Speed"] == pytest.approx(1000.0, abs=0.5)
+    assert bench.received["Load11_Motion"]["Torque"] == pytest.approx(-50.0, abs=1.0)
 
 
 def test_torque_never_exceeds_the_limits():
-    """Of the set-point (40 N m), and of the machine (360 N m)."""
+    """Both limits hold: that of the set-point (40 N m) and that of the machine (360 N m)."""
     bench = Bench()
     bench.enable()
     bench.cycle(ticks=30, **(RUN | {"Torque": 300.0, "TorqueLimit": 40.0}))
@@ -123,7 +126,7 @@ def test_the_speed_limit_of_torque_mode_is_kept():
     bench = Bench()
     bench.enable()
     bench.cycle(ticks=1000, **(RUN | {"Torque": 200.0, "Speed": 500.0}))
-    assert 450.0 < bench.told["Drive11_Motion"]["Speed"] <= 500.0
+    assert 450.0 < bench.received["Drive11_Motion"]["Speed"] <= 500.0
 
 
 def test_quick_stop_takes_the_torque_away_and_then_the_voltage():
@@ -143,7 +146,7 @@ def test_heat_derates_before_it_trips():
     bench.circuit.drive.injected.winding_rise = 90.0  # on 40 degC of coolant
     bench.cycle(ticks=30, **(RUN | {"Torque": 360.0}))
     assert bench.circuit.drive.torque == pytest.approx(180.0, rel=0.02)
-    assert bench.told["Drive11_Faults"]["Derating"] == 1.0
+    assert bench.received["Drive11_Faults"]["Derating"] == 1.0
     assert bench.state() == OPERATION_ENABLED
 
 
@@ -157,14 +160,16 @@ def test_winding_heats_by_the_copper_loss():
 
 
 def test_power_from_the_supply_is_shaft_power_and_losses():
-    """At 100 N m and 1000 rpm: 10472 W, and losses of 450 + 104.7 + 11 + 60 + 200 W."""
+    """100 N m at 1000 rpm are 10472 W, with losses of 450 + 104.7 + 11 + 60 + 200 W."""
     bench = Bench()
     hold(bench, 1000.0)
     bench.enable()
     bench.cycle(ticks=3000, **(RUN | {"Torque": 100.0}))
-    told = bench.told["Drive11_Electrical"]
-    assert told["DcVoltage"] * told["DcCurrent"] == pytest.approx(10472.0 + 825.7, rel=5e-3)
-    assert told["PhaseCurrent"] == pytest.approx(125.0, abs=0.2)
+    electrical = bench.received["Drive11_Electrical"]
+    assert electrical["DcVoltage"] * electrical["DcCurrent"] == pytest.approx(
+        10472.0 + 825.7, rel=5e-3
+    )
+    assert electrical["PhaseCurrent"] == pytest.approx(125.0, abs=0.2)
 
 
 def test_another_direction_under_torque_is_a_fault():
@@ -173,14 +178,14 @@ def test_another_direction_under_torque_is_a_fault():
     bench.cycle(ticks=2, **(RUN | {"Torque": 50.0, "Direction": 1.0}))
     assert bench.circuit.drive.torque == 0.0
     bench.cycle(ticks=12)
-    assert bench.told["Drive11_Faults"]["DirectionChanged"] == 1.0
+    assert bench.received["Drive11_Faults"]["DirectionChanged"] == 1.0
 
 
 def test_a_machine_under_test_refuses_speed_mode():
     bench = Bench()
     bench.enable()
     bench.cycle(ticks=12, **(SPEED | {"Speed": 100.0, "Controlword": float(ENABLE_COMMAND)}))
-    assert bench.told["Drive11_Faults"]["ModeRefused"] == 1.0
+    assert bench.received["Drive11_Faults"]["ModeRefused"] == 1.0
     assert bench.circuit.speed == 0.0
 
 
@@ -193,7 +198,7 @@ def test_a_few_lost_frames_are_a_warning_only():
         bench.step()
     bench.cycle(**(RUN | {"Torque": 50.0}))
     bench.cycle(ticks=9, **(RUN | {"Torque": 50.0}))
-    assert bench.told["Drive11_Faults"]["FramesLost"] == 1.0
+    assert bench.received["Drive11_Faults"]["FramesLost"] == 1.0
     assert bench.state() == OPERATION_ENABLED
     assert bench.circuit.drive.torque > 49.0
 
@@ -220,7 +225,7 @@ def test_a_reset_needs_its_bit_to_rise_without_torque_and_without_enabling():
     bench.cycle(ticks=3)
     bench.cycle(ticks=10, **(NOTHING | reset))
     assert bench.state() == SWITCH_ON_DISABLED
-    assert bench.told["Drive11_Faults"]["ErrorCode"] == 0.0
+    assert bench.received["Drive11_Faults"]["ErrorCode"] == 0.0
 
 
 @pytest.mark.parametrize(("count", "identifiers"), [(4000, "all"), (4000, "ours")])
@@ -253,9 +258,10 @@ def test_compiled_code_gives_the_same_bits():
             }
             payload = protected(frame.payload(values), 8, frame.data_id, counter)
             counter = (counter + 1) % 15
-            said = receive_set_point(frames.set_point, frames.drive_11, s.drive, payload)
+            answer = receive_set_point(frames.set_point, frames.drive_11, s.drive, payload)
             assert (
-                receive(layouts["set_point"], layouts["drive_11"], memory["drive"], payload) == said
+                receive(layouts["set_point"], layouts["drive_11"], memory["drive"], payload)
+                == answer
             )
         advance_circuit(namespace(tree), s, TICK)
         step(constants, memory, TICK)

@@ -59,7 +59,7 @@ class Loop:
         self.station.change(build(GatewayParameters, values))
 
     def cycle(self, commands: dict[str, tuple[int, float]]) -> dict[str, dict[str, float]]:
-        """What goes out to each device of the circuit."""
+        """Do one cycle and return what goes out to each device of the circuit."""
         for name, (mode, value) in commands.items():
             self.station.command(name, mode, value)
         for name in commands:
@@ -89,7 +89,7 @@ def _read(frame: Frame) -> dict[str, dict[str, float]]:
 @example(TORQUE_MODE, -1000.0, 999.99, 1047.0, "Load11")
 @settings(max_examples=200, deadline=None)
 def test_what_is_sent_is_within_the_limits_by_less_than_a_step(mode, command, torque, speed, name):
-    """In both modes and with both signs; where the command is beyond them, the largest steps within them are sent."""
+    """Commands beyond the limits become the largest steps within them, in both modes and signs."""
     station = GatewayStation(
         ours(), GatewayParameters(torque_limit=torque, load_torque_limit=torque, speed_limit=speed)
     )
@@ -119,7 +119,7 @@ def test_what_is_sent_is_within_the_limits_by_less_than_a_step(mode, command, to
 def test_the_machines_keep_the_limits(
     drive_mode, drive, load_mode, load, torque, load_torque, speed, fault
 ):
-    """In every cycle, with a fault of an inverter half-way, and after the limits have become narrow.
+    """Limits hold in every cycle, with a fault half-way and after they have become narrow.
 
     A shaft in speed mode swings beyond its set-point, here by a fifth at most. Torques fade out
     before the speed limit, within their lags of 1 and 2 ms and the cycle of the bus: 4 ms of both
@@ -171,7 +171,7 @@ def test_a_load_machine_in_speed_mode_stays_below_the_speed_limit():
     ],
 )
 def test_a_limit_that_would_be_zero_on_the_bus_is_refused(values, text):
-    """By the nodes on a bus, and by the role of a run."""
+    """The nodes on a bus and the role of a run refuse it."""
     with pytest.raises(ParameterError) as refused:
         GatewayStation(ours(), build(GatewayParameters, values))
     assert text in str(refused.value)
@@ -181,7 +181,7 @@ def test_a_limit_that_would_be_zero_on_the_bus_is_refused(values, text):
 
 
 def test_a_limit_below_one_step_of_the_torque_is_refused():
-    """Of a database whose torques are coarser than its limits, 10 N m and 4 N m: below 12 N m no torque goes out."""
+    """Torque in steps of 10 N m, limit in steps of 4 N m: below 12 N m no torque goes out."""
     coarse = BitField(
         start=24.0,
         length=16.0,

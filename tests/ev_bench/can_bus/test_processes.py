@@ -76,7 +76,7 @@ def launch(package: str, name: str, domain: int, values: dict[str, object]) -> s
 
 
 def channels() -> dict[str, str]:
-    """Parameters of a bus that nobody else uses."""
+    """Parameters of a bus of its own."""
     names = {f"bus.channel_{circuit}": group(free_port()) for circuit in ("11", "12")}
     return {"bus.interface": "udp_multicast", **names}
 
@@ -90,7 +90,7 @@ def hub_channels() -> dict[str, str]:
 
 
 def end(processes: list[subprocess.Popen]) -> list[str]:
-    """Ctrl-C; what they have said."""
+    """Press Ctrl-C and return the output of each process."""
     for process in processes:
         process.send_signal(signal.SIGINT)
     return [process.communicate(timeout=PATIENCE)[0] for process in processes]
@@ -138,12 +138,15 @@ def test_torque_goes_through_two_processes_and_a_bus():
                 assert time.monotonic() < deadline, world.diagnoses
             assert world.states["right_drive"][1] == 0.0
         finally:
-            said = end(processes)
-    assert [process.returncode for process in processes] == [0, 0], said
+            output = end(processes)
+    assert [process.returncode for process in processes] == [0, 0], output
 
 
 def test_frames_go_through_a_hub_in_its_own_process():
-    """As nodes use it where there is no multicast; here by hand, because it takes a core of its own at full traffic."""
+    """Nodes use a hub where there is no multicast.
+
+    Here the test starts it, because it takes a core of its own at full traffic.
+    """
     names = hub_channels()
     one, other = (Channel("socketcand", names["bus.channel_11"]) for _ in range(2))
     stranger = Channel("socketcand", names["bus.channel_12"])
@@ -161,10 +164,10 @@ def test_an_interface_that_is_missing_is_one_line_and_status_1():
     process = launch(
         "ev_bench", "inverter", 0, {"bus.interface": "socketcan", "bus.channel_11": "can77"}
     )
-    said = process.communicate(timeout=PATIENCE)[0]
+    output = process.communicate(timeout=PATIENCE)[0]
     assert process.returncode == 1
-    assert said.startswith("inverter: CAN interface socketcan, channel can77: ")
-    assert said.count("\n") == 1
+    assert output.startswith("inverter: CAN interface socketcan, channel can77: ")
+    assert output.count("\n") == 1
 
 
 def script(name: str, channel: str, *more: str) -> subprocess.Popen:
@@ -212,10 +215,10 @@ def test_the_ecu_script_drives_an_inverter_again_and_again(inverter):
                 ecu.wait()
                 wait_for_fault(bus)
                 continue
-            said = ecu.communicate(timeout=PATIENCE)[0]
-            assert ecu.returncode == 0, said
+            output = ecu.communicate(timeout=PATIENCE)[0]
+            assert ecu.returncode == 0, output
             torque, speed = (
-                float(number) for number in re.findall(r"(\d+\.\d+) (?:N m|rpm)", said)
+                float(number) for number in re.findall(r"(\d+\.\d+) (?:N m|rpm)", output)
             )
             assert torque == pytest.approx(20.0, abs=1 / 16)
             assert speed > 100.0 or inverter != "ours"  # that one has no shaft
@@ -231,11 +234,11 @@ def test_a_fault_in_mid_run_ends_the_ecu_script_by_its_name():
         )
         heard(bus)
         ecu = script("ecu_script.py", bus["bus.channel_11"])
-        said = ecu.communicate(timeout=PATIENCE)[0]
+        output = ecu.communicate(timeout=PATIENCE)[0]
         end([inverter])
     assert ecu.returncode == 1
     assert (
-        said.splitlines()[-1]
+        output.splitlines()[-1]
         == "Drive11: it is in a fault; its first fault: the power stage tripped"
     )
 
@@ -267,7 +270,7 @@ def wait_for_fault(bus: dict[str, str]) -> None:
 
 
 def test_our_gateway_leads_the_inverter_script():
-    """In the place of ours: enabled, 10 N m, a fault of its own when the set-points stop, and a reset."""
+    """The script in place of our inverter: enabled, 10 N m, a fault without set-points, reset."""
     bus = hub_channels()
     channel = Channel("socketcand", bus["bus.channel_11"])
     drive = script("own_inverter.py", bus["bus.channel_11"], "--seconds", "20", "--timeout", "0.5")

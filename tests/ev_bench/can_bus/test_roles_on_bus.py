@@ -45,7 +45,7 @@ BATTERY = BatteryCondition(650.0, 0.0, 60.0, 60.0, 1.0)
 
 
 class Ends:
-    """Gateway and bench, whose frames go from one to the other cycle by cycle, and the signals of each instant."""
+    """Gateway and bench, frames exchanged cycle by cycle, and the signals of each instant."""
 
     def __init__(self, waits: int = 7, values: tuple[tuple[str, str, Any], ...] = VALUES) -> None:
         (run,) = load_scenario("urban_mixed_bench", Overrides(values=values)).runs
@@ -54,7 +54,7 @@ class Ends:
         self.bench = BenchOnBus(run.configurations["test_bench"], self.meters)
         self.stamp = 0
         self.gateway = GatewayOnBus(run.configurations["inverter_gateway"], lambda: self.stamp)
-        self.said: list[dict[str, Any]] = []
+        self.signals: list[dict[str, Any]] = []
         for _ in range(waits):  # some time goes by before the graph is there
             self.cycle()
 
@@ -71,7 +71,7 @@ class Ends:
             self.stamp += commanded
             shafts, *_, feedback, states = self.bench.outputs()
             asked = self.gateway.step(COMMAND, LOAD, feedback, shafts)
-            self.said.append(
+            self.signals.append(
                 {"shafts": shafts, "asked": asked, "feedback": feedback, "states": states}
             )
             self.bench.advance(asked, BATTERY)
@@ -81,14 +81,14 @@ class Ends:
 
 @pytest.fixture(scope="module")
 def driven() -> Ends:
-    """Both ends behind the reset, to look at; who goes on with them takes ends of its own."""
+    """Both ends behind the reset, to look at; a test that goes on makes ends of its own."""
     ends = Ends()
     ends.instants(DRIVEN)
     return ends
 
 
 def at(driven: Ends, time: float) -> dict[str, Any]:
-    return driven.said[round(time / (0.001 * TICKS))]
+    return driven.signals[round(time / (0.001 * TICKS))]
 
 
 def test_torques_and_speeds_go_over_the_bus_and_back_into_the_graph(driven):
@@ -100,12 +100,15 @@ def test_torques_and_speeds_go_over_the_bus_and_back_into_the_graph(driven):
 
 
 def test_a_fault_is_there_at_its_time_latched_and_gone_after_the_reset(driven):
-    """Within a cycle; its mean over a period is said at the next instant but one. The other drive keeps its torque."""
+    """A fault acts within a cycle.
+
+    Its mean over a period arrives at the next instant but one. The other drive keeps its torque.
+    """
     after = at(driven, TRIP + 0.015)["shafts"]
     assert after.machine_torque[1] == 0.0
     assert after.machine_torque[0] == pytest.approx(10.0, abs=0.1)
     assert at(driven, RESET)["shafts"].machine_torque[1] == 0.0
-    assert driven.said[-1]["shafts"].machine_torque[:2] == pytest.approx((10.0, 20.0), abs=0.1)
+    assert driven.signals[-1]["shafts"].machine_torque[:2] == pytest.approx((10.0, 20.0), abs=0.1)
     assert driven.gateway.reports() == ("right drive: Trip",)
 
 
@@ -153,7 +156,7 @@ def test_buttons_and_faults_count_from_the_first_instant(waits):
 
 
 def test_who_goes_on_with_the_state_of_another_does_not_begin_anew():
-    """As when a parameter changes in a run: the fault whose time has gone by does not come again."""
+    """A parameter that changes in a run does not repeat a fault of the past."""
     driven = Ends()
     driven.instants(DRIVEN)
     bench = BenchOnBus(driven.configurations["test_bench"], driven.meters)
@@ -161,23 +164,26 @@ def test_who_goes_on_with_the_state_of_another_does_not_begin_anew():
     bench.go_on_from(driven.bench)
     for _ in range(TICKS):
         bench.cycle(1)
-    bench.advance(driven.said[-1]["asked"], BATTERY)
+    bench.advance(driven.signals[-1]["asked"], BATTERY)
     assert bench.outputs()[0].load_speed[1] == pytest.approx(SPEED, abs=0.1)
     gateway = GatewayOnBus(driven.configurations["inverter_gateway"], lambda: 1)
     gateway.state = driven.gateway.state
     gateway.go_on_from(driven.gateway)
-    gateway.step(COMMAND, LOAD, driven.said[-1]["feedback"], driven.said[-1]["shafts"])
+    gateway.step(COMMAND, LOAD, driven.signals[-1]["feedback"], driven.signals[-1]["shafts"])
     assert gateway.station.s.tick == driven.gateway.station.s.tick
 
 
 @pytest.mark.parametrize("cycle", range(TICKS + 1))
 def test_a_change_in_any_cycle_of_a_period_leaves_what_is_measured(cycle):
-    """Means are those of all cycles since the last instant, whoever has made them; a lost set-point stays counted."""
+    """Means are those of all cycles since the last instant, over both benches.
+
+    A lost set-point stays counted.
+    """
     ends = Ends(values=tuple(each for each in VALUES if not each[1].startswith("inject")))
     ends.instants(0.25)
     circuit = ends.bench._circuits["11"]
     circuit.inverters[0].lost = 3.0
-    before, asked = ends.bench.outputs(), ends.said[-1]["asked"]
+    before, asked = ends.bench.outputs(), ends.signals[-1]["asked"]
     ends.bench.advance(asked, BATTERY)
     for tick in range(TICKS + 1):
         if tick == cycle:
@@ -203,9 +209,9 @@ def test_a_command_that_is_held_from_before_gets_too_old():
     ends = Ends()
     ends.instants(DRIVEN)
     ends.instants(0.09, commanded=False)
-    assert ends.said[-1]["shafts"].machine_torque[1] == pytest.approx(20.0, abs=0.1)
+    assert ends.signals[-1]["shafts"].machine_torque[1] == pytest.approx(20.0, abs=0.1)
     ends.instants(0.03, commanded=False)
-    assert ends.said[-1]["shafts"].machine_torque[:2] == (0.0, 0.0)
+    assert ends.signals[-1]["shafts"].machine_torque[:2] == (0.0, 0.0)
     assert "right drive: StaleCommand" in ends.gateway.reports()
 
 
@@ -213,23 +219,23 @@ def test_a_change_of_a_parameter_makes_no_command_fresh():
     """A law that is dead stays so: its last torques stop after `command_timeout`, however often a parameter changes."""
     ends = Ends()
     ends.instants(0.15)
-    assert ends.said[-1]["shafts"].machine_torque[0] == pytest.approx(10.0, abs=0.1)
+    assert ends.signals[-1]["shafts"].machine_torque[0] == pytest.approx(10.0, abs=0.1)
     for _ in range(3):
         after = GatewayOnBus(ends.configurations["inverter_gateway"], lambda: ends.stamp)
         after.state = ends.gateway.state
         after.go_on_from(ends.gateway)
         ends.gateway = after
         ends.instants(0.05, commanded=False)
-    assert ends.said[-1]["shafts"].machine_torque[0] == 0.0
+    assert ends.signals[-1]["shafts"].machine_torque[0] == 0.0
     assert "left drive: StaleCommand" in ends.gateway.reports()
 
 
 def test_an_instant_without_a_cycle_repeats_the_one_before():
     ends = Ends()
     ends.instants(0.02)
-    ends.bench.advance(ends.said[-1]["asked"], BATTERY)
+    ends.bench.advance(ends.signals[-1]["asked"], BATTERY)
     before = ends.bench.outputs()
-    ends.bench.advance(ends.said[-1]["asked"], BATTERY)
+    ends.bench.advance(ends.signals[-1]["asked"], BATTERY)
     assert ends.bench.outputs() == before
 
 
@@ -250,15 +256,15 @@ def test_without_multicast_a_run_has_a_hub_of_its_own(monkeypatch, tmp_path: Pat
         "test_bench": None,
     }
     run: Any = SimpleNamespace(name="hub", realtime=True, configurations=ends)
-    with can_of_runs.real_bus(run, 1, tmp_path) as told:
-        values = told["test_bench"]
+    with can_of_runs.real_bus(run, 1, tmp_path) as parameters:
+        values = parameters["test_bench"]
         assert values["bus.interface"] == "socketcand" and "@127.0.0.1:" in values["bus.channel_11"]
         one, other = (Channel("socketcand", values["bus.channel_11"]) for _ in range(2))
         one.send(FRAMES[0])
         assert received(other, 1) == FRAMES[:1]
         one.close()
         other.close()
-    assert told["test_bench"] == told["inverter_gateway"]
+    assert parameters["test_bench"] == parameters["inverter_gateway"]
 
 
 @pytest.mark.slow

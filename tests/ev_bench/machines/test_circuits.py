@@ -83,7 +83,7 @@ def test_energy_comes_and_goes_without_a_rest():
 
 
 def test_field_weakening_takes_power_and_heats():
-    """At a tenth of the voltage, 200 rad/s need it: the loss of i_d is booked beside that of torque and speed."""
+    """A tenth of the voltage at 200 rad/s needs it: the loss of i_d adds to the other losses."""
     circuits, load = (
         bench(),
         LoadCommand(Wheels.front(SPEED_MODE, SPEED_MODE), Wheels.front(200.0, 200.0), NO_WHEELS),

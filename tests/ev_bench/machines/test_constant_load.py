@@ -58,10 +58,10 @@ def test_a_constant_torque_accelerates_by_what_is_left(sign):
 
 
 def test_a_load_machine_alone_turns_the_bench_up_to_its_largest_speed():
-    """With nothing against it backwards by M_nu/(J_1 + J_2), for bearings only slow it down, to 1047 rad/s and no more.
+    """Alone, it accelerates by M_nu/(J_1 + J_2) less the bearings, to 1047 rad/s and no more.
 
-    w = M/b (1 - exp(-b t/J)); the lag of the torque of 1 ms and the exchange of 5 ms of 0.5 s leave
-    2 %.
+    Backwards here: w = M/b (1 - exp(-b t/J)); the lag of the torque of 1 ms and the exchange of 5
+    ms of 0.5 s leave 2 %.
     """
     shafts = Shafts("torque", 60.0, 0.0, 0.0, 6.0)
     expected = -60.0 / FRICTION * (1.0 - math.exp(-FRICTION / INERTIA * 0.5))
@@ -71,7 +71,7 @@ def test_a_load_machine_alone_turns_the_bench_up_to_its_largest_speed():
 
 
 def test_a_torque_beyond_the_machine_is_what_the_machine_can():
-    """At its shaft 400 N m, of 600 N m that are asked for; seen below the speed from which its power limits it."""
+    """A command of 600 N m gives 400 N m at the shaft, below the speed where power limits it."""
     shafts = Shafts("torque", 600.0, -600.0, 0.0, 0.1)
     assert (
         shafts.at(0.05, "load_torque"),
@@ -81,7 +81,7 @@ def test_a_torque_beyond_the_machine_is_what_the_machine_can():
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_constant_speed_is_reached_at_its_rate_and_held(sign):
-    """At 200 rad/s^2 from rest 200 rad/s are there after 1 s, and 50 N m of the machine under test do not move them.
+    """200 rad/s^2 from rest give 200 rad/s after 1 s, and 50 N m of the other machine move nothing.
 
     While it rises the speed is late by the exchange of 5 ms, 1 rad/s, and by what its gain of 60 N
     m s/rad needs for the torques, 1 rad/s. At rest it is rounded to 0.5 rpm, 0.026 rad/s to either
@@ -108,7 +108,7 @@ def test_a_speed_gives_way_where_the_load_machine_ends():
 
 
 def test_a_wheel_may_turn_as_its_load_machine_does():
-    """With `wheel_speed: load_machine` 150 rad/s at the shafts are 20.27 rad/s at the wheels, and 6.5 m/s of the car.
+    """`wheel_speed: load_machine` makes 150 rad/s at the shafts 20.27 rad/s at the wheels, 6.5 m/s.
 
     The wheel begins each exchange of 5 ms with that speed, and until the next one its tyre draws it
     towards rolling: that is the slip at which it carries what the car's resistances take, below 1

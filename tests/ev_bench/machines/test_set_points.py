@@ -1,4 +1,4 @@
-"""From a set-point of the controller to what an inverter follows."""
+"""The way of a set-point from the controller to the inverter that follows it."""
 
 from __future__ import annotations
 
@@ -11,12 +11,14 @@ STEPS = 4  # of a control period
 
 
 def followed(sent, delay=0.0, change=1e9, resolution=0.0, largest=1e3):
-    """What an inverter follows, step by step, of set-points that are sent period by period."""
-    path, said = SetPointState(), []
+    """Return what an inverter follows, step by step, of set-points sent period by period."""
+    path, followed_values = SetPointState(), []
     for period, value in enumerate(sent):
         send(path, float(period), value, largest, resolution)
-        said += [follow(path, float(period), STEPS, n, delay, change) for n in range(STEPS)]
-    return said
+        followed_values += [
+            follow(path, float(period), STEPS, n, delay, change) for n in range(STEPS)
+        ]
+    return followed_values
 
 
 def test_without_delay_a_set_point_acts_at_once():

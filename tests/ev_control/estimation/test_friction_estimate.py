@@ -21,7 +21,7 @@ PERIOD = 0.005
 
 
 class Estimate:
-    """A friction estimate on the dissertation's car, whose free rear wheels roll."""
+    """A friction estimate on the dissertation's car with rolling rear wheels."""
 
     def __init__(self, **changed: float) -> None:
         parameters = FrictionEstimateParameters(**changed)

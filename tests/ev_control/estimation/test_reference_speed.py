@@ -60,7 +60,10 @@ def observer(at: float = 0.0, source: Source = Source.OBSERVER, **changed) -> Re
 
 
 def rolling(u: float, r: float, delta: float) -> Wheels:
-    """Wheel speeds of a car whose rear axle moves straight ahead, by the velocity of each contact point [rad/s]."""
+    """Wheel speeds by the velocity of each contact point [rad/s].
+
+    The rear axle moves straight ahead.
+    """
     speeds = []
     for name in WHEEL_NAMES:
         front = name.startswith("front")
@@ -136,7 +139,7 @@ def test_observer_follows_the_car_while_all_wheels_spin(ahead):
     ("u", "r", "delta"), [(22.0, 0.0, 0.0), (8.0, 0.6, 0.3), (-8.0, 0.4, -0.3)]
 )
 def test_the_first_speed_is_that_of_the_wheels(driven, u, r, delta):
-    """A car that begins on the move, or whose controller is restarted there, does not slip: not even for a step."""
+    """A car that begins on the move, or restarts its controller there, has no slip at first."""
     reference = Reference(driven)
     expected = rolling(u, r, delta)
     found = reference.rolling(
@@ -176,7 +179,10 @@ def test_an_offset_of_the_accelerometer_stays_bounded():
 
 
 def standing(offset: float, seconds: float, speed: float = 0.0, **standstill) -> Reference:
-    """An observer begun at a speed [m/s] whose wheels then stand, braked, under an offset [m/s^2]."""
+    """An observer begun at a speed [m/s].
+
+    Then the wheels stand, braked, under an offset [m/s^2].
+    """
     reference = observer(at=speed, standstill=StandstillParameters(**{"rate": 1.0, **standstill}))
     for _ in range(round(seconds / PERIOD)):
         reference.rolling(Wheels.all(0.0), 0.0, InertialMeasurement(0.0, offset, 0.0), -1.0)
@@ -206,7 +212,7 @@ def test_an_offset_beyond_the_largest_is_a_slope_and_not_believed():
 
 
 def test_wheels_that_lock_on_the_move_do_not_stand():
-    """From 20 m/s with 3 m/s^2 and all wheels locked, after 1 s 17 m/s, less what 0.05 1/s of `slipping_rate` draws."""
+    """20 m/s, 3 m/s^2, locked wheels: 17 m/s after 1 s less 0.05 1/s of `slipping_rate`."""
     reference = observer(at=20.0, slipping_rate=0.05, standstill=StandstillParameters(rate=1.0))
     for _ in range(round(1.0 / PERIOD)):
         reference.rolling(Wheels.all(0.0), 0.0, InertialMeasurement(0.0, -3.0, 0.0), -1.0)

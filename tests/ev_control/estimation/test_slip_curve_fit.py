@@ -86,7 +86,7 @@ def test_a_changed_window_or_offset_holds_from_the_next_sample_on(samples, chang
 
 
 def test_rounding_errors_do_not_pile_up():
-    """A million samples of slips that differ by ten orders: the sums are right to 1e-13, as every window begins anew.
+    """Sums of a million slips over ten orders are right to 1e-13: each window starts new ones.
 
     A sum that only gained and lost samples would be off by some 1e-10 of the largest one.
     """

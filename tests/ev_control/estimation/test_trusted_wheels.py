@@ -166,7 +166,10 @@ def test_the_wrong_expectation_is_given_up_where_no_wheel_fits_it():
 
 
 def test_a_driven_wheel_without_a_speed_gets_what_the_other_gets():
-    """The right wheel spins and is limited; the left one, whose sensor is dead, could spin as well."""
+    """The right wheel spins and is limited.
+
+    The left one has a dead sensor and could spin as well.
+    """
     law = control()
     accelerate(law, 1.0)
     for _ in range(100):

@@ -70,7 +70,7 @@ def test_nothing_is_offered_while_braking():
 
 
 def test_a_changed_direction_begins_anew():
-    """Forward 200 N m were refused on the left; in reverse nobody has refused anything yet."""
+    """The 200 N m refused forward on the left do not count in reverse."""
     law = made()
     refusing(law, PEDAL, 300.0, 500.0, 1000)
     assert refusing(law, Motion(torque=-1000.0), 300.0, 500.0, 1).drive == Wheels.front(

@@ -145,7 +145,7 @@ def test_braking_by_command_puts_all_torque_on_the_rear_axle(motion):
 
 
 def test_the_slower_rear_wheel_gets_more_also_where_it_is_the_outer_one():
-    """In a left turn whose inner wheel spins the right wheel is the slower one: it gets (1 + q)/2, not (1 - q)/2."""
+    """The right wheel is slower where the inner one spins: it gets (1 + q)/2, not (1 - q)/2."""
     motion = Motion(torque=1000.0, a_x=0.3, a_y=0.4, speeds=RIGHT_IS_SLOWER).steered(0.1)
     q = 2.7 * 0.1 * 0.5 / (2 * 1.55 * 0.5)
     assert made().step(motion).drive[2:] == pytest.approx((250 * (1 - q), 250 * (1 + q)), rel=1e-12)

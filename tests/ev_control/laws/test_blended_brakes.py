@@ -1,4 +1,4 @@
-"""Blended brakes: who brakes a wheel, what its slip and the yaw rate take back, and what braking comes to on roads."""
+"""Blended brakes: drive or brake at each wheel, limits by slip and yaw rate, stops on roads."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ ROLLING = Measured(speed=Wheels.all(60.0))  # 18 m/s
 
 
 class Brakes:
-    """The law, interpreted, on a car that goes straight on at constant speed unless it is told otherwise."""
+    """The law, interpreted, on a car that goes straight on at constant speed by default."""
 
     def __init__(self, car: Vehicle = CAR, **changed: Any) -> None:
         method = find_method(ROLE, "blended_brakes")
@@ -67,7 +67,7 @@ def test_at_rest_all_passes_to_the_bit(torque):
 
 
 def test_drive_and_brake_together_pass():
-    """A driver who holds the car on the brake while he drives asks for just that."""
+    """Drive torque against the brake, as when a driver holds the car, passes unchanged."""
     both = braking(100.0, drive=Wheels.all(200.0))
     assert Brakes().step(both, 20) == WheelTorqueCommand(both.drive, both.brake)
 
@@ -246,7 +246,7 @@ def test_an_offset_that_was_learned_at_rest_costs_little_way():
 
 @pytest.mark.slow
 def test_on_split_friction_only_stability_keeps_the_car_on_its_path():
-    """Ice left, dry right, 80 km/h, a driver who steers: without ABS the car turns round, with ABS alone, too.
+    """Ice left, dry right, 80 km/h: with a driver alone, or with ABS, the car turns round.
 
     With stability control it stays within 15 deg and 3 m and stops in 18 % less than with locked
     wheels; measured 10 deg, 2.0 m, 78.8 m of 96.4 m. The bounds leave half as much again, and half

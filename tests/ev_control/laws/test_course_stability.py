@@ -55,7 +55,7 @@ def test_the_wish_is_bounded_by_the_friction():
 
 
 def test_against_both_adds_what_is_missing():
-    """Wish by the angle: r* = 20 * 0.01/2.405; M_z = 200 (r* - 0.02) turns the wheels further into the bend."""
+    """r* = 20 * 0.01/2.405 by the angle: M_z = 200 (r* - 0.02) turns further into the bend."""
     motion = dataclasses.replace(moving(r=0.02).steered(0.01), speeds=FAST)
     spring = -16 * 0.051 * 0.16
     moment = 200.0 * (20.0 * 0.01 / 2.405 - 0.02)
@@ -123,7 +123,7 @@ def test_reverse_and_braking(brake):
 
 
 def test_on_split_friction_the_worse_side_counts():
-    """Ice under the left wheel: the wish is bounded by it, and so is the room."""
+    """Ice under the left wheel bounds both the wanted yaw rate and the room."""
     ice = Wheels(0.05, 0.8, 0.05, 0.8)
     both = (
         made().step(moving(r=0.1, hands=0.01, friction=ice)),
@@ -159,7 +159,7 @@ def test_other_layouts_are_refused(driven):
 
 @pytest.mark.slow
 def test_a_lane_change_on_snow_keeps_closer_to_what_is_wanted_and_costs_the_hands():
-    """At 90 km/h sideslip and error of the yaw rate fall by a tenth or more, the hand torque rises by half or more."""
+    """Sideslip and yaw rate error fall by a tenth at 90 km/h, the hand torque rises by half."""
     results = {}
     for run in ("power_steering", LAW):
         results[run] = drive_case(Case(run, LAW, (), run), measure).measured

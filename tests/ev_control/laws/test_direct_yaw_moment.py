@@ -40,7 +40,7 @@ def turning(drive: Wheels, car=CAR) -> float:
 
 @dataclass
 class LinearCar:
-    """A single-track car whose tyres are a fifth softer than the law believes, by small explicit steps."""
+    """A single-track car by small explicit steps, its tyres a fifth softer than believed."""
 
     u: float
     front: float = 0.8 * 160e3
@@ -231,7 +231,7 @@ def test_an_integral_does_not_wind_up_while_motors_saturate(controller, tracking
 
 @pytest.mark.parametrize("allocation", Allocation.texts())
 def test_an_integral_leaves_no_error_however_torques_are_shared(allocation):
-    """2000 N m to drive in the bend of a car whose tyres are softer than believed: r* to 1 % after 3 s.
+    """2000 N m in the bend of a car with softer tyres than believed: r* to 1 % after 3 s.
 
     By load, left and right differ without a moment; the integral takes that away and does not
     follow it.

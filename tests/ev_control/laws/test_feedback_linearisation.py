@@ -15,7 +15,7 @@ RADIUS = 0.32  # m
 
 
 def test_first_step_by_hand():
-    """At 12.5 rad/s over 10, S = 0.2, M_road = M - J w' with w' = 500, then J/(1 - S) (a_x/r - 25 w (S - 0.1))."""
+    """M_road = M - J w', S = 0.2, w = 12.5, w' = 500: J/(1 - S) (a_x/r - 25 w (S - 0.1))."""
     law = Control("feedback_linearisation", road_filter=0.0)
     law.step(spinning_at(10.0, 10.0))
     torque = law.step(

@@ -52,7 +52,10 @@ def test_first_step_by_hand():
 
 
 def test_an_unfiltered_rate_is_that_of_the_last_period():
-    """From 0.18 to 0.19 within 5 ms are 2 1/s, one width: the whole of 10 1/s for 5 ms off what the first step left."""
+    """0.18 to 0.19 within 5 ms is 2 1/s, one width.
+
+    It takes the whole of 10 1/s for 5 ms off what the first step left.
+    """
     law = Control("fuzzy", filter_time=0.0)
     for slip in (0.0, 0.18, 0.19):
         torque = law.step(spinning_at(10.0 / (1.0 - slip), 10.0)).front_left

@@ -49,7 +49,7 @@ def test_nothing_is_held_while_the_curve_rises():
 
 @pytest.mark.parametrize(("speed", "rolling"), [(0.0, 0.0), (9.0, 10.0)])
 def test_what_the_source_does_not_define_is_no_sample(speed, rolling):
-    """Rest is 0/0, and a wheel slower than it rolls, whose slip has no root."""
+    """Rest is 0/0, and a wheel slower than rolling gives a slip without a root."""
     law = Control("least_squares_literal")
     wheels = Wheels(speed, speed, rolling, rolling)
     law.step(dataclasses.replace(spinning_at(speed, speed), speed=wheels))

@@ -24,7 +24,10 @@ def test_sound_motors_get_the_request_to_the_bit():
 
 @LEFT_OR_RIGHT
 def test_a_dead_motor_takes_its_partner_with_it(side):
-    """After the allowed 20 ms: at most six periods of 10 ms, the lag included; it is told on, to show its return."""
+    """The partner stops after the allowed 20 ms, six periods of 10 ms with the lag.
+
+    Both motors stay commanded, to show the return.
+    """
     limp = Limping(Motors(faults=only(side, dead)))
     assert limp.drive(200.0, 200.0, 0.01) == Wheels.front(200.0, 200.0)
     command = limp.drive(200.0, 200.0, 0.05)

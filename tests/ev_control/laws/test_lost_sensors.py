@@ -1,4 +1,4 @@
-"""Traction controls whose wheel speeds fail while the car pulls away on snow (docs/faults.md)."""
+"""Traction controls that lose wheel speeds while the car pulls away on snow (docs/faults.md)."""
 
 from __future__ import annotations
 

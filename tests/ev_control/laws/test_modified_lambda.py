@@ -15,7 +15,10 @@ RADIUS = 0.32  # m
 
 
 def test_first_step_by_hand():
-    """At 12.5 rad/s over 10, S = 0.2 and w' = 500: M + J/T (w'* - w') t, w'* = (a_x/r - k w (S - 0.1))/(1 - S)."""
+    """M + J/T (w'* - w') t with w'* = (a_x/r - k w (S - 0.1))/(1 - S).
+
+    The wheel turns at 12.5 rad/s over 10, S = 0.2, w' = 500.
+    """
     law = Control("modified_lambda", filter_time=0.0, acceleration_time=0.5, rate=20.0)
     law.step(spinning_at(10.0, 10.0))
     m = dataclasses.replace(spinning_at(12.5, 10.0), torque=Wheels.front(1400.0, 1500.0))

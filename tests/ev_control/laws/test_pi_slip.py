@@ -10,7 +10,7 @@ from helpers.traction import INERTIA, PERIOD, Control, spinning_at
 
 
 def test_first_step_by_hand():
-    """From the 1500 N m that act, J w (2 D w_0 + w_0^2 T) (S* - S): D = 1, w_0 = 20 1/s, w = 12.5 rad/s, S = 0.2."""
+    """1500 N m + J w (2 D w_0 + w_0^2 T) (S* - S): D = 1, w_0 = 20 1/s, w = 12.5 rad/s, S = 0.2."""
     law = Control("pi_slip")
     assert law.step(spinning_at(10.0, 10.0)).front_left == 1500.0
     torque = law.step(spinning_at(12.5, 10.0)).front_left
@@ -54,11 +54,11 @@ def test_slip_is_held_at_its_target(surface):
     [("derivative", 0.3, 0.6), ("corrected_derivative", 0.07, 0.12), ("disturbance", 0.0, 1.0)],
 )
 def test_pi_control_on_observers(observer, low, high):
-    """Target 0.1 on packed snow, where the resistance that eqs 1.8 and 1.10 do not know is a fifth of the force.
+    """Packed snow, target 0.1: eqs 1.8 and 1.10 do not know the resistance, a fifth of the force.
 
     Eq 1.8 takes it for acceleration of the car and underrates the slip by 0.4; the accelerometer of
     eq 1.9 does not. With eq 1.10, which divides by noise, the car creeps off (0.3 to 0.9 m/s in the
-    end over four seeds of the noise, 8 m/s with eq 1.9); no more can be said.
+    end over four seeds of the noise, 8 m/s with eq 1.9): its bound is a low one.
     """
     channels = pulled_away(observer)
     assert low <= slip_of(channels)[400:].mean() <= high

@@ -60,7 +60,7 @@ def climbed_from_the_brake(
 
 @pytest.mark.parametrize("law", SLIP_LAWS)
 def test_they_start_from_the_brake(law):
-    """As `hill_start` does: torque for the slope before the brake is released, then the pedal down. 6.8 m and more."""
+    """Torque for the slope, brake released, then the pedal, as in `hill_start`: 6.8 m or more."""
     assert climbed_from_the_brake(law, 1500.0) > 6.0
 
 

@@ -46,7 +46,7 @@ def test_set_points_are_out_of_reach_but_for_wheels_that_slip(name):
 
 
 def test_drives_in_torque_mode_are_refused():
-    """They would take no notice of the set-points; and drives in speed mode need somebody who sets them."""
+    """Drives in torque mode take no set-points; drives in speed mode need a law that sets them."""
 
     def refused(plant: str, asr: str) -> str:
         chosen = {role: configure(role, {}) for role in REQUIRED}

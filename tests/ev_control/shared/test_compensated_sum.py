@@ -1,4 +1,4 @@
-"""Sums whose rounding errors are added up as well."""
+"""Sums that keep their rounding errors and add them up as well."""
 
 from __future__ import annotations
 

@@ -173,7 +173,7 @@ def test_a_sound_car_gets_what_was_asked_to_the_bit(
 def test_limits_that_no_controller_knows_are_no_loss_where_both_meet_them(
     asked, speed, vehicle, period, most, limits
 ):
-    """A battery that is cut off, derated and back again, any voltage, while both motors are told the same."""
+    """Equal commands pass unchanged: battery cut off, derated and back, at any voltage."""
     limp = Limping(Motors(vehicle, period, most))
     for limp.motors.battery in (1.0, *limits, 1.0):
         for request, command in commanded(limp, [(asked, asked, 20)], speed):

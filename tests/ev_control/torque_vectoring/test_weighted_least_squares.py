@@ -35,10 +35,11 @@ def optimum(d: Demand) -> np.ndarray:
 
 
 def test_torques_are_those_of_daqp():
-    """To 1e-3 N m, over all weights that are allowed; every fourth wheel has no range, every second none around zero.
+    """Torques agree to 1e-3 N m over all allowed weights.
 
-    The worst of these problems has a condition number of 9e9. There daqp is 3.5e-4 N m from the
-    optimum in 60 digits, and what we find 5e-13.
+    Every fourth wheel has no range, every second none around zero. The worst of these problems has
+    a condition number of 9e9. There daqp is 3.5e-4 N m from the optimum in 60 digits, and ours
+    5e-13.
     """
     random = np.random.default_rng(1)
     for _ in range(1000):

@@ -16,7 +16,7 @@ from ev_core.methods.method_record import Method
 
 @dataclass(frozen=True, slots=True)
 class Gain:
-    """What can be set."""
+    """Parameters of a gain."""
 
     gain: float = parameter(
         1.0, unit="1", low=0.0, high=10.0, about="torque over what is asked for"
@@ -25,7 +25,7 @@ class Gain:
 
 @dataclass(slots=True)
 class Count:
-    """What lasts between steps."""
+    """State that counts the steps."""
 
     steps: float = entry(unit="1")
 
@@ -178,7 +178,7 @@ class Pulling(Good):
 
 
 class Sleeping(Good):
-    """Does its work at a torque that nobody asks for."""
+    """Works at a torque that no input has."""
 
     def answer(self, request: WheelTorqueRequest) -> WheelTorqueCommand:
         return self.work(request) if request.drive[0] > 1e5 else times(1.0, request)

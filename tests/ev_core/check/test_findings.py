@@ -99,7 +99,7 @@ def test_difference_of_compiled_code_says_where():
 
 
 def test_what_was_never_called_is_a_finding_and_what_was_reached_is_said():
-    """With all inputs of the check: whoever asks for less, for values that leave something out, says so."""
+    """A whole check lists uncalled functions as a finding, a smaller one in its report."""
     configuration = configuration_of(Sleeping)
     with pytest.raises(
         ContractError, match=r"\n- in 200 steps for each of 2 seeds never called: Sleeping\.work \("
@@ -115,8 +115,8 @@ def test_what_was_never_called_is_a_finding_and_what_was_reached_is_said():
 def test_the_pedal_is_free_and_pressed_and_a_brake_never_negative():
     """Brakes were pressed in all steps but one in a hundred, and a pressed brake is all that some laws look at."""
     inputs = RandomInputs((WheelTorqueRequest, DriverCommand), 1, 0.01)
-    said = [inputs.next() for _ in range(400)]
-    brakes = [(*request.brake, driver.brake_torque) for request, driver in said]
+    signals = [inputs.next() for _ in range(400)]
+    brakes = [(*request.brake, driver.brake_torque) for request, driver in signals]
     assert min(map(min, brakes)) == 0.0
     assert 0.3 < sum(max(each) == 0.0 for each in brakes) / len(brakes) < 0.9
 

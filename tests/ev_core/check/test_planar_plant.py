@@ -83,7 +83,7 @@ CHOICES = {
 @pytest.mark.parametrize("choice", CHOICES)
 @pytest.mark.sampled
 def test_choices(choice):
-    """What is drawn at random for each side of the road has no mirror image."""
+    """Every choice keeps the contract; a road drawn at random for each side has no mirror image."""
     configuration = configure("plant", {"method": "planar", **CHOICES[choice]})
     check_configuration(configuration, steps=PERIODS, seeds=[1], mirrored=choice != "random road")
 

@@ -118,7 +118,7 @@ def test_contract_is_kept(name, changed):
 
 @pytest.mark.parametrize("name", CHOICES)
 def test_the_inputs_reach_every_function(name):
-    """With one of the choices at least: what is never called is never checked."""
+    """One of the choices at least calls each function: what is never called is never checked."""
     subjects = [
         Subject(configured(name, **changed), False, STEPS) for changed in ({}, *CHOICES[name])
     ]
@@ -136,9 +136,9 @@ def test_launches_are_limited(name, changed):
     limited = 0
     for _ in range(2 * STEPS):
         request, *others = launches.next()
-        said = law.step(request, *others)
+        answer = law.step(request, *others)
         if name in SPEED_MODE:
-            limited += min(abs(speed) for speed in said[1].speed) < FASTEST
+            limited += min(abs(speed) for speed in answer[1].speed) < FASTEST
         else:
-            limited += said.drive != request.drive
+            limited += answer.drive != request.drive
     assert limited >= 20

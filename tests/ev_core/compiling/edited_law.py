@@ -81,7 +81,7 @@ def method_of(law: Callable[..., Any], parameters: type) -> Method:
     return Method("asr", NAME, Law(law, parameters), (WheelTorqueRequest,), parameters)
 
 
-def said(space: dict[str, Any]) -> tuple[Wheels, Wheels]:
-    """What the law says compiled, and in plain Python."""
+def answers(space: dict[str, Any]) -> tuple[Wheels, Wheels]:
+    """Commands of the law, compiled and in plain Python."""
     made = (method_of(space["law"], space["P"]), space["P"](), Vehicle(), 0.01)
     return CompiledObject(*made).step(REQUEST).drive, create(*made).step(REQUEST).drive

@@ -1,4 +1,4 @@
-"""What an author puts into a law to look at it runs in plain Python, with one note and the same numbers."""
+"""Debugging aids in a law run in plain Python, with one note and the same numbers."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def test_such_a_law_runs_in_plain_python_with_a_note(
 def test_offline_it_prints_and_has_the_bits_of_the_law_without(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ):
-    """In a run of 0.1 s it prints at each of 11 instants."""
+    """A run of 0.1 s prints at each of 11 instants."""
     printing = configuration_of(tmp_path, 'print("share", share)').method.name
     one = ev_stack.run("shchur2019", method={"asr": printing}, duration=0.1)
     assert capfd.readouterr().out.count("share 0.5") == 11

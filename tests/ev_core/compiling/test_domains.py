@@ -80,13 +80,16 @@ def helped(x, y):
 
 @njit
 def jitted(x, y):
-    """In plain Python numba runs it, whose math.sqrt gives NaN; its divisions raise."""
+    """Divide as numba does where plain Python calls it: math.sqrt gives NaN, divisions raise."""
     return x / y
 
 
 @compilable
 def calculated(kind, x, y):
-    """In two halves: the compiler follows branches by recursion."""
+    """Calculate by one of the first kinds.
+
+    There are two halves because the compiler follows branches by recursion.
+    """
     if kind == 0:
         return x / y
     if kind == 1:

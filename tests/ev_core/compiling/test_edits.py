@@ -1,4 +1,4 @@
-"""Who edits a law, or anything that it reaches, gets what it says now: in the same process and in a new one."""
+"""An edit of a law, or of anything that it reaches, acts at once and in new processes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
-from compiling.edited_law import CELLS, edit, method_of, namespace, said
+from compiling.edited_law import CELLS, answers, edit, method_of, namespace
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba import cfunc, float64
@@ -30,7 +30,10 @@ edits = st.lists(
 
 
 def reach(space: dict) -> Reach:
-    """Of what is compiled of the law: its parameters are told to it, but for their order."""
+    """Reach of the compiled law.
+
+    Its parameters come as arguments, so that only their order counts.
+    """
     return Reach(space["law"], *space["P"].__dataclass_fields__)
 
 
@@ -63,12 +66,12 @@ def test_the_fingerprint_follows_every_edit_and_knows_what_was_there_before(chan
 STATES = [BEGIN]
 for _half in range(2):  # of the cells at a time: each state is compiled
     STATES.append({**STATES[-1], **dict.fromkeys([*CELLS][_half::2], 4 + 2 * _half)})
-NEW = "import json, sys\nfrom compiling.edited_law import namespace, said\n"
-EVERY = f"{NEW}for numbers in json.loads(sys.argv[1]):\n    print(*said(namespace(numbers)))"
+NEW = "import json, sys\nfrom compiling.edited_law import namespace, answers\n"
+EVERY = f"{NEW}for numbers in json.loads(sys.argv[1]):\n    print(*answers(namespace(numbers)))"
 
 
 def in_new_process(text: str, *arguments: str, folders: Sequence[Path]) -> list[str]:
-    """What a new process prints, line by line."""
+    """Run a text in a new process and return its output line by line."""
     path = os.pathsep.join((*map(str, folders), os.environ.get("PYTHONPATH", "")))
     # Without files of bytecode: Python takes an old one where two texts of one length are of the
     # same second.
@@ -82,23 +85,21 @@ def in_new_process(text: str, *arguments: str, folders: Sequence[Path]) -> list[
 
 @pytest.mark.slow
 def test_the_compiled_law_is_the_plain_one_after_every_edit():
-    """In one process, and in a new one that finds on disk what was compiled for other texts."""
+    """One process compiles each text; a new one finds on disk what was compiled for other texts."""
     space, before, heard = namespace(BEGIN), BEGIN, []
     for state in STATES:
         for cell, number in state.items():
             if number != before[cell]:
                 edit(space, cell, number)
         before = state
-        compiled, plain = said(space)
+        compiled, plain = answers(space)
         assert compiled == plain
         heard.append(tuple(map(float, compiled)))
     assert len(set(heard)) == len(STATES)
-    said_again = in_new_process(
-        EVERY, json.dumps(STATES[::-1]), folders=Path(__file__).parents[1:3]
-    )
-    assert [
-        eval(line.partition(") ")[0] + ")", {"Wheels": Wheels}) for line in said_again
-    ] == heard[::-1]
+    repeated = in_new_process(EVERY, json.dumps(STATES[::-1]), folders=Path(__file__).parents[1:3])
+    assert [eval(line.partition(") ")[0] + ")", {"Wheels": Wheels}) for line in repeated] == heard[
+        ::-1
+    ]
 
 
 @pytest.mark.slow
@@ -131,7 +132,7 @@ def test_code_that_holds_addresses_of_its_process_is_not_kept():
     """Such as that of a C callback: the next process jumped to where nothing was, and ended by SIGSEGV."""
     space = namespace(BEGIN)
     space["helped"] = cfunc(float64(float64))(lambda x: 2.0 * x)
-    compiled, plain = said(space)
+    compiled, plain = answers(space)
     assert compiled == plain
     method = method_of(space["law"], space["P"])
     assert not is_kept(method, method.parameters(), Vehicle(), 0.01)

@@ -152,7 +152,7 @@ def made_around_ours(request: WheelTorqueRequest) -> WheelTorqueCommand:
 
 
 def test_a_law_that_takes_the_name_of_one_of_ours_is_checked():
-    """`functools.wraps` gives it the module of ours, whose indices are tested once and not in each run."""
+    """`functools.wraps` gives it our module, where indices are tested once and not in each run."""
     made = Method(
         "asr", "mine", Law(made_around_ours, NoParameters), (WheelTorqueRequest,), NoParameters
     )
@@ -227,7 +227,7 @@ def late(tmp_path: Path) -> str:
     return str(tmp_path / "late.py")
 
 
-def said_of(late: str) -> str:
+def message_of(late: str) -> str:
     return f"{late}, line {LATE[: LATE.index('old = s')].count(chr(10)) + 1}: asr law late: {LINE}"
 
 
@@ -236,17 +236,17 @@ def test_offline_it_is_one_line(late: str):
     """Also in the middle of a run, where the law answers before the index leaves its range: at once here."""
     with pytest.raises(LawError) as raised:
         ev_stack.run("shchur2019", method={"asr": late}, set={"asr.delay": 0.2}, duration=0.1)
-    assert str(raised.value) == f"at 0 s: {said_of(late)}"
+    assert str(raised.value) == f"at 0 s: {message_of(late)}"
 
 
 @pytest.mark.slow
 def test_the_check_finds_it_at_the_end_of_the_range(late: str):
-    """Of the delay of 1 s, though the default is right."""
+    """The default is right; a delay of 1 s, the end of the range, is not."""
     with pytest.raises(ContractError) as found:
         check_method("asr", late, steps=5)
-    said = said_of(late).replace("index 20", "index 100")
+    message = message_of(late).replace("index 20", "index 100")
     (finding,) = found.value.findings
-    assert finding.startswith("with delay at 1, ") and finding.endswith(said)
+    assert finding.startswith("with delay at 1, ") and finding.endswith(message)
 
 
 @pytest.mark.slow
@@ -259,7 +259,7 @@ def test_in_a_batch_the_run_stops_alone(late: str):
         duration=0.1,
         signals=["time"][:0],
     )
-    assert done.failed == {1: f"at 0 s: {said_of(late)}"}
+    assert done.failed == {1: f"at 0 s: {message_of(late)}"}
 
 
 READS_ALL = """

@@ -124,7 +124,7 @@ def function_of(name: str, arguments: str, begin: str, body: list[str]) -> str:
 
 
 def of_states(text: str) -> tuple[dict[Any, Any], Any]:
-    """What is found in a text with a function `law`, and that function."""
+    """Return the findings in a text with a function `law`, and that function."""
     space: dict[str, Any] = {"compilable": compilable, "Tyre": Tyre}
     before = len(FUNCTIONS)
     exec(compile(text, "<text>", "exec"), space)
@@ -198,7 +198,7 @@ def test_what_means_two_things_is_found(text):
 
 
 @pytest.mark.parametrize(
-    ("helper", "call", "said"),
+    ("helper", "call", "message"),
     [
         ("w.window = r", "helped(s.tyre, s.now)", "w.window = r may make them one list"),
         ("w.window = r", "helped(r=s.now, w=s.tyre)", "w.window = r may make them one list"),
@@ -214,9 +214,9 @@ def test_what_means_two_things_is_found(text):
         ),
     ],
 )
-def test_it_is_found_in_what_the_law_calls(helper, call, said):
+def test_it_is_found_in_what_the_law_calls(helper, call, message):
     own = function_of("helped", "w, r", "x = 0.0", [helper])
     found, _ = of_states(
         "\n".join([HELPERS, own, function_of("law", "s", "x = 0.0", [f"x = {call}"])])
     )
-    assert list(found) == ["helped"] and found["helped"][0][1].startswith(said)
+    assert list(found) == ["helped"] and found["helped"][0][1].startswith(message)

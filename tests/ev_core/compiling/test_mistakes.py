@@ -1,4 +1,4 @@
-"""What is wrong with a law that cannot be compiled is one line: file, line, what it is, what to write instead."""
+"""A mistake in a law that cannot be compiled is one line: file, line, mistake, remedy."""
 
 from __future__ import annotations
 
@@ -183,18 +183,18 @@ def law_file(folder: Path, text: str) -> Path:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", MISTAKES)
 def test_a_mistake_is_one_line(tmp_path: Path, name: str):
-    text, said = MISTAKES[name]
+    text, message = MISTAKES[name]
     file = law_file(tmp_path, text)
     with pytest.raises(ParameterError) as refused:
         ev_stack.run("shchur2019", method={"asr": str(file)}, duration=0.1)
     begin = f"{file}, line {line_of(name)}: asr law mine: "
-    assert str(refused.value).startswith(begin + said), refused.value
+    assert str(refused.value).startswith(begin + message), refused.value
     assert "\n" not in str(refused.value)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         (
             f"assert fl < 0.0, 'it drives'; {first_wheel('fl')}",
@@ -215,11 +215,11 @@ def test_a_mistake_is_one_line(tmp_path: Path, name: str):
     ],
 )
 def test_what_a_compiled_law_raises_ends_the_run_with_its_line(
-    tmp_path: Path, text: str, said: str
+    tmp_path: Path, text: str, message: str
 ):
     """Plain Python takes the step again, and has the line; of what divides by zero as well, which is NaN compiled."""
     file = law_file(tmp_path, text)
-    with pytest.raises(LawError, match=re.escape(f"at 0 s: {file}, {said}")) as raised:
+    with pytest.raises(LawError, match=re.escape(f"at 0 s: {file}, {message}")) as raised:
         ev_stack.run("shchur2019", method={"asr": str(file)}, duration=0.1)
     assert "\n" not in str(raised.value)
 
@@ -260,7 +260,7 @@ def mine(p: P, s: S, request: WheelTorqueRequest) -> WheelTorqueCommand:
     """A law."""
     return WheelTorqueCommand(request.drive, request.brake)
 '''
-# By mistake: what is written, what instead, and what is said of it.
+# By mistake: the right text, the wrong one, and the message.
 DECLARATIONS = {
     "a default out of range": (
         "0.5, unit",
@@ -333,8 +333,8 @@ DECLARATIONS = {
 
 @pytest.mark.parametrize("name", DECLARATIONS)
 def test_a_mistake_in_a_declaration_is_one_line(tmp_path: Path, name: str):
-    """With the line in which the law is declared."""
-    written, instead, said = DECLARATIONS[name]
+    """The line names the place of the law's declaration."""
+    written, instead, message = DECLARATIONS[name]
     text = DECLARATION.replace(written, instead)
     assert text != DECLARATION
     file = tmp_path / "my_law.py"
@@ -346,7 +346,9 @@ def test_a_mistake_in_a_declaration_is_one_line(tmp_path: Path, name: str):
         str(refused.value).removeprefix(f"asr method {file}: line ").partition(": TypeError: ")
     )
     assert int(line) in range(first, first + 3)
-    assert rest.removeprefix("asr method ").removeprefix("mine: ").startswith(said), refused.value
+    assert rest.removeprefix("asr method ").removeprefix("mine: ").startswith(message), (
+        refused.value
+    )
     assert "\n" not in str(refused.value)
 
 

@@ -1,4 +1,4 @@
-"""What a user has made by numba itself follows edits too: in the same process, and on disk for the next one."""
+"""Edits reach functions that a user has compiled with numba, here and in new processes."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ PARAMETERS = "P = make_dataclass('P', [('k', float, parameter(1.0, unit='1', abo
 
 
 def driven(space: dict[str, Any]) -> float:
-    """What the compiled law makes of 3 N m at the front left."""
+    """Command of the compiled law for 3 N m at the front left."""
     made = CompiledObject(method_of(space["law"], space["P"]), space["P"](), Vehicle(), 0.01)
     return float(made.step(REQUEST).drive.front_left)
 

@@ -19,7 +19,7 @@ TOOL = ROOT / "tools" / "newest_numba.py"
 
 @pytest.fixture(autouse=True)
 def forgets():
-    """What is switched off is asked for once in each process."""
+    """Forget which touches are switched off: each process asks once."""
     yield
     inside_numba.switched_off.cache_clear()
     inside_numba.is_used.cache_clear()
@@ -37,7 +37,7 @@ def test_a_graph_that_is_compiled_in_the_plain_way_has_the_same_signal_hash(tmp_
         re.split(r" *\| *", line)[1:-1] for line in done.stdout.splitlines() if line.startswith("|")
     ]
     expected = ev_stack.run("shchur2019", duration=0.5).hash[:12]
-    assert [(way, shown, said) for way, _, _, shown, said in rows[2:]] == [
+    assert [(way, shown, verdict) for way, _, _, shown, verdict in rows[2:]] == [
         ("plain", expected, "same bits"),
         ("all touches", expected, "same bits"),
     ]
@@ -60,9 +60,9 @@ def test_a_touch_whose_names_are_gone_is_not_used(
     inside_numba.is_used.cache_clear()
     monkeypatch.setitem(inside_numba.TOUCHES, "stack", "core.cgutils:alloca_twice")
     assert not inside_numba.is_used("stack")
-    said = capsys.readouterr().err
+    output = capsys.readouterr().err
     assert re.fullmatch(
-        "numba is another one, so stack goes the plain way, .*alloca_twice.*\n", said
+        "numba is another one, so stack goes the plain way, .*alloca_twice.*\n", output
     )
 
 

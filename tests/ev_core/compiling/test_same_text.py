@@ -1,4 +1,4 @@
-"""What a text means in plain Python and not compiled, or the other way round, is refused before it is compiled."""
+"""A text that means one thing in plain Python and another compiled is refused beforehand."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ ACCEPTED = """
 
 
 def test_a_text_of_one_meaning_is_compiled(tmp_path):
-    """Loops that run, ways that return, and lists whose numbers are written in place."""
+    """Loops that run, ways that return, and lists with their numbers in place are compiled."""
     file = tmp_path / "my_law.py"
     file.write_text(f"{HEAD}{ACCEPTED}{TAIL}")
     assert compiled_part(configure("asr", {"method": str(file)})).state.size == 27
@@ -224,7 +224,7 @@ def _cases(bodies: st.SearchStrategy[list[str]]) -> st.SearchStrategy[str]:
 
 
 def _matched(cases: list[str]) -> str:
-    """A match statement, whose last case takes all if it has a 1 in it."""
+    """A match statement; its last case takes all if it has a 1 in it."""
     return "\n".join(["match next(way):", *_indented(cases)])
 
 
@@ -241,7 +241,7 @@ BODIES = st.recursive(
     ways=st.lists(st.lists(st.integers(0, 1), min_size=30, max_size=30), min_size=8, max_size=8),
 )
 def test_where_nothing_is_found_every_name_has_a_value(body, ways):
-    """On all ways through a function that are tried, plain Python raises no UnboundLocalError."""
+    """Plain Python raises no UnboundLocalError on any tried way through an accepted function."""
     text = "\n".join(["def function(way):", *_indented(body)])
     space: dict[str, Any] = dict.fromkeys("abc", 1) | {
         "rows": [1]

@@ -1,4 +1,4 @@
-"""What is compiled lies where only this user can put something, and is never loaded when it is damaged."""
+"""Compiled code lies where only this user can write, and is never loaded when it is damaged."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ print(signal_hash(run_offline(load_scenario("shchur2019").runs[0].configurations
 
 
 def folder(monkeypatch, **named: Path) -> Path:
-    """The cache folder where the environment says this, found anew."""
+    """The cache folder under this environment, looked up afresh."""
     for name in (user_cache.VARIABLE, "XDG_CACHE_HOME"):
         monkeypatch.setenv(name, "")  # what it is set to by the folder itself is taken back, too
         monkeypatch.delenv(name)
@@ -70,7 +70,7 @@ def test_it_is_the_users_own(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("mode", [0o770, 0o702, 0o777, 0o1777])
 def test_what_others_may_write_into_is_refused(tmp_path, monkeypatch, mode):
-    """In one line that names folder, mode and what is allowed."""
+    """One line names folder, mode and what is expected."""
     (tmp_path / "own").mkdir()
     (tmp_path / "own").chmod(mode)
     with pytest.raises(
@@ -120,8 +120,8 @@ def test_without_a_home_it_goes_with_the_process(tmp_path, monkeypatch, capsys):
     try:
         assert made.stat().st_mode & 0o777 == 0o700
         assert os.environ[user_cache.VARIABLE] == str(made)
-        said = f"{tmp_path}/file/.cache/ev_stack cannot be written: what is compiled is kept in {made} until this ends\n"
-        assert capsys.readouterr().err == said
+        message = f"{tmp_path}/file/.cache/ev_stack cannot be written: what is compiled is kept in {made} until this ends\n"
+        assert capsys.readouterr().err == message
     finally:
         made.rmdir()
         monkeypatch.delenv(user_cache.VARIABLE)
@@ -210,7 +210,7 @@ def test_the_fingerprint_changes_with_all_that_is_reached():
 
 
 def test_the_fingerprint_tells_apart_what_stands_side_by_side():
-    """Two numbers whose digits read the same in a row, what is in tuples, modules of modules, members, options."""
+    """Digits in a row, tuples, modules of modules, members and options differ."""
 
     def of(text: str, **names: object) -> str:
         exec(f"def law(x, y=A):\n    return {text}", names)
@@ -256,7 +256,7 @@ def test_the_fingerprint_tells_apart_what_stands_side_by_side():
 
 
 def test_the_fingerprint_knows_no_addresses():
-    """Of a decorator that an attribute of the law is named like it had one, so that each process compiled anew."""
+    """A decorator named like an attribute of the law adds no address of this process."""
     alive, found = [], set()
     for _ in range(3):
         names = {"mark": partial(lambda: None)}

@@ -1,4 +1,4 @@
-"""What the functions are measured by: arbitrary precision, and the compiler."""
+"""Measures of the elementary functions: arbitrary precision, and the compiler."""
 
 from __future__ import annotations
 

@@ -147,7 +147,7 @@ def test_error_of_sides_of_one_size(name):
 
 
 def test_remainders_are_those_of_python():
-    """Which are exact; halves, where the even multiple is taken, included."""
+    """Remainders are exact, also at halves, where the even multiple is taken."""
     finite = st.floats(allow_nan=False, allow_infinity=False)
 
     @given(finite, st.one_of(finite, st.sampled_from([2 * PI, PI, 1.0, 0.5, 0.3])).filter(bool))

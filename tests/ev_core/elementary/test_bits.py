@@ -63,5 +63,5 @@ def test_source_raises_nothing_to_a_power_while_it_computes(source):
 def test_import_is_cheap():
     """Small nodes import it: no compiler, no numpy."""
     code = "import sys, ev_core.elementary; print([n for n in ('numba', 'numpy', 'yaml') if n in sys.modules])"
-    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert said.stdout.strip() == "[]"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

@@ -1,4 +1,4 @@
-"""What mirrors a car mirrors its numbers to the last bit; functions that rise, rise."""
+"""Mirrored arguments give mirrored numbers to the last bit; functions that rise, rise."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ def multiples(x: float) -> float:
 
 @pytest.mark.slow
 def test_python_and_compiled_have_the_same_bits():
-    """Of all of them at once, and by four at a time: the loop over an array is what the compiler widens."""
+    """All functions at once, four numbers at a time: the compiler widens the loop over an array."""
     x = GENERATOR.uniform(0.0, 30.0, 20_001)
     out = np.empty_like(x)
     compiled(multiples, 1)(x, out)

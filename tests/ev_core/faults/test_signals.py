@@ -34,7 +34,10 @@ YAW, LEFT, RIGHT = (
 
 
 def struck(*texts: str, steps: int = 12, seed: int = 0, compiled: bool = False) -> np.ndarray:
-    """Frames whose numbers are their place plus a thousandth of the period, as faults of the plant leave them."""
+    """Frames behind the faults of the plant.
+
+    Each number is its place plus a thousandth of the period.
+    """
     frames = np.arange(frame.SIZE) + 1e-3 * np.arange(steps)[:, None]
     frames[:, frame.TIME] = PERIOD * np.arange(steps)
     frames[:, SINGLE] = frames[:, SINGLE].astype(np.float32)
@@ -50,7 +53,7 @@ def struck(*texts: str, steps: int = 12, seed: int = 0, compiled: bool = False) 
 
 
 def change(text: str, channel: str = YAW, **of: int) -> list[float]:
-    """What a fault makes of a number, above what it is without faults, rounded."""
+    """Difference of a number with a fault from that without, in each period, rounded."""
     return (struck(text, **of) - struck(**of))[:, PLACE[channel]].round(9).tolist()
 
 
@@ -97,7 +100,7 @@ OFF = [0.0]
 
 
 def test_values_between_begin_and_end():
-    """In the periods 3 to 5 and at no other number."""
+    """Periods 3 to 5 change, and no other number."""
     assert change("offset imu.yaw_rate 2 from 0.03 until 0.06") == OFF * 3 + [2.0] * 3 + OFF * 6
     assert change("offset imu.yaw_rate 2 from 0.03 until 0.06", RIGHT) == OFF * 12
     yaw, acceleration = (struck()[:, PLACE[name]] for name in (YAW, "imu.lateral_acceleration"))
@@ -124,7 +127,7 @@ def test_what_remembers():
 
 
 def test_chance_is_that_of_the_seed():
-    """Of 2000 periods a third is lost, within four standard deviations; the whole topic at once."""
+    """A third of 2000 periods is lost, within four standard deviations; the whole topic at once."""
     text = "lost imu 0.3333"
     one, two, other = (struck(text, steps=2000, seed=seed) for seed in (1, 1, 2))
     assert (one == two).all() and (one != other).any()

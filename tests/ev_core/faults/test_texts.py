@@ -1,4 +1,4 @@
-"""What a text says that declares a fault, and which ones are refused before a run."""
+"""Texts that declare a fault: their meaning, and those that are refused before a run."""
 
 from __future__ import annotations
 
@@ -97,8 +97,8 @@ def test_a_fault_as_short_as_a_period_strikes_once():
 def test_who_is_restarted_says_nothing_at_all():
     """A node that is killed cannot go on with some of its numbers, nor with another topic."""
     part = "restarted torque_command.drive.front_left"
-    said = "unknown topic of this node 'torque_command.drive.front_left'"
-    with pytest.raises(ParameterError, match=said):
+    message = "unknown topic of this node 'torque_command.drive.front_left'"
+    with pytest.raises(ParameterError, match=message):
         configure("asr", {"faults": [part]})
     asr = configure(
         "asr", {"method": "speed_corridor", "faults": ["restarted torque_command until 1"]}

@@ -72,7 +72,7 @@ def test_each_role_feels_its_faults():
 
 
 def test_a_restart_keeps_the_last_answer_and_then_forgets():
-    """From 0.5 s to 0.7 s nothing new is asked for; then the law's integral is that of its first step."""
+    """The request holds from 0.5 s to 0.7 s; then the law's integral is that of its first step."""
     asked = driven(3, "electronic_differential").channels["torque_request.drive.front_left"]
     sound = run_offline(dict(run({}).configurations), 1.0).channels[
         "torque_request.drive.front_left"

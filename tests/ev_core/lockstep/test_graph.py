@@ -157,7 +157,7 @@ def test_advance_counts_for_a_role_that_integrates(register):
         writes = (SteeringColumnState,)
 
         def step(self, command: WheelTorqueCommand):
-            """Not what a column is stepped by."""
+            """A method that no runner calls for a column."""
 
         def outputs(self) -> tuple[SteeringColumnState]:
             """Nothing."""

@@ -69,7 +69,7 @@ def test_a_law_that_integrates_needs_outputs():
     ("role", "name"), [(role, name) for role, named in all_methods().items() for name in named]
 )
 def test_objects_of_laws_have_the_same_hooks(role, name):
-    """What docs and hooks say of classes holds for laws as well: nodes treat both alike."""
+    """Objects of laws have the hooks of classes: nodes treat both alike."""
     law = all_methods()[role][name].law
     made = LawObject(law, build(law.parameters, {}), Vehicle(), 0.005)
     assert isinstance(made, Integrating if law.outputs else Answering)

@@ -1,4 +1,4 @@
-"""What the arguments of a law are: records of signals, choices, and truth values."""
+"""Arguments of a law: records of signals, choices, and truth values."""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""What a law declares: writes, parameters, state, notes; what does not fit is refused where it stands."""
+"""Declarations of a law: writes, parameters, state, notes.
+
+A wrong one is refused in its own line.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +30,7 @@ DECLARATIONS = {
 
 @pytest.mark.parametrize("declared", DECLARATIONS)
 def test_a_law_declares_what_its_role_may_do(declared, tmp_path):
-    """What would overwrite the plant's own signals offline, and be a stranger over DDS, is refused where it stands."""
+    """Signals of other roles are refused: they would overwrite the plant's, or be a stranger's."""
     file = tmp_path / "my_law.py"
     begin = FUNCTIONS.index('"mine"') + len('"mine"')
     end = FUNCTIONS.index(")\ndef mine")
@@ -132,8 +135,8 @@ def test_a_live_change_of_the_length_of_the_state_is_refused(compiled, before, a
         part_of(each, compiled)
         for each in (configuration, configuration.changed({"window": after}))
     ]
-    said = f"^window: a state of {before:g} numbers would have {after:g}, expected as many; .* declared read_only"
-    with pytest.raises(ParameterError, match=said):
+    message = f"^window: a state of {before:g} numbers would have {after:g}, expected as many; .* declared read_only"
+    with pytest.raises(ParameterError, match=message):
         hand_over(parts[0], parts[1], ["window"])
     assert not any(parts[1].state)
 
@@ -151,7 +154,7 @@ def test_the_check_finds_a_live_parameter_that_sets_the_length_of_the_state(tmp_
 
 
 def test_a_long_name_of_a_file_is_compiled(tmp_path):
-    """Of 225 characters, with which a name in the cache would be longer than a file system takes."""
+    """225 characters would make a name in the cache longer than a file system takes."""
     file = tmp_path / f"{'l' * 225}.py"
     file.write_text(STATELESS)
     frame = Frame()

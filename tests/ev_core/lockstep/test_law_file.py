@@ -51,7 +51,7 @@ def driven(file: Path, **how) -> ev_stack.Result:
 @pytest.mark.slow
 @pytest.mark.weekly
 def test_a_law_is_chosen_by_the_path_of_its_file_offline_and_over_dds(tmp_path):
-    """With its parameters; and a share of 1 is `off`, to the bit."""
+    """Its parameters come with it; a share of 1 is `off`, to the bit."""
     file = law_file(tmp_path)
     signals = driven(file, set={"asr.share": 0.25}).signals
     assert (
@@ -71,12 +71,17 @@ def test_a_law_is_chosen_by_the_path_of_its_file_offline_and_over_dds(tmp_path):
         f"asr={file}",
     ]
     words += ["--set", "asr.share=1", "--out", str(tmp_path / "out")]
-    said = subprocess.run(words, env=ENVIRONMENT, check=True, capture_output=True, text=True).stdout
-    assert f"signal hash {off}" in said
+    output = subprocess.run(
+        words, env=ENVIRONMENT, check=True, capture_output=True, text=True
+    ).stdout
+    assert f"signal hash {off}" in output
 
 
 def test_what_is_edited_acts_at_once(tmp_path):
-    """In the same process, though the name of file and law is as before; and the text before comes back."""
+    """An edit acts in the same process under the same names.
+
+    The text before gives its bits again.
+    """
     found = {}
     for share in ("0.5", "0.3", "0.5"):
         signals = driven(law_file(tmp_path, share=share)).signals
@@ -119,7 +124,7 @@ def test_it_keeps_the_contract_and_goes_to_other_processes(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ("x = 1\n", r'the file has no law of this node, marked @method\("asr", \.\.\.\)'),
         ("x = 1\nx = = 2\n", "line 2: SyntaxError: invalid syntax"),
@@ -131,10 +136,10 @@ def test_it_keeps_the_contract_and_goes_to_other_processes(tmp_path):
         ),
     ],
 )
-def test_a_mistake_in_the_file_is_one_line(tmp_path, text, said):
+def test_a_mistake_in_the_file_is_one_line(tmp_path, text, message):
     file = tmp_path / "my_law.py"
     file.write_text(text)
-    with pytest.raises(ParameterError, match=rf"^asr method {file}: {said}") as refused:
+    with pytest.raises(ParameterError, match=rf"^asr method {file}: {message}") as refused:
         find_method("asr", str(file))
     assert "\n" not in str(refused.value)
 
@@ -156,7 +161,7 @@ def test_what_is_not_there_is_refused(tmp_path):
 
 
 def test_the_check_refuses_what_another_c_library_rounds_otherwise(tmp_path):
-    """By module, by name and of numpy; the exact ones of math are none."""
+    """Functions are found by module, by name and in numpy; the exact ones of math pass."""
     for take, used in (
         ("import math", "math.tan"),
         ("from math import tan", "tan"),

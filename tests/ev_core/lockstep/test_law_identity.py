@@ -1,4 +1,4 @@
-"""Which law a name means: a name is taken once, and a configuration keeps its law whatever its file has become."""
+"""A name is taken by one law, and a configuration keeps its law whatever its file becomes."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def registered(monkeypatch: pytest.MonkeyPatch):
 
 
 def run(text: str, name: str = "somebodys_laws") -> None:
-    """What a module or a cell of a notebook does that has this text."""
+    """Execute a text as a module or a cell of a notebook."""
     module = ModuleType(name)
     sys.modules[name] = module
     try:
@@ -72,7 +72,7 @@ def run(text: str, name: str = "somebodys_laws") -> None:
 def test_the_name_of_a_law_of_ours_is_taken(
     registered, is_loaded: bool, monkeypatch: pytest.MonkeyPatch
 ):
-    """Whether our laws of the role are imported by then or not; ours stays."""
+    """Our law keeps its name, imported by then or not."""
     ours = methods_of("asr")["pi_slip"]
     if not is_loaded:
         del registered["asr"]

@@ -58,7 +58,7 @@ def test_whatever_an_author_raises_is_one_line(hook, fault):
 
 @pytest.mark.parametrize("form", FORMS)
 def test_a_law_without_a_mistake_is_driven(form, tmp_path):
-    """What the property above breaks is in order otherwise."""
+    """The law of the property above drives without its mistakes."""
     file = tmp_path / "my_law.py"
     file.write_text(HEAD + FORMS[form])
     driven(file, form == "compiled")
@@ -82,8 +82,8 @@ def test_an_answer_in_another_shape_than_the_signal_is_refused(answer, tmp_path)
     file = tmp_path / "my_law.py"
     right = "return WheelTorqueCommand(request.drive, request.brake)"
     file.write_text(HEAD + FUNCTIONS.replace(right, answer))
-    said = rf"^at 0 s: {file}, line \d+: asr law mine: mine {ANSWERS[answer]}"
-    with pytest.raises(LawError, match=said):
+    message = rf"^at 0 s: {file}, line \d+: asr law mine: mine {ANSWERS[answer]}"
+    with pytest.raises(LawError, match=message):
         driven(file, compiled=False)
     with pytest.raises(ContractError, match=f"asr law mine: mine {ANSWERS[answer]}"):
         check_method("asr", str(file))
@@ -120,10 +120,10 @@ RESULTS = {
 
 @pytest.mark.parametrize("right", RESULTS)
 def test_a_hook_that_gives_something_else_is_refused(right, tmp_path):
-    hook, wrong, said = RESULTS[right]
+    hook, wrong, message = RESULTS[right]
     file = tmp_path / "my_law.py"
     file.write_text(HEAD + COMPILED.replace(right, wrong))
-    with pytest.raises(LawError, match=rf"^{file}, line \d+: asr law mine: .*{said}") as refused:
+    with pytest.raises(LawError, match=rf"^{file}, line \d+: asr law mine: .*{message}") as refused:
         driven(file, compiled=True)
     if hook != "need":  # its line is that of the law
         begin = next(
@@ -188,7 +188,7 @@ def test_a_restart_of_a_class_without_a_setter_is_one_line(tmp_path):
 
 
 def test_an_error_of_a_law_goes_to_other_processes(tmp_path):
-    """As the workers of a study send it."""
+    """The error survives pickling, as the workers of a study send it."""
     file = tmp_path / "my_law.py"
     file.write_text(HEAD + FUNCTIONS.replace("pass  # step", "1.0 / 0.0"))
     with pytest.raises(LawError) as refused:

@@ -205,7 +205,7 @@ def test_resets_and_changes_at_any_time_end_in_a_fresh_run_with_the_same_values(
 @settings(max_examples=40)
 @given(graphs(), st.sampled_from(OTHERS), st.integers(0, 2**32), faults, st.integers(0, 400))
 def test_a_restarted_node_lets_the_run_go_on(configurations, role, seed, faults, turns):
-    """It joins at the present instant, without a gap from there on, and nobody else steps twice or not at all."""
+    """It joins at the present instant, without a gap from there on; each other node steps once."""
     network = FakeNetwork(configurations, 10, seed, faults)
     network.begin()
     play(network, turns)
@@ -261,12 +261,12 @@ def fill(box: Inbox, stamp: int) -> None:
 
 
 def say(box: Inbox, kind: type, stamp: int, number: float = 0.0) -> Arrival:
-    """Offer a message, whose first number this is, as a node does."""
+    """Offer a message with this first number, as a node does."""
     return box.offer(kind, stamp, [number, *[0.0] * (shape_of(kind).size - 1)])
 
 
-def said(box: Inbox, stamp: int) -> list[float]:
-    """The first number of each input of a step, which is taken."""
+def first_numbers(box: Inbox, stamp: int) -> list[float]:
+    """Take a step and return the first number of each input."""
     here = box.take(stamp)
     return [here.numbers[PLACES[kind].start] for kind in box.reads]
 
@@ -277,7 +277,7 @@ def test_a_step_is_complete_when_every_input_is_there():
     assert box.complete() is None
     assert say(box, DriverCommand, 0, 2.0) is Arrival.NEW
     assert box.complete() == 0
-    assert said(box, 0) == [2.0, 1.0]
+    assert first_numbers(box, 0) == [2.0, 1.0]
     assert box.complete() is None
 
 
@@ -286,7 +286,7 @@ def test_the_first_of_two_messages_of_one_stamp_counts():
     box = inbox((DriverCommand,))
     assert say(box, DriverCommand, 0, 1.0) is Arrival.NEW
     assert say(box, DriverCommand, 0, 2.0) is Arrival.REPEATED
-    assert said(box, 0) == [1.0]
+    assert first_numbers(box, 0) == [1.0]
     assert say(box, DriverCommand, 0, 3.0) is Arrival.REPEATED
 
 
@@ -321,7 +321,7 @@ def test_what_a_stamp_means_after_the_step_five(stamp, arrival):
 
 
 def test_only_a_herald_begins_a_new_run():
-    """Who integrates repeats its last two answers, so its stamp zero may be a late repetition."""
+    """Integrating nodes repeat their last two answers: stamp zero may be a late repetition."""
     box = Inbox(Inputs((DriverCommand, SteeringColumnState), PERIOD, frozenset({DriverCommand})))
     fill(box, PERIOD)
     box.take(PERIOD)
@@ -337,7 +337,7 @@ def test_refused_messages_are_not_kept():
     for stamp in (1, PERIOD, PERIOD + 1, 4 * PERIOD):
         assert say(box, WheelStates, stamp) is not Arrival.NEW
     fill(box, 2 * PERIOD)
-    assert said(box, 2 * PERIOD) == [2 * PERIOD, 2 * PERIOD + 1]
+    assert first_numbers(box, 2 * PERIOD) == [2 * PERIOD, 2 * PERIOD + 1]
     fill(box, 3 * PERIOD)
     box.take(3 * PERIOD)
     assert box.missing() == box.reads  # nothing of the step 4
@@ -346,7 +346,8 @@ def test_refused_messages_are_not_kept():
 def test_no_step_is_left_out_in_lockstep():
     """A complete step waits for the one before it: leaving that out would be another run.
 
-    Who speaks before this node in the step has left one out if its period is another one, or ours.
+    A node that speaks before this one in the step has left one out if its period is another one, or
+    ours.
     """
     box = Inbox(Inputs((DriverCommand, SteeringColumnState), PERIOD, frozenset({DriverCommand})))
     fill(box, 0)
@@ -364,7 +365,7 @@ def test_no_step_is_left_out_in_lockstep():
 @pytest.mark.parametrize("times", [0.5, 2.0, 1.0 / 3.0])
 @pytest.mark.parametrize("role", REQUIRED)
 def test_a_node_with_another_period_is_found_wherever_it_stands(role, times):
-    """One with half of the graph's waited for a step that never came, and nobody said so."""
+    """A node with another period leaves a gap that its readers see, within one step."""
     configurations = dict(load_scenario("double_lane_change").runs[0].configurations)
     configurations[role] = configurations[role].changed({"control_period": 0.01 * times})
     network = FakeNetwork(configurations, 10)
@@ -421,7 +422,7 @@ def test_what_is_missing_is_what_has_not_come(messages, followed):
 
 
 def test_a_followed_input_must_have_gone_on():
-    """The master waits until who integrates has taken the step, for nobody would repeat its inputs later."""
+    """The master waits for integrating nodes: its inputs are not repeated later."""
     box = inbox(followed=frozenset({WheelStates}))
     box.expect(0)
     fill(box, 0)
@@ -444,7 +445,7 @@ def test_realtime_takes_the_newest_complete_step_and_forgets_the_older():
 
 @pytest.fixture(scope="module")
 def compiled_inbox() -> Callable[[int, Steps, np.ndarray, np.ndarray], list[int]]:
-    """What the protocol, compiled, makes of messages: of each what it is, and the inputs that are missing then."""
+    """Run the compiled protocol: arrival of each message, and the inputs missing then."""
 
     @njit(error_model="numpy")
     def taken(steps, stamps, inputs):
@@ -502,7 +503,7 @@ def feed(stepper: WatchedStepper, stamp: int, *kinds: type) -> list:
     return answers
 
 
-def numbers_said(answers: list) -> list:
+def numbers_of(answers: list) -> list:
     """Stamps and bytes of answers."""
     return [(answer.stamp, answer.frame.numbers.tobytes()) for answer in answers]
 
@@ -538,7 +539,7 @@ def test_a_late_message_after_a_reset_says_nothing_about_the_new_run():
 
 
 def test_a_joining_column_stands_still_until_it_can_step():
-    """It has missed the driver's command of the instant at which it joined, and nobody will repeat that later."""
+    """It has missed the driver's command of its first instant, which is not repeated later."""
     stepper = WatchedStepper(toy("steering_column", (DriverCommand, WheelStates)))
     answers = feed(stepper, 7 * PERIOD, WheelStates) + feed(stepper, 8 * PERIOD, WheelStates)
     assert [answer.stamp for answer in answers] == [7 * PERIOD, 8 * PERIOD]
@@ -548,10 +549,10 @@ def test_a_joining_column_stands_still_until_it_can_step():
 
 def test_stamp_zero_makes_a_new_object():
     stepper = WatchedStepper(toy("driver", (BodyVelocity,)))
-    first = numbers_said(feed(stepper, 0))
+    first = numbers_of(feed(stepper, 0))
     feed(stepper, PERIOD)
     feed(stepper, 2 * PERIOD)
-    assert numbers_said(feed(stepper, 0)) == first
+    assert numbers_of(feed(stepper, 0)) == first
 
 
 def test_repetitions_go_down_the_graph_only():
@@ -575,7 +576,7 @@ def test_realtime_holds_the_inputs_over_steps_that_were_left_out():
     after = feed(skipping, 3 * PERIOD)
     for stamp in range(0, 4 * PERIOD, PERIOD):
         expected = feed(steady, stamp)
-    assert numbers_said(after[-1:]) == numbers_said(expected[-1:])
+    assert numbers_of(after[-1:]) == numbers_of(expected[-1:])
     assert after[-1].stamp == 4 * PERIOD
 
 
@@ -590,7 +591,11 @@ def test_realtime_holds_an_input_that_is_lost_and_goes_on():
 
 @pytest.mark.parametrize("lost", [DriverCommand, WheelStates])
 def test_realtime_answers_to_nobody_who_is_gone(lost):
-    """Else his last torque would be said for ever, each time as a new one, and never be too old for the plant."""
+    """An input is held for a while only.
+
+    Else its last torque would be repeated for ever, each time as a new one, and never be too old
+    for the plant.
+    """
     reads = (DriverCommand, WheelStates, SteeringColumnState)
     stepper = WatchedStepper(toy("electronic_differential", reads), may_skip=True)
     others = [kind for kind in reads if kind is not lost]

@@ -1,4 +1,4 @@
-"""What the compiler has made once: loaded without it, with the same bits, and not kept for ever."""
+"""Compiled code is loaded without the compiler, with the same bits, and not kept for ever."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def stepped(role: str, method: str, compiled: bool) -> str:
 
 @pytest.mark.slow
 def test_code_is_loaded_without_the_compiler_and_gives_the_bits_of_plain_python():
-    """As a node of a light law does, which would start a second later if it loaded numba."""
+    """The node of a light law does without numba, which takes a second to load."""
     for role, method in LAWS:
         stepped(role, method, compiled=True)  # makes it, if nobody has
     calls = "".join(f"print(stepped({role!r}, {method!r}, True))\n" for role, method in LAWS)
@@ -56,16 +56,16 @@ def test_code_is_loaded_without_the_compiler_and_gives_the_bits_of_plain_python(
     done = subprocess.run(
         [sys.executable, "-c", text], capture_output=True, text=True, check=True, env={**os.environ}
     )
-    said = done.stdout.splitlines()
-    for line, (role, method) in zip(said, LAWS, strict=False):
+    lines = done.stdout.splitlines()
+    for line, (role, method) in zip(lines, LAWS, strict=False):
         kind, *numbers = line.split()
         assert kind == CompiledPart.__name__
         assert numbers == stepped(role, method, compiled=False).split()[1:]
-    assert said[len(LAWS) :] == ["True", "True", "False"]
+    assert lines[len(LAWS) :] == ["True", "True", "False"]
 
 
 def test_only_the_newest_texts_of_a_name_are_kept(tmp_path, monkeypatch):
-    """With all that was compiled of a text; other names, one of which begins alike, are left alone."""
+    """All code of a text goes together; other names stay, also one that begins alike."""
     monkeypatch.setattr(code_store, "cache_folder", lambda: tmp_path)
     for n in range(10):
         for name in ("off", "off_asr"):
@@ -82,7 +82,10 @@ def test_only_the_newest_texts_of_a_name_are_kept(tmp_path, monkeypatch):
 
 
 def test_all_methods_can_be_compiled_beforehand():
-    """With the vehicle and the period that the command takes; what it leaves out would be compiled by the first run."""
+    """The command compiles each with its vehicle and period.
+
+    The rest would fall to the first run.
+    """
     laws = [
         method for of_role in all_methods().values() for method in of_role.values() if method.law
     ]
@@ -93,15 +96,15 @@ def test_all_methods_can_be_compiled_beforehand():
 
 
 @pytest.mark.parametrize(
-    ("name", "said"),
+    ("name", "message"),
     [
         ("asr=nix", "unknown asr method 'nix'"),
         ("engine=off", "unknown node 'engine'; known: asr"),
         ("nowhere", "unknown scenario 'nowhere'"),
     ],
 )
-def test_what_cannot_be_compiled_is_one_line(name, said, capsys):
-    with pytest.raises(SystemExit, match=f"^error: {said}"):
+def test_what_cannot_be_compiled_is_one_line(name, message, capsys):
+    with pytest.raises(SystemExit, match=f"^error: {message}"):
         compiling.main([name])
     assert capsys.readouterr().err == ""
 

@@ -36,15 +36,15 @@ def offer(monkeypatch):
 
 
 def test_two_packages_do_not_share_a_name(offer):
-    """Which of them a run would get hangs on the order of folders."""
+    """The order of folders must not decide which of them a run gets."""
     offer("coast_down", "ev_stack.manoeuvres.coast_down")  # the same one, installed twice
     assert report_for("coast_down")
     assert (
         offered_module(GROUP, "report", "coast_down").__name__ == "ev_stack.manoeuvres.coast_down"
     )
     offer("coast_down", "somebody.report")
-    said = r"^ev_stack\.reports 'coast_down' is offered by ev_stack\S+ and by somebody\.report, expected one$"
-    with pytest.raises(ParameterError, match=said):
+    message = r"^ev_stack\.reports 'coast_down' is offered by ev_stack\S+ and by somebody\.report, expected one$"
+    with pytest.raises(ParameterError, match=message):
         report_for("coast_down")
 
 

@@ -103,11 +103,11 @@ WRONG = {
 
 @pytest.mark.parametrize("name", WRONG)
 def test_what_is_no_series_of_instants_is_refused(recorded, tmp_path, name):
-    column, change, said = WRONG[name]
+    column, change, message = WRONG[name]
     arrays = {
         key: change(each) if column in (None, key) else each
         for key, each in arrays_of(recorded).items()
     }
-    with pytest.raises(ParameterError, match=rf"driver method .*mine\.npz: .*{said}") as refused:
+    with pytest.raises(ParameterError, match=rf"driver method .*mine\.npz: .*{message}") as refused:
         played(tmp_path, arrays)
     assert "\n" not in str(refused.value)

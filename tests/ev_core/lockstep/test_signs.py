@@ -1,4 +1,4 @@
-"""What a field declares as never negative, such as a brake torque, is so for all readers, wherever it comes from."""
+"""A field declared as never negative is so for all readers, wherever it comes from."""
 
 from __future__ import annotations
 
@@ -125,7 +125,10 @@ def stepped(folder: Path, role: str, form: str, number: float) -> tuple[Any, Fra
 @settings(deadline=None, max_examples=200)
 @given(role=st.sampled_from([*ROLES]), form=st.sampled_from(FORMS), number=NUMBERS)
 def test_no_law_gives_a_negative_brake_torque(folder, role, form, number):
-    """What rounding leaves is 0, all else is refused with signal, field and value; other numbers keep their bits."""
+    """Leftovers of rounding are 0, lower values are refused with signal, field and value.
+
+    Other numbers keep their bits.
+    """
     signal, _, field, channel = ROLES[role]
     if number < -NEGLIGIBLE:
         with pytest.raises(SignalError) as refused:
@@ -150,8 +153,8 @@ WAYS: dict[str, Callable[..., Any]] = {
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("way", WAYS)
 def test_a_run_ends_in_one_line(folder, form, way):
-    said = r"WheelTorqueCommand\.brake\.rear_left is -3\.0, expected 0 or more$"
-    with pytest.raises(SignalError, match=said):
+    message = r"WheelTorqueCommand\.brake\.rear_left is -3\.0, expected 0 or more$"
+    with pytest.raises(SignalError, match=message):
         WAYS[way](f"{law_file(folder, 'asr')}:{form}")
 
 

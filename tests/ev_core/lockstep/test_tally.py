@@ -1,4 +1,4 @@
-"""What nodes take and say, added up: the sum is the one of the definition, and whoever changes a number changes it."""
+"""Sums over what nodes take and send are those of the definition; changed numbers show."""
 
 from __future__ import annotations
 

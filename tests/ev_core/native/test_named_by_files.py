@@ -34,7 +34,7 @@ def library(tmp_path) -> Path:
     return made
 
 
-def said_by_node(*words: object) -> tuple[int, str]:
+def output_of_node(*words: object) -> tuple[int, str]:
     """Exit status and last line of the asr's node."""
     node = [*command("asr"), "--ros-args", *map(str, words)]
     done = subprocess.run(node, capture_output=True, text=True)
@@ -43,7 +43,7 @@ def said_by_node(*words: object) -> tuple[int, str]:
 
 @pytest.mark.parametrize("what", ["scenario", "parameters", "beside a recording"])
 def test_no_file_has_a_library_loaded(library, tmp_path, what):
-    """Its constructor ran before somebody could see that it has no law."""
+    """A library named by a file is refused before its constructor runs."""
     file = tmp_path / "own.yaml"
     file.write_text(ASR.format(library).replace("**", "ev"))
     refused = rf"\.yaml: parameter method: '{library}' is refused, expected from a file a name: .*--method asr="
@@ -76,12 +76,15 @@ def test_a_node_takes_it_from_its_command_line_only(library, tmp_path):
     file = tmp_path / "own.yaml"
     file.write_text(ASR.format(library))
     for words in (("--params-file", file), ("--params-file", file, "-p", f"method:={library}.so")):
-        status, said = said_by_node(*words)
+        status, output = output_of_node(*words)
         assert status == 1
-        assert f"method {library}.so" in said or "is refused, expected from a file a name: " in said
+        assert (
+            f"method {library}.so" in output
+            or "is refused, expected from a file a name: " in output
+        )
     assert not (tmp_path / "ran").exists()
     for word in (f"method:={library}", f'asr:method:="{library}"'):
-        status, said = said_by_node("--params-file", file, "-p", word)
+        status, output = output_of_node("--params-file", file, "-p", word)
         assert status == 1
-        assert said.startswith(f"asr: asr method {library}: it has no ev_asr, ")
+        assert output.startswith(f"asr: asr method {library}: it has no ev_asr, ")
         (tmp_path / "ran").unlink()

@@ -125,7 +125,7 @@ def test_a_start_and_the_parameters_that_a_library_declares(refused):
 
 
 @pytest.mark.parametrize(
-    ("define", "said"),
+    ("define", "message"),
     [
         (
             "NEWER=1",
@@ -151,13 +151,13 @@ def test_a_start_and_the_parameters_that_a_library_declares(refused):
         ),
     ],
 )
-def test_a_library_that_does_not_fit_is_refused_when_it_is_loaded(refused, define, said):
-    with pytest.raises(ParameterError, match=f"^{said}"):
+def test_a_library_that_does_not_fit_is_refused_when_it_is_loaded(refused, define, message):
+    with pytest.raises(ParameterError, match=f"^{message}"):
         configure("asr", {"method": refused(define)})
 
 
 @pytest.mark.parametrize(
-    ("define", "said"),
+    ("define", "message"),
     [
         (
             "ANSWER=NAN",
@@ -170,8 +170,8 @@ def test_a_library_that_does_not_fit_is_refused_when_it_is_loaded(refused, defin
         ("STATUS=3", r"at 0\.03 s: asr: \S+: step returned 3, expected 0$"),
     ],
 )
-def test_what_a_library_must_not_answer_ends_the_run_in_one_line(refused, define, said):
-    with pytest.raises(SignalError, match=f"^{said}"):
+def test_what_a_library_must_not_answer_ends_the_run_in_one_line(refused, define, message):
+    with pytest.raises(SignalError, match=f"^{message}"):
         ev_stack.run("double_lane_change", method={"asr": refused(define)}, duration=0.1)
 
 

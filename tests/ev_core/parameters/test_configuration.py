@@ -1,4 +1,4 @@
-"""What a node is told: one resolution of names and values for the node and for the offline runner."""
+"""One resolution of names and values for the node and for the offline runner."""
 
 from __future__ import annotations
 
@@ -145,7 +145,7 @@ def test_a_refused_change_changes_nothing(values):
 
 
 def test_a_profile_file_is_read_once(tmp_path):
-    """What the node shows afterwards are the points; the file may be gone when a parameter is set later."""
+    """The node shows its points afterwards; the file may be gone when a parameter is set later."""
     file = tmp_path / "cycle.csv"
     file.write_text("t_s,v_mps\n0,1\n2,3\n")
     found = configure("driver", {"speed_profile.file": str(file)})
@@ -181,7 +181,7 @@ def test_a_graph_of_defaults_fits_together():
     ],
 )
 def test_nodes_that_differ_in_what_they_share_are_refused(name, value, other):
-    """Only what differs is shown, and who says what."""
+    """The line lists the value of each node, for the names that differ only."""
     text = refused_graph(graph(asr={name: value}))
     assert text == (
         f"{name} differs between nodes: plant {other}, steering_column {other}, driver {other}, "
@@ -194,7 +194,10 @@ def test_seeds_may_differ():
 
 
 def test_a_signal_that_no_chosen_method_writes_is_refused():
-    """A plant model writes what it can know; whoever reads more would wait for ever. Also if it only has to hear it."""
+    """A plant model writes what it can know.
+
+    A reader of more would wait for ever. An input that only has to arrive counts, too.
+    """
     configurations = toy_graph(driver=(SteeringColumnState,), rear_steering=(TireForces,))
     plant = configurations["plant"]
 
@@ -238,8 +241,8 @@ def test_a_driver_that_requires_an_imposed_speed_is_refused_with_a_free_one():
 def test_a_law_with_a_parameter_of_every_node_is_refused_when_it_is_registered(name):
     """`seed` never reached the law, `mode` and `faults` were two in one."""
     own = make_dataclass("Own", [(name, float, parameter(1.0, unit="1", about="own"))], frozen=True)
-    said = f"^asr method own: parameter {name} is refused: every node has one of this name, take another$"
-    with pytest.raises(TypeError, match=said):
+    message = f"^asr method own: parameter {name} is refused: every node has one of this name, take another$"
+    with pytest.raises(TypeError, match=message):
         method("asr", "own", parameters=own)(lambda p: None)
     assert "own" not in methods_of("asr")
 

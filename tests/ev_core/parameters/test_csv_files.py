@@ -120,7 +120,7 @@ def test_the_plant_opens_no_files(tmp_path):
 
 
 def test_the_example_map_is_that_of_the_loss_model():
-    """As its header says; it is written with four digits."""
+    """Its header names the model; the numbers have four digits."""
     motor = class_b(map_file="efficiency_maps/yasa_400.csv").motor
     efficiency = iter(motor.map_efficiency)
     for speed in motor.map_speed:

@@ -60,7 +60,7 @@ WRONG: dict[str, tuple[Callable[[Path, int], object], str]] = {
 
 @contextmanager
 def little_memory(more: int = 512 * 2**20):
-    """What takes more than that within the block ends in a MemoryError."""
+    """Leave so much memory that a larger read within the block is a MemoryError."""
     before = resource.getrlimit(resource.RLIMIT_AS)
     used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (used + more, before[1]))
@@ -73,16 +73,16 @@ def little_memory(more: int = 512 * 2**20):
 @pytest.mark.parametrize("wrong", WRONG)
 @pytest.mark.parametrize("kind", READERS)
 def test_only_a_regular_file_of_bounded_size_is_read(tmp_path, kind, wrong):
-    """/dev/zero as a cycle never ended, nor did a pipe to which nobody writes."""
+    """/dev/zero has no end, and a pipe without a writer gives none: both are refused."""
     (name, most, read), (make, what) = READERS[kind], WRONG[wrong]
     make(tmp_path / name, most)
     with little_memory(), pytest.raises(REFUSED) as refused:
         read(tmp_path / name)
-    said = str(refused.value)
+    message = str(refused.value)
     expected = f"{what}, expected a regular file of at most {most // 2**20} MB|no such bag|is no recorded run"
-    assert re.search(expected, said), said
-    assert str(tmp_path) in said
-    assert "\n" not in said
+    assert re.search(expected, message), message
+    assert str(tmp_path) in message
+    assert "\n" not in message
 
 
 SECRET = "root:$6$salt$hash:19000:0:99999:7:::\n"
@@ -198,8 +198,8 @@ def test_a_path_in_a_file_does_not_lead_out(tmp_path, elsewhere, node, name, fil
         value = f"./link{Path(file).suffix}"
         Path(value).symlink_to(elsewhere / file)
     own = scenario_with(tmp_path / "scenarios", node, name, value)
-    said = rf"{re.escape(repr(value))} is refused, allowed in \S+own.yaml is a file "
-    with pytest.raises(ParameterError, match=said):
+    message = rf"{re.escape(repr(value))} is refused, allowed in \S+own.yaml is a file "
+    with pytest.raises(ParameterError, match=message):
         load_scenario(str(own))
 
 
@@ -222,7 +222,7 @@ def test_the_same_path_on_the_command_line_and_below_the_file_is_read(
     not Path("/proc/self/pagemap").exists(), reason="no file here has more than it says"
 )
 def test_a_file_that_has_no_end_is_one_line():
-    """In /proc files are regular and say that they are empty."""
+    """Files in /proc are regular, of size 0, and have contents."""
     with (
         little_memory(),
         pytest.raises(

@@ -155,7 +155,7 @@ def test_a_missing_file_is_named(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ("a: [1, 2\nb: 3\n", "not readable as YAML in line 2"),
         ("a: 1\nb: }\n", "not readable as YAML in line 2"),
@@ -179,8 +179,8 @@ def test_a_missing_file_is_named(tmp_path):
         ("a: " + "[" * 1_000_000, "not readable as YAML"),
     ],
 )
-def test_what_is_no_parameter_file_is_one_line(file, text, said):
-    assert refused(file(text)).startswith(said)
+def test_what_is_no_parameter_file_is_one_line(file, text, message):
+    assert refused(file(text)).startswith(message)
 
 
 @pytest.mark.parametrize("text", ["1:30", "-1:30:00", "1:30.5", "!!int 1:30", "1" + ":1" * 300_000])

@@ -19,7 +19,7 @@ from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 
 @dataclass(frozen=True, slots=True)
 class Inner:
-    """A group whose parameters stand in a relation."""
+    """A group with a relation between its parameters."""
 
     low: float = parameter(1.0, unit="N m", low=0.0, high=10.0, about="lower limit")
     high: float = parameter(2.0, unit="N m", low=0.0, high=10.0, about="upper limit")

@@ -1,4 +1,4 @@
-"""What parameters have to be to each other holds when a node starts and when it is changed live, alike."""
+"""Relations between parameters hold when a node starts and when one is changed live, alike."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ BASES: dict[tuple[str, str], tuple[dict[str, Any], Configuration]] = {}
 
 
 def base_of(role: str, name: str) -> tuple[dict[str, Any], Configuration]:
-    """What a method is told at least, and its configuration."""
+    """Return the least settings of a method, and its configuration."""
     if (role, name) not in BASES:
         for car in CARS:
             try:
@@ -71,7 +71,7 @@ def groups_of(configuration: Configuration) -> list[tuple[Entry, ...]]:
 
 
 def values_of(entry: Entry) -> st.SearchStrategy[Any]:
-    """What is allowed by itself, often at an end of the range."""
+    """Values that are allowed by themselves, often at an end of the range."""
     spec, default = (
         entry.spec,
         entry.default[0] if entry.is_array and entry.default else entry.default,
@@ -117,13 +117,13 @@ def test_what_a_start_refuses_a_live_change_refuses_with_the_same_words(method, 
 
 @pytest.mark.parametrize(("timeout", "period"), [(0.001, 0.01), (0.02, 0.01), (0.1, 0.05)])
 def test_a_command_is_not_given_up_within_two_periods(timeout, period):
-    """In real time: it was refused at the start and accepted live, and no torque acted any more."""
+    """Real time refuses it at the start and live: no torque would act any more."""
     clock = {"mode": "realtime", "control_period": period}
     allowed = f"more than two control periods, {2 * period:g} s"
-    said = f"^parameter command_timeout: {timeout:g} is refused, expected {allowed}$"
-    with pytest.raises(ParameterError, match=said):
+    message = f"^parameter command_timeout: {timeout:g} is refused, expected {allowed}$"
+    with pytest.raises(ParameterError, match=message):
         configure(MASTER, {**clock, "command_timeout": timeout}, MasterParameters)
-    with pytest.raises(ParameterError, match=said):
+    with pytest.raises(ParameterError, match=message):
         configure(MASTER, {**clock, "command_timeout": 1.0}, MasterParameters).changed(
             {"command_timeout": timeout}
         )
@@ -138,7 +138,7 @@ def test_a_command_is_not_given_up_within_two_periods(timeout, period):
 @example(0.01, 0.2, 0.1)
 @example(0.045, 0.02, 0.1)
 def test_the_torque_of_a_command_that_has_just_come_does_not_fade(period, ramp, timeout):
-    """At the end of the step that holds it a command in time is not yet two periods old; to a nanosecond."""
+    """A command in time is under two periods old at the end of its step; to a nanosecond."""
     clock = {
         "mode": "realtime",
         "control_period": period,

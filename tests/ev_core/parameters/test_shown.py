@@ -1,4 +1,4 @@
-"""What comes from outside is shown on one line, in so many characters at most, and no terminal obeys it."""
+"""Text from outside is shown on one line of limited length, and no terminal obeys it."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ def test_a_number_in_another_unit(text, unit, number):
 
 
 def test_units_are_read_where_values_are_given():
-    """In files, on the command line and from Python: all go through the same check, and ranges hold behind it."""
+    """Files, command line and Python share one check, and ranges hold behind it."""
     assert build(Vehicle, {"mass": "1.4 t", "wheelbase": "2405 mm"}) == Vehicle(
         mass=1400.0, wheelbase=2.405
     )
@@ -54,8 +54,8 @@ def test_units_are_read_where_values_are_given():
     assert found["driver"].parameters.speed_profile.speed == (5.0,)
     with pytest.raises(ParameterError) as error:
         build(Vehicle, {"mass": "1400 lb"})
-    said = "parameter mass: '1400 lb' is refused, expected a number, 50 to 60000 kg, or a text of a number and one of "
-    assert str(error.value) == f"{said}kg, t, g"
+    message = "parameter mass: '1400 lb' is refused, expected a number, 50 to 60000 kg, or a text of a number and one of "
+    assert str(error.value) == f"{message}kg, t, g"
     with pytest.raises(
         ParameterError, match=r"^parameter mass: 0.02 is refused, expected 50 to 60000 kg$"
     ):
@@ -67,7 +67,7 @@ def test_no_unit_is_accepted_for_itself_with_a_factor():
 
 
 def errors(value: Any, by: dict[str, Any], where: str = "") -> list[str]:
-    """What a value breaks of the keywords that our schema uses."""
+    """List the keywords of our schema that a value breaks."""
     if by is True or "$ref" in by:
         return (
             []
@@ -119,7 +119,7 @@ def test_our_own_files_keep_the_schema(kind):
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ("/**/driver: {ros__parameters: {sed: 1}}", "./**/driver.ros__parameters.sed is unknown"),
         ("/**/driver: {ros__parameters: {seed: -1}}", "./**/driver.ros__parameters.seed: -1"),
@@ -129,6 +129,6 @@ def test_our_own_files_keep_the_schema(kind):
         ("/**/scenario: {ros__parameters: {vehcle: x}}", "vehcle is unknown"),
     ],
 )
-def test_the_schema_finds_what_the_stack_would_refuse(text, said):
+def test_the_schema_finds_what_the_stack_would_refuse(text, message):
     (found,) = errors(read_yaml(text), SCHEMA)
-    assert said in found
+    assert message in found

@@ -12,7 +12,7 @@ from ev_core.law import entry, memory_type, part, working_memory
 
 @pytest.mark.parametrize("name", ["size", "real", "imag", "mean", "dtype", "T"])
 def test_a_name_of_numpys_own_is_refused(name):
-    """In plain Python the attribute of a record would be numpy's; in a record within, too."""
+    """Plain Python would find numpy's attribute of a record instead, also in a record within."""
     inner = make_dataclass("Inner", [(name, float, entry(unit="1"))], slots=True)
     with pytest.raises(
         TypeError, match=rf"^Inner\.{name}: the name is one of numpy's own, expected another one"

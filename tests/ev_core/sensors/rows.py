@@ -29,7 +29,7 @@ def sensors(errors: Mapping[str, Mapping[str, float]]) -> Any:
 def shown(
     true: np.ndarray, seed: int = 0, name: str = "imu_yaw_rate", **errors: float
 ) -> np.ndarray:
-    """What the sensor of a quantity shows of rows of its numbers, or of single ones if they are (n,)."""
+    """Show rows of numbers by the sensor of a quantity; single numbers if they are (n,)."""
     places = list(quantity_named(name).places)[: 1 if true.ndim == 1 else None]
     row = SensorRow(sensors({name: errors}), seed)
     got = np.empty_like(true)

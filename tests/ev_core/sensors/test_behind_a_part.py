@@ -1,4 +1,4 @@
-"""Sensors behind the part whose numbers they change."""
+"""Sensors that change numbers of the part before them."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ PLANT = [quantity.name for quantity in QUANTITIES if quantity.signal in ROLES["p
 
 
 def frames(role: str, method: str, errors: dict[str, float], steps: int = 0) -> np.ndarray:
-    """What a role and its sensors (quantity.error) write at the start and after steps with wheel torques."""
+    """Outputs of a role with sensors (quantity.error), from the start on, under wheel torques."""
     values = {f"sensors.{name}": value for name, value in errors.items()}
     parts = compiled_parts(configure(role, {"method": method, **values}))
-    said = np.zeros((steps + 1, frame.SIZE))
+    rows = np.zeros((steps + 1, frame.SIZE))
     for k in range(steps + 1):
         for part in parts:
             function, state, constants = part.addresses()
-            now = said[k - 1].ctypes.data if k else 0
-            assert call(function, now, said[k].ctypes.data, state, constants) == 0
-        said[k, frame.PLACES[WheelTorqueCommand]][:2] = 100.0 + k, 200.0
-    return said
+            now = rows[k - 1].ctypes.data if k else 0
+            assert call(function, now, rows[k].ctypes.data, state, constants) == 0
+        rows[k, frame.PLACES[WheelTorqueCommand]][:2] = 100.0 + k, 200.0
+    return rows
 
 
 @pytest.mark.parametrize("quantity", QUANTITIES, ids=lambda quantity: quantity.name)
@@ -82,8 +82,8 @@ def test_sensors_do_not_touch_what_is_integrated():
 
 def test_a_change_of_one_sensor_leaves_the_noise_of_the_others_as_it_is():
     """A sensor that comes later, with a delay, begins with what there is, and not with zeros."""
-    told = {"method": "planar", "initial_speed": 10.0, "sensors.imu_yaw_rate.noise": 0.1}
-    configuration, places = configure("plant", told), frame.channels()
+    values = {"method": "planar", "initial_speed": 10.0, "sensors.imu_yaw_rate.noise": 0.1}
+    configuration, places = configure("plant", values), frame.channels()
     other = configuration.changed(
         {"sensors.wheel_speed.delay": 2, "sensors.body_position.noise": 0.1}
     )

@@ -41,7 +41,7 @@ def test_outputs_are_measured_in_every_period():
 
 
 def test_a_successor_of_a_running_part_goes_on_with_its_state():
-    """As when a parameter is set while the node runs: on, changed, off; the first value is a present one."""
+    """A parameter set while the node runs, on, changed, off: the first value is a present one."""
     plant, there = behind(), Frame()
     plant.start(there)
     for sensors in (

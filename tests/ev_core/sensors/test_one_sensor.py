@@ -1,4 +1,4 @@
-"""What one sensor shows."""
+"""Output of one sensor."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ def test_a_heading_has_errors_as_an_angle():
 
 
 def test_a_charge_is_its_share_of_the_capacity():
-    """In single precision, as the message carries them."""
+    """Share and charge agree in the single precision of the messages."""
     got = shown(np.array([[0.75, 30.0, 40.0]] * 100), name="battery_state_of_charge", noise=0.1)
     assert len(set(got[:, 0])) == 100
     assert (got == got.astype(np.float32)).all()
@@ -149,7 +149,7 @@ def test_a_charge_is_its_share_of_the_capacity():
 
 @pytest.mark.parametrize("value", [math.inf, -math.inf, math.nan])
 def test_what_is_not_finite_is_left_to_whoever_publishes_it(value):
-    """As it is: the message names the number."""
+    """The number passes unchanged: its message is refused by name."""
     assert shown(np.array([value]), quantisation=0.1).tolist() == pytest.approx(
         [value], nan_ok=True
     )
@@ -189,12 +189,12 @@ def test_a_row_that_begins_anew_shows_the_same_again():
     runs = []
     for kind in (list, memoryview):
         row.start()
-        said = []
+        shown = []
         for k in range(20):
             numbers = np.full(frame.SIZE, float(k))
             row.step(memoryview(numbers) if kind is memoryview else (given := numbers.tolist()))
-            said.append(list(numbers) if kind is memoryview else given)
-        runs.append(said)
+            shown.append(list(numbers) if kind is memoryview else given)
+        runs.append(shown)
     assert runs[0] == runs[1] != [[float(k)] * frame.SIZE for k in range(20)]
 
 

@@ -55,7 +55,7 @@ def driven(stream: str, seed: int | None) -> np.ndarray:
 
 @pytest.mark.parametrize("stream", STREAMS)
 def test_the_seed_moves_each_stream(stream):
-    """Two seeds, two runs; the seed 0 is that of who names none."""
+    """Two seeds, two runs; no seed means seed 0."""
     one, two, none = (driven(stream, seed).tobytes() for seed in (1, 2, None))
     assert one != two
     assert none == driven(stream, 0).tobytes() != one
@@ -102,7 +102,7 @@ def test_what_a_node_shows_of_its_own_seed_is_what_it_was_told():
 @settings(max_examples=50, derandomize=True, deadline=None)
 @given(st.sets(SEEDS, min_size=2, max_size=6), SEEDS)
 def test_own_seeds_that_follow_are_valid_and_differ(seeds, own):
-    """By the node's seed, by their name, and by their own value."""
+    """They differ by the node's seed, by their name, and by their own value."""
     bench = CanCircuitsParameters(bus=BusModelParameters(loss=0.1, seed=own))
     road = RoadParameters(pattern="random", seed=own)
     found = [seeded(road, seed).seed for seed in seeds if seed]

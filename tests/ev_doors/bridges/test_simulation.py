@@ -30,7 +30,7 @@ _KINDS = {
 
 
 class Server(Node):
-    """A node whose services are called by Trigger: without their package ROS has none of their types.
+    """A node with Trigger for all its services: without their package ROS has none of their types.
 
     A call takes and leaves its stand-ins in `calls`.
     """
@@ -83,8 +83,8 @@ class Simulator:
         return self.call("get_simulation_state").state.state
 
     def steps(self, count: int, cancelled_behind: int | None = None) -> tuple[str, int, list[int]]:
-        """How the action ends, its result, and its feedback."""
-        goal, said, ends = (
+        """Run the action; return its end, its result, and its feedback."""
+        goal, progress, ends = (
             SimpleNamespace(request=KINDS[ACTION].Goal(steps=count), is_cancel_requested=False),
             [],
             [],
@@ -94,13 +94,13 @@ class Simulator:
 
         def feedback(message) -> None:
             assert message.completed_steps + message.remaining_steps == count
-            said.append(message.completed_steps)
+            progress.append(message.completed_steps)
             goal.is_cancel_requested = message.completed_steps == cancelled_behind
 
         goal.publish_feedback = feedback
         task = self._executor.create_task(self.made.simulate_steps, goal)
         self.until(task.done)
-        return *ends, task.result().result.result, said
+        return *ends, task.result().result.result, progress
 
 
 @pytest.fixture(scope="module")
@@ -193,7 +193,7 @@ def test_who_else_stops_time_is_seen(simulator):
 
 
 def test_a_report_from_before_its_own_call_is_too_late(simulator):
-    """As one of a step that arrives behind the answer to `resume`."""
+    """A step may report behind the answer to `resume`; its older stamp does not count."""
     simulator.set(State.STATE_PAUSED)
     rests = DiagnosticStatus(
         name=f"/ev/{MASTER}: {TIME_SERVICE}", values=[KeyValue(key="rests", value="True")]

@@ -25,7 +25,7 @@ WHEELBASE = 2.405  # m, of the Audi A2
 
 
 class Commander:
-    """What another program says, once in each look of the driver, and the reports that it gets."""
+    """Another program: one message in each look of the driver, and the reports that it gets."""
 
     def __init__(self) -> None:
         self.says, self.reports = {}, defaultdict(list)
@@ -66,7 +66,10 @@ def commander(monkeypatch) -> Commander:
 
 @pytest.fixture
 def started(commander, tmp_path, request) -> Iterator[Graph]:
-    """The graph of shchur2019, whose driver has one of the two languages; a command holds for 3 s."""
+    """The graph of shchur2019 with a driver in one of the two languages.
+
+    A command holds for 3 s.
+    """
     with graph(shchur(1000.0), tmp_path, names=()) as running:
         running.parameters[MASTER]["await_recorder"] = False
         for name in REQUIRED:
@@ -89,14 +92,14 @@ def drive(running: Graph, seconds: float) -> None:
 
 
 def control(velocity: float, acceleration: float | None = None, angle: float = 0.0):
-    said = KINDS["autoware_control_msgs/msg/Control"]()
-    said.longitudinal.velocity, said.lateral.steering_tire_angle = velocity, angle
+    command = KINDS["autoware_control_msgs/msg/Control"]()
+    command.longitudinal.velocity, command.lateral.steering_tire_angle = velocity, angle
     if acceleration is not None:
-        said.longitudinal.acceleration, said.longitudinal.is_defined_acceleration = (
+        command.longitudinal.acceleration, command.longitudinal.is_defined_acceleration = (
             acceleration,
             True,
         )
-    return said
+    return command
 
 
 @pytest.mark.parametrize("started", [vehicle.Autoware], indirect=True)
@@ -155,13 +158,13 @@ def test_autoware_drives_the_car_and_hears_what_it_does(started, commander):
 
 @pytest.mark.parametrize("started", [vehicle.Ackermann], indirect=True)
 def test_ackermann_drives_backwards_by_a_negative_speed_and_steers_at_a_rate(started, commander):
-    said = KINDS["ackermann_msgs/msg/AckermannDriveStamped"]()
-    said.drive.speed, said.drive.steering_angle, said.drive.steering_angle_velocity = (
+    command = KINDS["ackermann_msgs/msg/AckermannDriveStamped"]()
+    command.drive.speed, command.drive.steering_angle, command.drive.steering_angle_velocity = (
         -3.0,
         0.2,
         0.02,
     )
-    commander.says["ackermann_cmd"] = said
+    commander.says["ackermann_cmd"] = command
     state, places = started.nodes["driver"].stepper.part.state, started.nodes["driver"]._places
     drive(started, 5.0)
     # rad: 0.02 rad/s for as long as it has been commanded

@@ -30,7 +30,7 @@ class Dashboard(NamedTuple):
 
     process: subprocess.Popen
     url: str
-    said: Path
+    output: Path
 
 
 def started(folder: Path) -> Dashboard:
@@ -46,18 +46,20 @@ def started(folder: Path) -> Dashboard:
         "--out",
         str(folder),
     ]
-    with (folder / "said.txt").open("w") as said:
+    with (folder / "output.txt").open("w") as output:
         process = subprocess.Popen(
             [ROOT / "scripts" / "dashboard.sh", *words],
             env=ENVIRONMENT,
             stdout=subprocess.PIPE,
-            stderr=said,
+            stderr=output,
             text=True,
             start_new_session=True,
         )
     assert process.stdout is not None
     return Dashboard(
-        process, process.stdout.readline().removeprefix("dashboard: ").strip(), folder / "said.txt"
+        process,
+        process.stdout.readline().removeprefix("dashboard: ").strip(),
+        folder / "output.txt",
     )
 
 
@@ -100,11 +102,11 @@ def page(run: Dashboard, browser: Browser) -> Browser:
 
 
 def asked(page: Browser, wish: dict, answer: str) -> str:
-    """The line that answers a wish; what it holds tells it from others."""
+    """Send a request and return the line that answers it; `answer` tells it from others."""
     page.run(f"byId('words').replaceChildren(); wish({json.dumps(wish)})")
-    said = f"{WORDS}.find((line) => line.includes({json.dumps(answer)}))"
-    page.wait_for(said)
-    return page.run(said)
+    expression = f"{WORDS}.find((line) => line.includes({json.dumps(answer)}))"
+    page.wait_for(expression)
+    return page.run(expression)
 
 
 def set_to(value: object, node: str = "electronic_differential", name: str = "gamma") -> dict:
@@ -143,7 +145,7 @@ def test_a_slider_sets_the_parameter_of_the_node(page):
 
 @needs_browser
 @pytest.mark.parametrize(
-    ("wish", "said"),
+    ("wish", "message"),
     [
         (
             set_to("-5"),
@@ -164,9 +166,9 @@ def test_a_slider_sets_the_parameter_of_the_node(page):
         ([], "a wish of a page is refused, expected an object"),
     ],
 )
-def test_a_refusal_is_one_line_and_changes_nothing(page, wish, said):
+def test_a_refusal_is_one_line_and_changes_nothing(page, wish, message):
     before = page.run("document.querySelector('[data-name=gamma] input').value")
-    assert "\n" not in asked(page, wish, said)
+    assert "\n" not in asked(page, wish, message)
     assert page.run("document.querySelector('[data-name=gamma] input').value") == before
 
 
@@ -198,42 +200,42 @@ def test_interrupted_it_ends_in_one_line_with_the_run_and_the_page_says_so(run, 
     assert page.complaints == []
     run.process.send_signal(signal.SIGINT)
     assert run.process.wait(20) == 130
-    said = run.said.read_text()
-    assert said.rstrip().splitlines()[-1] == "stopped"
-    assert said.count("stopped") == 1
+    output = run.output.read_text()
+    assert output.rstrip().splitlines()[-1] == "stopped"
+    assert output.count("stopped") == 1
     page.wait_for("document.getElementById('state').textContent.startsWith('no connection')")
     with pytest.raises(ProcessLookupError):
         os.killpg(run.process.pid, 0)
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (["sweep"], "sweep is a study, whose runs are not on DDS: name a scenario"),
         (["shchur2019", "--offline"], "--offline is refused: the page hears a run over DDS"),
         (["--seed", "2"], "'--seed' is not known; options of a run stand behind its SCENARIO"),
     ],
 )
-def test_words_without_sense_are_one_line(words, said, capsys):
+def test_words_without_sense_are_one_line(words, message, capsys):
     with pytest.raises(SystemExit) as ended:
         command.main(words)
     assert ended.value.code == 2
-    assert capsys.readouterr().err.splitlines()[-1] == f"dashboard.sh: error: {said}"
+    assert capsys.readouterr().err.splitlines()[-1] == f"dashboard.sh: error: {message}"
 
 
 @pytest.mark.parametrize(
-    ("domains", "said"),
+    ("domains", "message"),
     [
         ([], "no run is under way: name a SCENARIO to drive one"),
         ([3, 4], "runs are under way in the domains 3, 4: ROS_DOMAIN_ID=N says which"),
     ],
 )
-def test_without_scenario_there_must_be_one_run(domains, said, monkeypatch):
+def test_without_scenario_there_must_be_one_run(domains, message, monkeypatch):
     monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
     monkeypatch.setattr(command, "reserved_domains", lambda: domains)
     with pytest.raises(SystemExit) as ended:
         command.main([])
-    assert ended.value.code == f"error: {said}"
+    assert ended.value.code == f"error: {message}"
 
 
 def test_a_port_that_is_taken_is_refused_in_one_line():

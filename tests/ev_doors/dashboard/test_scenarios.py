@@ -175,8 +175,8 @@ def test_a_slider_goes_on_about_the_value_at_its_end(fed, browser):
 def test_a_node_that_believes_in_another_car_shows_where_it_differs(fed, browser):
     run, _ = short("shchur2019", SECONDS)
     law = run.configurations["electronic_differential"].changed({"vehicle.mass": 1234.0})
-    told = replace(run, configurations={**run.configurations, "electronic_differential": law})
-    shown(fed, browser, told, drive_offline(run).recording)
+    believing = replace(run, configurations={**run.configurations, "electronic_differential": law})
+    shown(fed, browser, believing, drive_offline(run).recording)
     found = "[...document.querySelectorAll('#nodes [data-node=electronic_differential] [data-name^=\"vehicle.\"]')]"
     assert browser.run(
         f"{found}.map((row) => row.dataset.name + ' ' + row.querySelector('input').value)"
@@ -184,8 +184,8 @@ def test_a_node_that_believes_in_another_car_shows_where_it_differs(fed, browser
 
 
 def test_the_page_says_with_what_it_has_lost_the_connection(browser):
-    """Of a run that was over, and of one that was not."""
-    for over, said in (
+    """A run that was over and one that was not have lines of their own."""
+    for over, state in (
         (SECONDS, f"The manoeuvre is over since {SECONDS:g} s. The dashboard has ended with it."),
         (2.0, "no connection: the run or the dashboard has ended; trying again"),
     ):
@@ -196,4 +196,4 @@ def test_the_page_says_with_what_it_has_lost_the_connection(browser):
         fed.end()
         browser.wait_for(f"live.times.at(-1) > {SECONDS} - 1e-9")
         fed.close()
-        browser.wait_for(f"byId('state').textContent === '{said}'")
+        browser.wait_for(f"byId('state').textContent === '{state}'")

@@ -1,4 +1,4 @@
-"""What anybody writes into a field of the page or sends to its socket: one line comes back, the connection lives."""
+"""Any text in a field of the page or on its socket gets one line, and the connection lives."""
 
 from __future__ import annotations
 
@@ -61,9 +61,9 @@ class Page:
         while True:
             while not coming.done():
                 await self._turn()
-            said = coming.result()
-            assert said is not None, f"the connection has ended by {text[:200]!r}"
-            message = json.loads(said)
+            reply = coming.result()
+            assert reply is not None, f"the connection has ended by {text[:200]!r}"
+            message = json.loads(reply)
             if message["kind"] == "word":
                 return message
             coming = asyncio.ensure_future(self.socket.read_message())
@@ -73,7 +73,7 @@ class Page:
         return self.answer(json.dumps({"kind": "set", "node": NODE, "name": name, "value": value}))
 
     def status(self, **headers: str) -> int:
-        """What a browser that was led here gets for its socket: 101 if it is connected, or an HTTP status."""
+        """HTTP status for the socket of a browser with these headers: 101 if it is connected."""
         return self.loop.run_until_complete(self._status(headers))
 
     async def _status(self, headers: dict[str, str]) -> int:
@@ -95,11 +95,11 @@ def page() -> Iterator[Page]:
         page.loop.close()
 
 
-def is_one_line(said: dict[str, Any]) -> bool:
+def is_one_line(reply: dict[str, Any]) -> bool:
     return (
-        bool(said["text"])
-        and said["text"].splitlines() == [said["text"]]
-        and len(said["text"]) < 500
+        bool(reply["text"])
+        and reply["text"].splitlines() == [reply["text"]]
+        and len(reply["text"]) < 500
     )
 
 
@@ -126,9 +126,9 @@ def is_one_line(said: dict[str, Any]) -> bool:
 @example("method", "\ud800")
 @example("method", "a\0b")
 def test_whatever_stands_in_a_field_is_answered_by_one_line(page, name, value):
-    said = page.set(name, value)
-    assert is_one_line(said)
-    assert said["refused"] or name == "faults", said  # the other ones are fixed at start
+    reply = page.set(name, value)
+    assert is_one_line(reply)
+    assert reply["refused"] or name == "faults", reply  # the other ones are fixed at start
 
 
 json_values = st.recursive(
@@ -150,13 +150,13 @@ json_values = st.recursive(
 def test_whatever_comes_over_the_socket_is_answered_by_one_line(page, text):
     if isinstance(text, str):
         text = text.encode("utf-8", "replace").decode()  # a socket carries no others
-    said = page.answer(text)
-    assert is_one_line(said)
-    assert said["refused"]
+    reply = page.answer(text)
+    assert is_one_line(reply)
+    assert reply["refused"]
 
 
 @pytest.mark.parametrize(
-    ("name", "value", "said"),
+    ("name", "value", "message"),
     [
         ("faults", "[]", f"{NODE}.faults = []"),
         ("faults", "[offset torque_command 1]", f"{NODE}.faults = ['offset torque_command 1']"),
@@ -169,8 +169,8 @@ def test_whatever_comes_over_the_socket_is_answered_by_one_line(page, text):
         ("vehicle.mass", "a: b: c", f"{NODE}.vehicle.mass: 'a: b: c' is refused, expected double"),
     ],
 )
-def test_what_the_line_says(page, name, value, said):
-    assert page.set(name, value)["text"] == said
+def test_what_the_line_says(page, name, value, message):
+    assert page.set(name, value)["text"] == message
 
 
 def test_pages_of_somebody_else_have_no_socket(page):

@@ -60,7 +60,7 @@ def test_the_line_of_the_readme_links_the_program_of_another_system(tmp_path):
 
 
 def test_the_library_calls_nothing_but_what_is_listed(folder, tmp_path):
-    """Of the whole archive, as the linker sees it: memset and what scales exponents, no heap, no file, no Python."""
+    """The linker sees memset and what scales exponents in the archive: no heap, file or Python."""
     archive = next(folder.glob("*.a"))
     subprocess.run(["ar", "x", archive], cwd=tmp_path, check=True)
     objects = [file.read_bytes() for file in tmp_path.glob("*.o")]

@@ -79,7 +79,7 @@ def environment(tmp_path_factory):
 
 @pytest.fixture(params=VERSIONS)
 def whole(request, made):
-    """The whole graph in one FMU, with all cases for all systems whose compilers are here."""
+    """The whole graph in one FMU; all cases build it for each system with a compiler here."""
     wanted = FMU_TARGETS if request.config.getoption("--all-cases") else FMU_TARGETS[:1]
     there = [name for name in wanted if shutil.which(TARGETS[name].compiler)]
     return made("--fmi", str(request.param), on=",".join(there), name="whole")
@@ -178,7 +178,7 @@ def test_the_csv_of_fmusim_has_the_numbers_of_the_recording(whole, plain, tmp_pa
 def test_an_importer_in_c_gets_the_bits_of_the_recording(
     whole, plain, target, environment, tmp_path
 ):
-    """Of two instances in turn, and of a third one that goes on from the first one's state as bytes."""
+    """Two instances take turns, and a third one goes on from the first one's state as bytes."""
     on = TARGETS[target]
     emulator = (WINE,) if on.system == "Windows" else on.emulator
     for needed in (on.compiler, *emulator[:1]):
@@ -257,7 +257,7 @@ def test_a_parameter_that_is_set_before_the_start_is_that_of_another_plain_run(w
 
 
 def test_a_parameter_may_change_from_step_to_step(whole, plain):
-    """Of the driver who pulls away: the next answer has it."""
+    """A gain of the driver acts on the next answer while the car pulls away."""
     one, changed = Instance(whole), STEPS - 2
     for n in range(changed):
         one.step(n)

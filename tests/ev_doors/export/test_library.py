@@ -33,7 +33,7 @@ PARAMETER, VALUE = f"{ROLE}.speed_control.proportional_gain", 10.0
 
 
 def missing(target: str) -> str:
-    """What this machine lacks to run programs of a target; empty if nothing."""
+    """Return a program that this machine lacks to run those of a target; empty if none."""
     words = (TARGETS[target].compiler, *TARGETS[target].emulator[:1])
     return next((word for word in words if not shutil.which(word)), "")
 
@@ -66,7 +66,7 @@ def given(content, n: int) -> list[float]:
 
 
 def answers_here(content, run, steps=STEPS) -> np.ndarray:
-    """What the compiled law answers here to the same inputs."""
+    """Answers of the compiled law here to the same inputs."""
     stepped = SteppedLaw(run.configurations[ROLE])
     names = [channel.name for channel in content.inputs]
     rows = []
@@ -98,7 +98,7 @@ def test_a_law_answers_with_the_same_bits(target, content, tmp_path):
 
 
 def test_a_law_on_a_cortex_m7_has_the_bits_and_the_instructions_of_that_on_an_m4(content, tmp_path):
-    """Without a system, twice in a row; the same code runs on both, so it takes as many instructions."""
+    """Both run the same code without a system, so it takes as many instructions; twice in a row."""
     if lacking := missing("thumbv7em"):
         pytest.skip(f"{lacking} is not installed")
     words, took = build_program(content, TARGETS["thumbv7em"], tmp_path), []
@@ -270,7 +270,7 @@ def test_why_instructions_are_not_counted_is_given_in_words(error, line, kernel,
 
 
 def test_a_count_that_stands_still_is_none(content, command, tmp_path):
-    """As that of an emulator whose plugin is never called."""
+    """A counter that never moves is that of an emulator without its plugin."""
     (tmp_path / "count").write_bytes(bytes(8))
     with Program(content, ["sh", "-c", f"exec {command[0]} 9 9<{tmp_path}/count"]) as program:
         assert program.measured.why_not_counted == "the counter there stands still"

@@ -33,7 +33,7 @@ def methods() -> dict[tuple[str, str], Run]:
 
 @cache
 def tunables(role: str, method: str) -> tuple[Tunable, ...]:
-    """What may change in an export of this role; nothing where there is no such export."""
+    """Parameters that may change in an export of this role; none where there is no such export."""
     try:
         content = Content(methods()[role, method], only=[role], bare=True)
     except ParameterError:

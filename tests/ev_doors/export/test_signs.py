@@ -52,7 +52,10 @@ def program(request, content, tmp_path_factory):
 @settings(deadline=None, max_examples=100)
 @given(data=st.data(), number=NUMBERS)
 def test_a_program_takes_no_negative_brake_torque(content, program, data, number):
-    """What rounding leaves is 0; all else is out of range and changes nothing; drive torques may be negative."""
+    """Leftovers of rounding are 0.
+
+    Lower values are out of range and change nothing. Drive torques may be negative.
+    """
     names = [channel.name for channel in content.inputs]
     name = data.draw(st.sampled_from([name for name in names if "torque_request" in name]))
     is_brake = ".brake." in name

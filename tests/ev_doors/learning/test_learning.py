@@ -47,7 +47,7 @@ def test_environments_keep_the_rules_of_gymnasium(name):
     [("double_lane_change", ""), ("launch_split_mu", "fixed_steering"), ("shchur2019", "")],
 )
 def test_everything_that_a_car_shows_lies_within_its_limits(scenario, run):
-    """On planar and kinematic plant, so that nothing is cut off."""
+    """Nothing is cut off on the planar and the kinematic plant."""
     everything = [
         topic.name.replace("/", ".")
         for topic in written_topics(Simulation(scenario, run=run).configurations)
@@ -95,7 +95,7 @@ def test_the_bounds_of_torques_are_those_that_the_plant_lets_a_wheel_have(car):
 
 
 def test_the_bounds_on_the_kinematic_plant_are_those_of_its_drives():
-    """Whose largest torque is a parameter of the plant, and not of the car."""
+    """Its largest torque is a parameter of the plant, and not of the car."""
     environment = Environment("shchur2019", set={"plant.motor.torque_limit": 40.0})
     gear = environment.simulation.configurations["plant"].common.vehicle.gear_ratio
     assert environment.action_space.high.tolist() == [40.0 * gear] * 2
@@ -103,7 +103,7 @@ def test_the_bounds_on_the_kinematic_plant_are_those_of_its_drives():
 
 
 def test_what_lies_beyond_a_limit_is_observed_as_the_limit():
-    """As a sensor saturates; a broken one shows 1000 rad/s here, where no car turns by more than 10 rad/s."""
+    """A broken sensor shows 1000 rad/s; it saturates at 10 rad/s, faster than any car turns."""
     broken = {"plant.faults": ["constant imu.yaw_rate -1000"]}
     environment = Environment("double_lane_change", observe=("imu.yaw_rate",), set=broken)
     environment.reset(seed=1)
@@ -176,7 +176,7 @@ def test_the_seed_of_an_environment_is_that_of_its_first_episode():
     "method", [name for name, each in methods_of("asr").items() if "plant" not in each.requires]
 )
 def test_who_acts_like_any_traction_control_gets_the_bits_of_the_plain_run_or_one_line(method):
-    """On split friction, braked and steered: limits of what is asked for, or a law that brakes by the drives."""
+    """Split friction, braked and steered: same bits, or one line for laws that brake by drives."""
     changed = {"duration": 1.5, "method": {"asr": method}, "vehicle": "audi_a2"}
     environment = Environment(
         "straight_brake_split_mu", "traction_control", run="steered", record=True, **changed
@@ -307,7 +307,7 @@ def test_what_an_action_means():
 
 
 @pytest.mark.parametrize(
-    ("told", "said"),
+    ("arguments", "message"),
     [
         (
             {"action": "brakes"},
@@ -317,10 +317,10 @@ def test_what_an_action_means():
         ({"observe": ("imu.yaw",)}, "unknown channel 'imu.yaw'; did you mean imu.yaw_rate"),
     ],
 )
-def test_wrong_words_get_one_line(told, said):
+def test_wrong_words_get_one_line(arguments, message):
     with pytest.raises(ParameterError) as error:
-        Environment(**told)
-    assert str(error.value).startswith(said)
+        Environment(**arguments)
+    assert str(error.value).startswith(message)
 
 
 def test_without_gymnasium_one_line_says_how_to_get_it(monkeypatch):

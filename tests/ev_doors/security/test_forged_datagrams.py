@@ -1,4 +1,4 @@
-"""Who sends datagrams in the name of a node, as its publisher would, is noticed: the run names who took them."""
+"""Forged datagrams in the name of a node's publisher are noticed: the run names the readers."""
 
 from __future__ import annotations
 
@@ -32,9 +32,10 @@ FORGED = 3.0  # a finite number that no node of the run says
 def test_commands_in_the_name_of_another_node_make_a_run_not_reproducible(
     drive, forged, to, topic, tmp_path, monkeypatch
 ):
-    """They come before the real ones, whose numbers in the stream they have: the middleware drops those as repeated.
+    """They come before the real ones with the same numbers of the stream.
 
-    In lockstep such a run would end with another hash, and nobody would know why.
+    The middleware drops the real ones as repeated. In lockstep such a run would end with another
+    hash, without a cause that anybody sees.
     """
     values = [("plant", "real_time_factor", 1.0)]
     run = load_scenario("shchur2019", Overrides(duration=2.5, values=values)).runs[0]
@@ -50,10 +51,9 @@ def test_commands_in_the_name_of_another_node_make_a_run_not_reproducible(
             outcome = drive(run, tmp_path, False, lambda _: None)
             forger.terminate()
             assert forger.stdout.read().startswith("forged ")
-    said = [
-        f"what it took on {topic} is not what {forged} has said" in line
-        for line in outcome.not_reproducible
+    named = [
+        f"read on {topic} what {forged} did not write" in line for line in outcome.not_reproducible
     ]
-    assert all(said)
+    assert all(named)
     assert any(line.startswith(f"node {to}: ") for line in outcome.not_reproducible)
     assert len(signal_hash(outcome.recording)) == 64

@@ -1,4 +1,4 @@
-"""Who may speak: policies by least privilege, held against a graph that runs."""
+"""Policies by least privilege, held against a graph that runs."""
 
 from dataclasses import replace
 from functools import partial
@@ -33,7 +33,7 @@ SECURED = {
 
 @pytest.fixture(scope="module")
 def seen(tmp_path_factory):
-    """What the nodes of a graph do, and the sockets and threads of their process, while it runs."""
+    """Permissions that a running graph uses, and the sockets and threads of its process."""
     with graph(shchur(0.1), tmp_path_factory.mktemp("run"), bag=True) as running:
         running.run()
         used = permissions_in_use(running.probe, NAMESPACE)

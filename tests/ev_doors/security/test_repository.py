@@ -1,4 +1,4 @@
-"""What workflows and container take from others, by content and not by a name that can move, and their rights."""
+"""Workflows and container take others' work by content, not by movable name; few rights."""
 
 from __future__ import annotations
 

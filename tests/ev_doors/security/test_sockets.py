@@ -105,7 +105,7 @@ class Try:
 
     def __init__(self, words: str, network: Network | NoNamespaces, folder: Path) -> None:
         self._mark = uuid.uuid4().hex
-        self.said = (folder / "said.txt").open("w+")
+        self.output = (folder / "output.txt").open("w+")
         self.process = subprocess.Popen(
             [
                 *(network.inside if isinstance(network, Network) else ()),
@@ -114,7 +114,7 @@ class Try:
                 words.replace("OUT", str(folder)),
             ],
             env={**ENVIRONMENT, MARK: self._mark},
-            stdout=self.said,
+            stdout=self.output,
             stderr=subprocess.STDOUT,
             start_new_session=True,
         )
@@ -132,15 +132,15 @@ class Try:
         return new
 
     def text(self) -> str:
-        self.said.seek(0)
-        return self.said.read()
+        self.output.seek(0)
+        return self.output.read()
 
     def end(self) -> None:
         """Nothing of it is left."""
         with suppress(ProcessLookupError):
             os.killpg(self.process.pid, signal.SIGKILL)
         self.process.wait()
-        self.said.close()
+        self.output.close()
 
 
 @pytest.mark.parametrize(
@@ -151,16 +151,16 @@ class Try:
     ],
 )
 def test_every_socket_is_bound_to_loopback_and_a_stranger_is_refused(way, network, tmp_path):
-    """What is bound to a multicast group is heard on loopback alone: the bus logs an insider's frame, no stranger's.
+    """A multicast group is received on loopback alone: the bus logs no stranger's frame.
 
-    Its run ends when it has logged the insider's, behind the stranger's.
+    The run ends when it has logged the insider's, sent behind the stranger's.
     """
     words, least = WAYS[way]
     under_way = Try(words.replace("PORT", str(free_port())), network, tmp_path)
     not_refused, groups, insiders, log = [], set(), {}, tmp_path / "bus.log"
 
     def is_enough() -> bool:
-        """Whether what would go on can be stopped."""
+        """Return True once a command that goes on by itself can be stopped."""
         if words == BENCH and isinstance(network, Network):
             return log.exists() and " 124#" in log.read_text()
         return words in (HUB, BENCH) and len(under_way.seen) >= least
@@ -202,20 +202,25 @@ def test_every_socket_is_bound_to_loopback_and_a_stranger_is_refused(way, networ
 
 @pytest.mark.parametrize("node", ["ev_sim/plant", "ev_control/asr"])
 def test_a_node_that_a_shell_starts_by_hand_listens_on_this_machine_alone(node, tmp_path):
-    """With what scripts/setup.sh sets, whichever ROS 2 is there: a profile that is not read opens all addresses."""
+    """Settings of scripts/setup.sh hold under every ROS 2.
+
+    An unread profile opens all addresses.
+    """
     bare = {name: value for name, value in os.environ.items() if name not in OF_SETUP}
     package, name = node.split("/")
     shell = f"source {ROOT}/scripts/setup.sh && exec {ROOT}/install/{package}/lib/{package}/{name}"
-    with free_domain() as domain, (tmp_path / "said.txt").open("w+") as said:
+    with free_domain() as domain, (tmp_path / "output.txt").open("w+") as output:
         process = subprocess.Popen(
             ["bash", "-c", shell],
             env=bare | {"ROS_DOMAIN_ID": str(domain)},
-            stdout=said,
+            stdout=output,
             stderr=subprocess.STDOUT,
         )
         try:
-            wait_until(lambda: "ready" in Path(said.name).read_text() or process.poll() is not None)
-            assert process.poll() is None, Path(said.name).read_text()
+            wait_until(
+                lambda: "ready" in Path(output.name).read_text() or process.poll() is not None
+            )
+            assert process.poll() is None, Path(output.name).read_text()
             sockets = sockets_of(process.pid)
         finally:
             process.kill()
@@ -236,7 +241,10 @@ def setting_of(element: ElementTree.Element) -> tuple[str, str]:
 
 
 def test_both_profiles_say_the_same():
-    """In the words of Fast DDS 3 and of Fast DDS 2, which asks nobody how a type is laid out."""
+    """Fast DDS 3 and Fast DDS 2 have words of their own.
+
+    The older one asks for no layout of types.
+    """
     newer, older = (
         ElementTree.parse(ROOT / "config" / name).getroot()
         for name in ("fastdds.xml", "fastdds2.xml")

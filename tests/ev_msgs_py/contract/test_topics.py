@@ -41,7 +41,7 @@ def test_fields_of_one_sensor_share_unit_and_scale():
         for field in topic.shape.fields.values():
             if field.sensor and field.sensor not in ("body_heading", "battery_state_of_charge"):
                 sensors.setdefault(field.sensor, set()).add((field.unit, field.largest, topic.name))
-    assert all(len(said) == 1 for said in sensors.values())
+    assert all(len(properties) == 1 for properties in sensors.values())
     assert len(sensors) > 20
 
 

@@ -210,7 +210,7 @@ def test_seconds_of_a_step_lead_back_to_its_stamp(step, period):
 
 
 def test_joints_are_named_by_their_wheel():
-    """What `ros2 topic echo` shows: left before right, front before rear, brakes behind the drives."""
+    """`ros2 topic echo` shows left before right, front before rear, brakes behind the drives."""
     topic = TOPICS[WheelTorqueRequest]
     message = deserialize_message(
         packed(topic, (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0)), message_class(JOINT_STATE)
@@ -253,7 +253,10 @@ def test_joints_in_another_order_mean_the_same(topic, data):
 
 @WITH_NUMBERS
 def test_without_a_frame_name_it_is_read_and_of_another_frame_refused(topic):
-    """Without one the message is shorter and the numbers sit elsewhere; also when no message is laid out as ours."""
+    """A message without a frame name is shorter, and its numbers sit elsewhere.
+
+    It is read also when no message has our layout.
+    """
     values = ordinary(topic)
     message = message_of(topic, values, 5)
     message.header.frame_id = "somewhere/else"
@@ -337,16 +340,16 @@ def test_a_number_that_is_not_finite_is_refused_wherever_it_stands(topic, bad):
 @WITH_NUMBERS
 @given(number=finite | st.floats(-2.0 * NEGLIGIBLE, 0.0))
 def test_a_negative_command_is_refused_where_it_has_no_sign(topic, number):
-    """What rounding leaves is 0; what sensors measure may be negative, by their noise."""
+    """Leftovers of rounding are 0; a measured value may be negative by its noise."""
     good = ordinary(topic)
     for i in topic.shape.never_negative if topic.signal not in SINGLE else ():
         is_command = i in topic.shape.unsigned_commands
         message = packed(topic, [*good[:i], number, *good[i + 1 :]])
         table = np.zeros((1, frame.SIZE))
         if is_command and number < -NEGLIGIBLE:
-            said = refusal(topic, message)
+            refused = refusal(topic, message)
             assert (
-                said
+                refused
                 == f"{topic.signal.__name__}.{topic.shape.channels[i]} is {number}, expected 0 or more"
             )
             with pytest.raises(MessageError, match="expected 0 or more"):
@@ -387,7 +390,10 @@ def test_garbage_carries_no_stamp():
 
 @WITH_NUMBERS
 def test_compiled_code_reads_and_writes_the_same_bytes(topic):
-    """In its block of memory: the numbers, the stamp, and what is no message of ours; here run as plain Python."""
+    """Numbers and stamp are read and written, other messages refused, in a block of memory.
+
+    Here the code runs as plain Python.
+    """
     of, block = format_of(topic.signal), np.zeros(2048, np.int64)
     memory = Memory(
         *(block.view(kind) for kind in (np.uint8, np.int64, np.int32, np.float64, np.float32))

@@ -24,7 +24,7 @@ HOUR = 3600 * 10**9  # ns
 
 
 class Waiting(Node):
-    """A node that would wait for a message for an hour; nobody sends one."""
+    """A node that would wait an hour for a message that never comes."""
 
     polling_place = 0
     looks = 0
@@ -50,7 +50,7 @@ class Waiting(Node):
 
 
 def test_a_wait_ends_when_the_time_of_day_is_set_back(monkeypatch):
-    """Without the alarm it takes an hour, or as long as this test may take."""
+    """The alarm ends it: else it takes an hour, or as long as this test may take."""
     ahead = [HOUR, HOUR, HOUR, 0]
     monkeypatch.setattr(time_of_day, "ahead", lambda: ahead.pop(0) if len(ahead) > 1 else ahead[0])
     with ros_domain() as context:
@@ -81,25 +81,25 @@ def test_nobody_is_woken_up_while_the_clocks_agree(monkeypatch):
     "ahead", [[HOUR, HOUR, 0], [0]], ids=["while it watches", "while the node was being made"]
 )
 def test_a_process_tells_the_graph_several_times_what_it_consists_of(ahead, monkeypatch):
-    """After the time of day was set back, until what was told before is out of the way."""
+    """It repeats itself after the time of day was set back, until older announcements are gone."""
     monkeypatch.setattr(time_of_day, "ahead", lambda: ahead.pop(0) if len(ahead) > 1 else ahead[0])
     monkeypatch.setattr(time_of_day, "_AT_FIRST", HOUR)
     monkeypatch.setattr(time_of_day, "_AGAIN", (0.0, 0.05, 0.1))
-    told = []
+    announced = []
     with ros_domain() as context:
         node = Node("teller", context=context)
         create = node.create_publisher
         monkeypatch.setattr(
             node,
             "create_publisher",
-            lambda *how, **more: told.append(how[1]) or create(*how, **more),
+            lambda *how, **more: announced.append(how[1]) or create(*how, **more),
         )
         given_up = time.monotonic() + PATIENCE
         with time_of_day.Alarm(node):
-            while len(told) < 3 and time.monotonic() < given_up:
+            while len(announced) < 3 and time.monotonic() < given_up:
                 time.sleep(0.001)
         node.destroy_node()
-    assert told == ["/parameter_events"] * 3
+    assert announced == ["/parameter_events"] * 3
 
 
 ANNOUNCED = """

@@ -13,7 +13,7 @@ from ev_nodes.master.real_time import FadingInputs, MasterParameters
 
 
 def share_at(age: int, wall_age: float, period: int, p: MasterParameters) -> float:
-    """What is left of a command [1] that is stamped 1 s and has these ages [ns], [s]."""
+    """Share left of a command [1] that is stamped 1 s and has these ages [ns], [s]."""
     held = FadingInputs((WheelTorqueCommand,))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(time, "monotonic", lambda: 100.0)

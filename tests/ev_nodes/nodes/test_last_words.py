@@ -1,4 +1,4 @@
-"""What a node has said last is waited for while somebody wants it."""
+"""The last messages of a node are waited for while a reader needs them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ev_stack.running.processes import parameter_overrides
 
 
 class Publisher:
-    """Nobody acknowledges what it says, however often one asks."""
+    """A publisher without acknowledgements, however often it is asked."""
 
     asked = 0
 
@@ -37,13 +37,13 @@ def test_last_words_are_waited_for_while_somebody_wants_them():
 
 
 def test_at_the_end_of_real_time_the_master_stays_until_the_recorder_has_everything(monkeypatch):
-    """Nobody acknowledges its states here; a wait by acknowledgements alone would last for as long as it may."""
+    """The recorder's progress ends the wait; acknowledgements never come here."""
     followed = {"mode": "realtime", "await_recorder": True}
     with ros_domain() as context:
         master = MasterNode(context=context, parameter_overrides=parameter_overrides(followed))
-        publisher, told = Publisher(), iter([b"behind", None, b"behind", None, b"everything"])
+        publisher, reports = Publisher(), iter([b"behind", None, b"behind", None, b"everything"])
         progress = SimpleNamespace(
-            take=lambda: next(told, None), receive=lambda message: heard.append(message)
+            take=lambda: next(reports, None), receive=lambda message: heard.append(message)
         )
         heard: list[bytes] = []
         monkeypatch.setattr(

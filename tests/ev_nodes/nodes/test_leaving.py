@@ -20,13 +20,13 @@ pytestmark = pytest.mark.slow
 LEASE = 4.0  # s, of config/fastdds.xml
 
 
-def start(domain: int, silently: bool, *told: str) -> subprocess.Popen:
+def start(domain: int, silently: bool, *arguments: str) -> subprocess.Popen:
     environment = {
         **os.environ,
         "ROS_DOMAIN_ID": str(domain),
         **({SILENTLY: "1"} if silently else {}),
     }
-    words = [*command("driver"), "--ros-args", "-r", f"__ns:={NAMESPACE}", *told]
+    words = [*command("driver"), "--ros-args", "-r", f"__ns:={NAMESPACE}", *arguments]
     return subprocess.Popen(
         words, env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
     )
@@ -39,7 +39,7 @@ def seconds_until(holds: Callable[[], bool]) -> float:
 
 
 def seconds_behind_the_end(silently: bool) -> tuple[float, float, float]:
-    """How long others still see the subscriptions, the hidden node and the name of a node that has ended."""
+    """Seconds for which others still see subscriptions, hidden node and name of an ended node."""
     with ros_domain() as context:
         probe = Probe(context)
 
@@ -64,12 +64,12 @@ def seconds_behind_the_end(silently: bool) -> tuple[float, float, float]:
 
 @pytest.mark.parametrize("silently", [False, True])
 def test_a_node_says_goodbye_unless_its_runner_leaves_too(silently):
-    """Seconds that others still know of it: none, or what is left of its lease, which is announced every 0.1 s.
+    """A node is gone at once with a goodbye, and without one when its lease is over.
 
-    What it hears is gone at once in any case: who waits until its last word has arrived does not
-    wait for it. Its participant is never deleted, because that can last for ever: a hidden node
-    shows it until the lease is over. On a busy machine a goodbye may arrive late, so one of several
-    is to arrive within half a lease.
+    The lease is announced every 0.1 s. Its subscriptions are gone at once in any case: a node that
+    waits until its last message has arrived does not wait for it. Its participant is never deleted,
+    because that can last for ever: a hidden node shows it until the lease is over. On a busy
+    machine a goodbye may arrive late, so one of several is to arrive within half a lease.
     """
     for _ in range(5):
         listened, hidden, stayed = seconds_behind_the_end(silently)
@@ -81,7 +81,7 @@ def test_a_node_says_goodbye_unless_its_runner_leaves_too(silently):
 
 def test_who_leaves_without_a_word_still_says_what_was_wrong():
     node = start(0, True, "-p", "control_period:=-1.0")
-    said, _ = node.communicate(timeout=PATIENCE)
+    output, _ = node.communicate(timeout=PATIENCE)
     assert node.returncode == 1
-    assert said.count("\n") == 1
-    assert said.startswith("driver: parameter control_period")
+    assert output.count("\n") == 1
+    assert output.startswith("driver: parameter control_period")

@@ -1,4 +1,4 @@
-"""What nodes make of messages that nobody should send, and of commands that are too old."""
+"""Nodes refuse messages that should not come, and commands that are too old."""
 
 import math
 import time
@@ -72,7 +72,7 @@ class Bench:
         self.probe.publisher_of(type(signal)).publish(message)
 
     def say_packed(self, seconds: float, *signals: Any) -> None:
-        """As our nodes do."""
+        """Publish signals packed as our nodes pack them."""
         for signal in signals:
             self.probe.publisher_of(type(signal)).publish(self.probe.packed(seconds, signal))
 
@@ -97,7 +97,10 @@ def law(request: Any, monkeypatch: pytest.MonkeyPatch) -> Iterator[Bench]:
 
 
 def expected(steps: int) -> list[WheelTorqueRequest]:
-    """What the law answers to equal inputs step by step; its integral makes each answer another one."""
+    """Answers of the law to equal inputs step by step.
+
+    Its integral makes each answer another one.
+    """
     method = find_method("electronic_differential", "steer_by_wire")
     law = create(method, method.parameters(), Vehicle(), PERIOD)
     return [law.step(DRIVER, TURNED, STANDING) for _ in range(steps)]
@@ -226,13 +229,18 @@ class Stopping(CalledBack):
 
 
 def test_ordinary_steps_are_taken_in_compiled_code_and_others_in_python(law, monkeypatch):
-    """With the same numbers; what a part raises there is raised by the node. Switched off, all are taken in Python."""
+    """Both ways have the same numbers, and the node raises what a part raises.
+
+    Switched off, all steps are taken in Python.
+    """
     assert steps.CODE.address()  # compiled if nobody has yet
     judged = []
     for reader in law.node.readers.values():
         judge = reader.judge
         monkeypatch.setattr(
-            reader, "judge", lambda *told, judge=judge: judged.append(told) or judge(*told)
+            reader,
+            "judge",
+            lambda *judgement, judge=judge: judged.append(judgement) or judge(*judgement),
         )
     for step in range(1, 4):
         law.say_packed(step * PERIOD, DRIVER, STANDING, TURNED)
@@ -282,7 +290,7 @@ def command_while(plant: Bench, until: Callable[[], bool], **spoil: Any) -> int:
     """Send commands of 50 N m that are stamped now; the last stamp."""
     last = 0
 
-    def said_enough() -> bool:
+    def has_enough() -> bool:
         nonlocal last
         if until():
             return True
@@ -290,7 +298,7 @@ def command_while(plant: Bench, until: Callable[[], bool], **spoil: Any) -> int:
         plant.say(to_seconds(last), WheelTorqueCommand(Wheels.front(50.0, 50.0)), **spoil)
         return False
 
-    plant.run(said_enough)
+    plant.run(has_enough)
     return last
 
 
@@ -334,7 +342,7 @@ def test_a_spoilt_command_counts_as_none(plant):
 
 
 def test_a_law_says_in_diagnostics_which_motors_it_does_not_trust():
-    """The front left motor gives nothing of 100 N m, the right one what it was told a step ago."""
+    """The front left motor gives nothing of 100 N m, the right one its command of a step ago."""
     with ros_domain() as context:
         bench = Bench(
             context,
@@ -355,5 +363,5 @@ def test_a_law_says_in_diagnostics_which_motors_it_does_not_trust():
         assert lost[0] == "nothing" and lost[-1] == "motors.lost.front_left"
         bench.probe.health.clear()
         bench.run(lambda: bench.probe.health)
-        (said,) = bench.probe.health.values()
-        assert said["lost"] == "motors.lost.front_left" and said["method"] == "limp_home"
+        (health,) = bench.probe.health.values()
+        assert health["lost"] == "motors.lost.front_left" and health["method"] == "limp_home"

@@ -18,7 +18,7 @@ from ev_msgs_py.contract.roles import ROLES
 from ev_nodes.stepping.runner_line import RUNNER_LINE
 from ev_nodes.stepping.spinning import refuse_what_raises
 from ev_stack.recording.run_recorder import RecorderParameters
-from ev_stack.running.node_reports import NodeReports as Told
+from ev_stack.running.node_reports import NodeReports
 
 pytestmark = pytest.mark.slow
 
@@ -76,7 +76,7 @@ def test_every_parameter_is_described_with_unit_and_range(context, name, tmp_pat
 
 
 def test_a_described_parameter_in_full(context, law):
-    """What `ros2 param describe` shows, in one example."""
+    """`ros2 param describe` shows type, text, range and constraint."""
     shown = law.describe_parameter("natural_frequency")
     assert shown.type == ParameterType.PARAMETER_DOUBLE
     assert shown.description == "natural frequency of the servo, w_0 [rad/s] (assumption)"
@@ -86,9 +86,9 @@ def test_a_described_parameter_in_full(context, law):
 
 @pytest.mark.parametrize("count", [3, 3500, 20000])
 def test_a_change_of_any_length_is_told_to_the_runner(context, monkeypatch, count):
-    """With all its values it would not fit into a word, or not into the socket."""
-    told = Told("/ev")
-    address, _ = told.line("driver")
+    """The report is cut: all values would not fit into a message, or not into the socket."""
+    reports = NodeReports("/ev")
+    address, _ = reports.line("driver")
     monkeypatch.setenv(RUNNER_LINE, address)
     node = node_of(context, "driver", {})
     times = [n / count / 7 for n in range(count)]
@@ -96,12 +96,12 @@ def test_a_change_of_any_length_is_told_to_the_runner(context, monkeypatch, coun
         tried(node, speed_profile__time=times, speed_profile__speed=[10.0 + each for each in times])
         == ""
     )
-    told.look()
-    assert len(told.warnings) == 1
-    assert told.warnings[0].endswith("the run is not reproducible")
-    assert len(told.warnings[0]) < 250
+    reports.look()
+    assert len(reports.warnings) == 1
+    assert reports.warnings[0].endswith("the run is not reproducible")
+    assert len(reports.warnings[0]) < 250
     node.destroy_node()
-    told.close()
+    reports.close()
 
 
 def test_a_change_is_taken_over_live_and_the_state_lasts(law):
@@ -170,7 +170,7 @@ def test_a_change_of_which_the_law_makes_an_error_of_any_kind_is_refused(law, mo
 
 
 def test_a_limit_of_real_time_is_that_of_the_start(context):
-    """A plant whose command is too old in every step has no torque."""
+    """A plant has no torque if its command is too old in every step."""
     plant = node_of(context, "plant", {"mode": "realtime", "method": "kinematic"})
     assert tried(plant, command_timeout=0.02) == (
         "parameter command_timeout: 0.02 is refused, expected more than two control periods, 0.02 s"
@@ -184,7 +184,7 @@ def test_a_limit_of_real_time_is_that_of_the_start(context):
 
 
 def asked(node: Any, service: str, request: Any) -> Any:
-    """What a service of a node that is spun answers."""
+    """Ask a service of a spinning node and return its answer."""
     refuse_what_raises(node)
     (found,) = [each for each in node.services if each.srv_name.endswith(f"/{service}")]
     return found.callback(request, found.srv_type.Response())

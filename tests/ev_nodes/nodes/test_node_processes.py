@@ -52,10 +52,10 @@ def start(words: list[str], domain: int | str = 0) -> subprocess.Popen:
     )
 
 
-def without_compiling(said: str) -> str:
-    """What a process has said, without the line that a plant which has just been edited is compiled."""
+def without_compiling(output: str) -> str:
+    """Output of a process, without the line that a plant edited just now is compiled."""
     return "".join(
-        line for line in said.splitlines(keepends=True) if not line.startswith("compiling ")
+        line for line in output.splitlines(keepends=True) if not line.startswith("compiling ")
     )
 
 
@@ -63,7 +63,10 @@ def without_compiling(said: str) -> str:
     "kind", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.weekly)]
 )
 def test_every_node_ends_in_peace_when_it_is_told_to(kind, tmp_path):
-    """Without a run, in the middle of waiting for each other; it has said that it is ready, and says no more."""
+    """Nodes that wait for each other before a run end on request.
+
+    After the line that they are ready they print nothing.
+    """
     with ros_domain() as context:
         nodes = {}
         more = {
@@ -78,12 +81,12 @@ def test_every_node_ends_in_peace_when_it_is_told_to(kind, tmp_path):
             assert first.endswith(f"[ev.{name}]: ready, in ROS domain {context.get_domain_id()}\n")
         for process in nodes.values():
             process.send_signal(kind)
-        said = {
+        output = {
             name: without_compiling(process.communicate(timeout=PATIENCE)[0])
             for name, process in nodes.items()
         }
     assert {name: process.returncode for name, process in nodes.items()} == dict.fromkeys(nodes, 0)
-    assert said == dict.fromkeys(nodes, "")
+    assert output == dict.fromkeys(nodes, "")
     assert (tmp_path / "signals.npz").exists()
 
 
@@ -109,9 +112,9 @@ run_role.run_node("recorder", make)
 def test_what_goes_wrong_once_more_at_the_end_is_one_line_too():
     """A recorder that may write no further fails when it is stepped, and again when it closes its bag."""
     process = start([sys.executable, "-c", FAILS_AT_THE_END])
-    said, _ = process.communicate(timeout=PATIENCE)
+    output, _ = process.communicate(timeout=PATIENCE)
     # behind the one that it is ready
-    assert said.splitlines()[1:] == ["recorder: [Errno 27] File too large"]
+    assert output.splitlines()[1:] == ["recorder: [Errno 27] File too large"]
     assert process.returncode == 1
 
 
@@ -176,10 +179,10 @@ def test_a_stop_at_the_very_end_changes_nothing(who, kind):
     process = start(
         [sys.executable, "-c", TO_STOP.format(who=who, kind=kind) + STOPPED_AT_THE_END[who]]
     )
-    said, _ = process.communicate(timeout=PATIENCE)
-    assert "Traceback" not in said
-    assert process.returncode == (130 if said == "stopped\n" else 0)
-    assert said == "stopped\n" if who == "the runner, stopped" else "stopped" not in said
+    output, _ = process.communicate(timeout=PATIENCE)
+    assert "Traceback" not in output
+    assert process.returncode == (130 if output == "stopped\n" else 0)
+    assert output == "stopped\n" if who == "the runner, stopped" else "stopped" not in output
 
 
 STOPPED_BEFORE_ITS_TIME = """
@@ -265,7 +268,7 @@ except KeyboardInterrupt:
 
 @pytest.mark.parametrize("kind", ["signal.SIGINT", "signal.SIGTERM"])
 def test_what_a_stop_leaves_half_made_is_destroyed_without_a_word(kind):
-    """As in the compiler, where Ctrl-C left a traceback behind the line that says so (campaign, seed 39)."""
+    """Ctrl-C in the compiler leaves one line and no traceback behind it (campaign, seed 39)."""
     process = start([sys.executable, "-c", STOPPED_HALF_WAY.format(kind=kind, also=False)])
     assert process.communicate(timeout=PATIENCE)[0] == "stopped\n"
 
@@ -301,27 +304,27 @@ BAD = {
 @pytest.mark.parametrize(("words", "named"), BAD.values(), ids=BAD)
 def test_bad_input_is_one_line_and_status_1(words, named):
     process = start([*command("driver"), *words])
-    said, _ = process.communicate(timeout=PATIENCE)
+    output, _ = process.communicate(timeout=PATIENCE)
     assert process.returncode == 1
-    assert said.count("\n") == 1 and said.startswith("driver: ")
-    assert named in said
+    assert output.count("\n") == 1 and output.startswith("driver: ")
+    assert named in output
 
 
 @pytest.mark.parametrize("domain", ["-1", "1.5", "300"])
 def test_a_node_of_no_domain_is_one_line_and_status_1(domain):
     """ROS itself silently takes domain 0 for -1, and 1 for 1.5."""
     process = start([*command("driver")], domain)
-    said, _ = process.communicate(timeout=PATIENCE)
+    output, _ = process.communicate(timeout=PATIENCE)
     expected = f"driver: ROS_DOMAIN_ID={domain} is refused, expected a whole number from 0 to 232\n"
-    assert (process.returncode, said) == (1, expected)
+    assert (process.returncode, output) == (1, expected)
 
 
 @pytest.mark.parametrize("word", ["-h", "--help"])
 def test_a_node_shows_how_it_is_called(word):
     process = start([*command("driver"), word])
-    said, _ = process.communicate(timeout=PATIENCE)
+    output, _ = process.communicate(timeout=PATIENCE)
     assert process.returncode == 0
-    assert said.startswith("usage: driver [--ros-args ")
+    assert output.startswith("usage: driver [--ros-args ")
 
 
 @pytest.mark.parametrize(
@@ -333,9 +336,9 @@ def test_a_parameter_file_for_the_node_in_another_namespace_is_refused(tmp_path,
     file = tmp_path / "other.yaml"
     file.write_text(text.replace("NODE", node))
     process = start([*command(node), "--ros-args", "-r", "__ns:=/car1", "--params-file", str(file)])
-    said, _ = process.communicate(timeout=PATIENCE)
+    output, _ = process.communicate(timeout=PATIENCE)
     expected = f"{node}: {file}: /ev/{node} is not this node, expected /car1/{node} or /**/{node}\n"
-    assert (process.returncode, said) == (1, expected)
+    assert (process.returncode, output) == (1, expected)
 
 
 def test_files_of_parameters_for_others_and_for_all_namespaces_are_taken(tmp_path):
@@ -348,20 +351,20 @@ def test_files_of_parameters_for_others_and_for_all_namespaces_are_taken(tmp_pat
     for number, text in enumerate(files):
         (tmp_path / f"{number}.yaml").write_text(text)
         words += ["--params-file", str(tmp_path / f"{number}.yaml")]
-    said, _ = start([*command("driver"), *words]).communicate(timeout=PATIENCE)
-    assert said.startswith("driver: parameter control_period: -1.0 is refused")
+    output, _ = start([*command("driver"), *words]).communicate(timeout=PATIENCE)
+    assert output.startswith("driver: parameter control_period: -1.0 is refused")
 
 
 def test_a_recorder_without_a_place_to_write_says_so(tmp_path):
     (tmp_path / "file").touch()
     process = start([*command("recorder"), "--ros-args", "-p", f"directory:={tmp_path / 'file'}"])
-    said, _ = process.communicate(timeout=PATIENCE)
-    assert (process.returncode, said.count("\n")) == (1, 1)
-    assert str(tmp_path / "file") in said
+    output, _ = process.communicate(timeout=PATIENCE)
+    assert (process.returncode, output.count("\n")) == (1, 1)
+    assert str(tmp_path / "file") in output
 
 
 def test_a_law_that_gives_no_number_ends_its_node(tmp_path: Path):
-    """Nobody may receive NaN as a torque: the node says what was wrong, and ends before it speaks."""
+    """NaN is never published as a torque: the node names the mistake and ends before it sends."""
     script = tmp_path / "asr.py"
     script.write_text(BROKEN_LAW)
     with ros_domain() as context:
@@ -384,12 +387,12 @@ def test_a_law_that_gives_no_number_ends_its_node(tmp_path: Path):
             return process.poll() is not None
 
         wait_until(ended)
-        said, _ = process.communicate(timeout=PATIENCE)
+        output, _ = process.communicate(timeout=PATIENCE)
     assert process.returncode == 1
-    ready, said = said.splitlines()
+    ready, output = output.splitlines()
     assert "ready" in ready
     assert (
-        said == "asr: WheelTorqueCommand.drive.front_left is nan, only finite numbers are allowed"
+        output == "asr: WheelTorqueCommand.drive.front_left is nan, only finite numbers are allowed"
     )
 
 

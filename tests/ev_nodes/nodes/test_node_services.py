@@ -1,4 +1,4 @@
-"""Pause, resume, single step and reset: time stands still or begins anew, and no number changes."""
+"""Pause, resume, single step and reset: time stands still or restarts, and no number changes."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -24,7 +24,7 @@ PERIOD = 0.01
 
 @pytest.fixture
 def nodes(tmp_path) -> Iterator[Graph]:
-    """A graph whose services can be called: the driver, without whom time stands at zero, comes last."""
+    """A graph with callable services; the driver, without which time stands at zero, comes last."""
     with graph(
         RUN, tmp_path, bag=True, names=[name for name in NODES if name != "driver"]
     ) as nodes:
@@ -149,7 +149,7 @@ words = st.one_of(
 
 
 def lane_change(values: dict[str, float]) -> Run:
-    """A tenth of a second of it, in which a step takes half a second while nobody asks for another pace."""
+    """A tenth of a second of it; a step takes half a second unless a test sets another pace."""
     given = [(*name.split(".", 1), value) for name, value in values.items()]
     given += [
         ("plant", "real_time_factor", 0.02),
@@ -175,7 +175,7 @@ VIEWS = (
 
 
 def assert_bags_hold_one_run_each(folder: Path) -> None:
-    """From the first instant on, of every topic, /clock too, without a gap; the last one to its end."""
+    """Check that every topic begins at the first instant and has no gap."""
     bags = sorted(path for path in folder.iterdir() if path.name.startswith("bag"))
     for path in bags:
         stamps: dict[str, list[int]] = {}
@@ -198,7 +198,10 @@ def assert_bags_hold_one_run_each(folder: Path) -> None:
 def test_services_and_changes_in_any_order_end_in_a_fresh_run_with_the_same_values(
     tmp_path_factory: pytest.TempPathFactory, words: list
 ):
-    """To the bit, and every bag holds one run: also where time is at zero, or all are told to begin again and again."""
+    """Values agree to the bit, and every bag holds one run.
+
+    That holds at time zero as well, and where resets follow each other.
+    """
     folder, values = tmp_path_factory.mktemp("run"), {}
     (folder / "bag_before_reset_1").mkdir()  # somebody's own
     with graph(

@@ -1,4 +1,4 @@
-"""All nodes in one process over DDS: the same numbers as offline, however they are run and whoever comes and goes."""
+"""All nodes in one process over DDS have the numbers of offline, whichever come and go."""
 
 import math
 from pathlib import Path
@@ -38,8 +38,8 @@ from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
 pytestmark = pytest.mark.slow
 
 
-class Said:
-    """What the nodes have logged since this was made."""
+class Printed:
+    """Log of the nodes since this was made."""
 
     def __init__(self, capture: pytest.CaptureFixture) -> None:
         capture.readouterr()
@@ -136,9 +136,9 @@ def test_the_master_names_a_dead_node_and_goes_on_with_its_successor(dead, tmp_p
     with graph(run, tmp_path) as nodes:
         nodes.run(lambda: nodes.time >= 0.2)
         nodes.kill(dead)
-        said = Said(capfd)
-        nodes.run(lambda: "ERROR" in said.until_now())
-        assert f"not in the graph: {dead}\n" in said.text
+        printed = Printed(capfd)
+        nodes.run(lambda: "ERROR" in printed.until_now())
+        assert f"not in the graph: {dead}\n" in printed.text
         assert nodes.time < 0.5
         nodes.start(dead)
         nodes.run()
@@ -154,8 +154,8 @@ def test_the_master_says_that_it_waits_for_the_recorder(tmp_path, capfd):
     """The recorder holds back the end, else the last steps could be lost."""
     run = shchur(0.5, plant__answer_timeout=0.2)
     with graph(run, tmp_path, names=REQUIRED) as nodes:
-        said = Said(capfd)
-        nodes.run(lambda: "waiting for the recorder at 0.0 s" in said.until_now())
+        printed = Printed(capfd)
+        nodes.run(lambda: "waiting for the recorder at 0.0 s" in printed.until_now())
         assert nodes.time == 0.0
 
 
@@ -181,10 +181,10 @@ def test_the_master_says_why_nothing_comes_of_a_node_that_is_there(quality, why,
     run = shchur(0.5, plant__answer_timeout=0.2)
     with graph(run, tmp_path, names=[name for name in NODES if name != "asr"]) as nodes:
         own, _ = the_rest_of(nodes, quality)
-        said = Said(capfd)
-        nodes.run(lambda: f"{why}\n" in said.until_now())
+        printed = Printed(capfd)
+        nodes.run(lambda: f"{why}\n" in printed.until_now())
         own.destroy_node()
-    assert "WheelTorqueCommand of asr at 0.0 s" in said.text
+    assert "WheelTorqueCommand of asr at 0.0 s" in printed.text
 
 
 def test_the_master_reports_a_command_whose_stamp_is_the_time_of_day(tmp_path):
@@ -278,7 +278,7 @@ def test_the_urban_cycle_is_the_same_over_dds(driver, differential, asr, tmp_pat
 
 
 def test_the_recorder_names_the_topics_on_which_nothing_comes(tmp_path, monkeypatch):
-    """Of a graph without traction control; when it has joined, the run goes on as if nothing had been."""
+    """A graph without traction control waits; once that has joined, the run is the offline one."""
     monkeypatch.setattr("ev_stack.recorder_node._LONG", 0.1)
     run = shchur(0.2)
     with graph(run, tmp_path, names=[name for name in NODES if name != "asr"]) as nodes:

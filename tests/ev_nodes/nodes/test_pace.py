@@ -1,4 +1,4 @@
-"""How simulated time and the wall clock belong together, by a clock that the test turns."""
+"""Simulated time against the wall clock, by a clock that the test turns."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How often a master says its state again: soon, and where nobody answers ever more seldom."""
+"""A master repeats its state soon, and without an answer ever more seldom."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from ev_nodes.master.node import MasterNode
 
 
 def repetitions(monkeypatch, seconds: float, now: int) -> int:
-    """So many of an instant that nobody answers, looked at every millisecond of wall time."""
-    said = [0.0]
+    """Times of the first repetitions of an unanswered instant, looked at every millisecond."""
+    times = [0.0]
     node = object.__new__(MasterNode)
     wall = SimpleNamespace(now=0.0)
     node.done = False
@@ -28,7 +28,7 @@ def repetitions(monkeypatch, seconds: float, now: int) -> int:
     node._spoke = 0.0
 
     def repeat() -> None:
-        said.append(wall.now)
+        times.append(wall.now)
         node._spoke = wall.now
 
     node._repeat = repeat
@@ -42,8 +42,8 @@ def repetitions(monkeypatch, seconds: float, now: int) -> int:
     for _ in range(int(seconds / 0.001)):
         wall.now += 0.001
         node.idle()
-    assert node.health.late_answers == len(said) - 1
-    return len(said) - 1
+    assert node.health.late_answers == len(times) - 1
+    return len(times) - 1
 
 
 def test_a_recorder_that_is_held_up_for_ten_seconds_finds_all_that_was_said(monkeypatch):

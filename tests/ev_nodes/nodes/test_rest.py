@@ -18,14 +18,17 @@ TORQUE = 50.0  # N m
 
 
 def test_a_car_drives_on_behind_a_rest_and_in_single_steps(monkeypatch):
-    """By the command that is held: none comes while time stands still, for hours if need be."""
+    """The held command goes on: none comes while time stands still, for hours if need be."""
     wall = [time.monotonic()]
     with ros_domain() as context:
         plant = node_of(context, "plant", {"mode": "realtime", "method": "kinematic"})
         monkeypatch.setattr(time, "monotonic", lambda: wall[0])
 
         def efforts(seconds: float) -> list[float]:
-            """What the states of so many seconds show; the others answer to each with a command."""
+            """Efforts in the states of so many seconds.
+
+            The others answer to each with a command.
+            """
             found, end = [], wall[0] + seconds
             while wall[0] < end:
                 wall[0] += 0.005
@@ -90,7 +93,7 @@ def test_a_recorder_that_is_ahead_of_the_present_is_not_believed():
 
 
 def test_a_plant_that_waits_for_its_pace_alone_is_not_woken_up_by_messages():
-    """Nobody takes those of the recorder then: one that lay there had a paced plant spin for most of each period."""
+    """An unread message of the recorder would make a paced plant spin for most of each period."""
     with ros_domain() as context:
         plant = node_of(
             context,

@@ -1,4 +1,4 @@
-"""The line between a node and the runner that has started it: what is told arrives, and nothing that is no word."""
+"""The line between a node and its runner: reports arrive, and nothing that is no report."""
 
 from __future__ import annotations
 
@@ -24,38 +24,38 @@ from ev_nodes.stepping.runner_line import (
     Word,
 )
 from ev_stack.recording.recording import Recording
-from ev_stack.running.node_reports import NodeReports as Told
+from ev_stack.running.node_reports import NodeReports
 from ev_stack.running.node_reports import node_reports as opened
 
 NOTHING = Recording(np.zeros(0), {})
 
 
 @pytest.fixture
-def told(monkeypatch):
-    """What the runner is told by a node of this process, and the node's end."""
-    words = Told("/ev")
+def reports(monkeypatch):
+    """Reports of a node of this process, and the end of the line."""
+    words = NodeReports("/ev")
     address, _ = words.line("asr")
     monkeypatch.setenv(RUNNER_LINE, address)
     yield words
     words.close()
 
 
-def test_what_a_node_tells_arrives_with_its_name_and_its_key(told):
+def test_what_a_node_tells_arrives_with_its_name_and_its_key(reports):
     line = RunnerLine()
-    told.started("asr")
+    reports.started("asr")
     line.tell(Word(WARNING, "something is odd"))
     line.tell(Word(NOTE, "refused", "stranger"))
     line.tell(Word(NOTE, "refused again", "stranger"))
     line.tell(Word(PROGRESS, values={"stamp": 1_500_000_000}))
     line.close()
-    told.look()
-    assert told.warnings == ("/ev/asr: something is odd",)
-    assert told.notes == ("/ev/asr: refused",)
-    assert told.time == 1.5
+    reports.look()
+    assert reports.warnings == ("/ev/asr: something is odd",)
+    assert reports.notes == ("/ev/asr: refused",)
+    assert reports.time == 1.5
     assert len(line.key) == 32
 
 
-def test_a_runner_that_does_not_listen_holds_nobody_up_and_loses_no_word_but_old_progress(told):
+def test_a_runner_that_does_not_listen_holds_nobody_up_and_loses_no_word_but_old_progress(reports):
     """It may be stopped for a while; thousands of words do not fit into a socket, and one that never will is left out.
 
     Of warnings the first ones are named, and all are counted. The newest progress comes through.
@@ -66,24 +66,24 @@ def test_a_runner_that_does_not_listen_holds_nobody_up_and_loses_no_word_but_old
         line.tell(Word(WARNING, f"{n}"))
         line.tell(Word(WARNING, "0"))
         line.tell(Word(PROGRESS, values={"stamp": n}))
-    while told.warnings[-1:] != ("4980 more warnings, which are in /diagnostics",):
-        told.look()
+    while reports.warnings[-1:] != ("4980 more warnings, which are in /diagnostics",):
+        reports.look()
         line.send_what_waits()
-    assert told.warnings[:-1] == tuple(f"/ev/asr: {n}" for n in range(20))
-    told.look()
-    assert told.time == pytest.approx(4999e-9)
+    assert reports.warnings[:-1] == tuple(f"/ev/asr: {n}" for n in range(20))
+    reports.look()
+    assert reports.time == pytest.approx(4999e-9)
     line.close()
 
 
-def test_progress_goes_on_when_a_runner_listens_again(told):
+def test_progress_goes_on_when_a_runner_listens_again(reports):
     """A recorder has no other words: behind three seconds of Ctrl-Z its progress stood still until the end."""
     line = RunnerLine()
     for stamp in range(0, 3_000_000, 1000):
         line.tell(Word(PROGRESS, values={"stamp": stamp}))
-    told.look()
+    reports.look()
     line.tell(Word(PROGRESS, values={"stamp": 3_000_000}))
-    told.look()
-    assert told.time == 0.003
+    reports.look()
+    assert reports.time == 0.003
     line.close()
 
 
@@ -100,19 +100,19 @@ def test_what_was_noted_is_said_though_the_run_is_interrupted(capsys):
 
 
 def test_a_node_that_was_killed_before_it_told_its_sums_is_named():
-    told = Told("/ev")
+    reports = NodeReports("/ev")
     for node, adds_up in (("asr", True), ("driver", True), ("plant", False), ("recorder", False)):
-        told.line(node, adds_up)
-    told.look()
-    assert [line.partition(":")[0] for line in told.others_heard(NOTHING)] == [
-        "node asr told no sums",
-        "node driver told no sums",
+        reports.line(node, adds_up)
+    reports.look()
+    assert [line.partition(":")[0] for line in reports.others_heard(NOTHING)] == [
+        "node asr reported no checksums",
+        "node driver reported no checksums",
     ]
-    told.close()
+    reports.close()
 
 
-def test_a_child_finds_its_end_and_no_other_process_does(told):
-    """The end is inherited; who has only read the name of it in somebody's environment has nothing."""
+def test_a_child_finds_its_end_and_no_other_process_does(reports):
+    """The end is inherited; its name in an environment alone opens nothing."""
     words = [
         "import sys",
         "from ev_nodes.stepping.runner_line import NOTE, RunnerLine, Word",
@@ -120,14 +120,14 @@ def test_a_child_finds_its_end_and_no_other_process_does(told):
         "line.tell(Word(NOTE, sys.argv[1], sys.argv[1]))",
         "line.close()",
     ]
-    told.close()
-    address, inherited = told.line("asr")
+    reports.close()
+    address, inherited = reports.line("asr")
     for name, descriptors in (("child", [inherited]), ("stranger", [])):
         environment = {**os.environ, RUNNER_LINE: address}
         command = [sys.executable, "-c", "\n".join(words), name]
         subprocess.run(command, env=environment, pass_fds=descriptors, check=True)
-    told.look()
-    assert told.notes == ("/ev/asr: child",)
+    reports.look()
+    assert reports.notes == ("/ev/asr: child",)
 
 
 @pytest.mark.parametrize("address", ["", "7", "x y z", "99999 1 00", "0 1 zz"])
@@ -167,46 +167,46 @@ WORDS = st.dictionaries(
 
 
 @given(
-    said=st.binary(max_size=30)
+    written=st.binary(max_size=30)
     | (
         WORDS
         | JSON
         | st.builds(lambda k, v: {"kind": k, "values": v}, st.sampled_from(WORD_KINDS), VALUES)
     ).map(lambda j: json.dumps(j).encode())
 )
-@example(said=b'{"kind": "tally", "values": {"stamp": null, "written": [], "read": {"": null}}}')
-@example(said=b'{"kind": "tally", "values": {"written": {"wheel_states": [3]}, "read": {}}}')
-def test_whatever_is_said_there_is_a_word_or_is_noted_in_one_line(said):
-    told = Told("/ev")
-    _, number = told.line("asr")
-    os.write(number, said or b" ")
-    told.look()
-    told.others_heard(NOTHING)
+@example(written=b'{"kind": "tally", "values": {"stamp": null, "written": [], "read": {"": null}}}')
+@example(written=b'{"kind": "tally", "values": {"written": {"wheel_states": [3]}, "read": {}}}')
+def test_whatever_is_said_there_is_a_word_or_is_noted_in_one_line(written):
+    reports = NodeReports("/ev")
+    _, number = reports.line("asr")
+    os.write(number, written or b" ")
+    reports.look()
+    reports.others_heard(NOTHING)
     assert all(
         text.isprintable() and len(text) < 300
-        for text in (*told.notes, *told.warnings, *told.new_words())
+        for text in (*reports.notes, *reports.warnings, *reports.new_words())
     )
-    told.close()
+    reports.close()
 
 
 def test_ends_of_a_topic_are_compared_at_the_last_step_that_both_have():
     """A plant takes no command for its last instant, and a column is one step ahead."""
 
-    def heard(taken: dict[str, int], said: dict[str, int]) -> list[str]:
-        told = Told("/ev")
+    def heard(taken: dict[str, int], sent: dict[str, int]) -> list[str]:
+        reports = NodeReports("/ev")
         for node, values in (
             ("plant", {"read": {"torque_command": taken}, "written": {}}),
-            ("asr", {"read": {}, "written": {"torque_command": said}}),
+            ("asr", {"read": {}, "written": {"torque_command": sent}}),
         ):
-            _, number = told.line(node)
+            _, number = reports.line(node)
             os.write(number, Word(TALLY, values=values).encoded())
-        told.look()
-        found = told.others_heard(NOTHING)
-        told.close()
+        reports.look()
+        found = reports.others_heard(NOTHING)
+        reports.close()
         return found
 
     assert heard({"8": 5, "9": 6}, {"9": 6, "10": 7}) == []
     assert heard({}, {"10": 7}) == []
     (line,) = heard({"8": 5, "9": 6}, {"9": 5, "10": 7})
-    assert line.startswith("node plant: what it took on torque_command is not what asr has said")
+    assert line.startswith("node plant read on torque_command what asr did not write")
     assert len(heard({"8": 5}, {"9": 6})) == 1

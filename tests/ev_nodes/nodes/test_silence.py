@@ -1,4 +1,4 @@
-"""What does not fit on the topics of the graph is named: ends of another type, ends that exchange no messages."""
+"""Ends of a topic that do not fit are named: of another type, or without messages."""
 
 from __future__ import annotations
 

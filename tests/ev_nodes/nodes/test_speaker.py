@@ -1,4 +1,4 @@
-"""Who may speak on a topic, as the graph tells it, by a clock that the test turns."""
+"""One node may write each topic; the graph names it, by a clock that the test turns."""
 
 from __future__ import annotations
 
@@ -48,36 +48,36 @@ def heard(speaker: Speaker, gid: bytes) -> bool:
 
 
 def test_only_the_node_whose_task_it_is_is_heard_and_another_one_is_named_once_for_each_look(wall):
-    said: list[str] = []
+    lines: list[str] = []
     speaker = Speaker(
-        Graph(ours="plant", another="stranger"), "imu", "plant", lambda _, line: said.append(line)
+        Graph(ours="plant", another="stranger"), "imu", "plant", lambda _, line: lines.append(line)
     )
     assert heard(speaker, OURS)
     assert not heard(speaker, ANOTHER)
     assert not heard(speaker, ANOTHER)
-    assert said == ["/ev/stranger is refused: /ev/imu is for /ev/plant alone"]
+    assert lines == ["/ev/stranger is refused: /ev/imu is for /ev/plant alone"]
     assert speaker.refused == 2
 
 
 def test_whose_node_is_not_known_is_heard_when_it_is_and_told_of_when_it_takes_long(wall):
     """The middleware tells the node of a publisher some milliseconds after the publisher, as a rule."""
-    graph, said = Graph(ours="_NODE_NAME_UNKNOWN_"), []
-    speaker = Speaker(graph, "imu", "plant", lambda _, line: said.append(line))
+    graph, lines = Graph(ours="_NODE_NAME_UNKNOWN_"), []
+    speaker = Speaker(graph, "imu", "plant", lambda _, line: lines.append(line))
     for _ in range(29):
         assert not heard(speaker, OURS)
         wall[0] += 0.1
-    assert said == []
+    assert lines == []
     for _ in range(3):
         assert not heard(speaker, OURS)
         wall[0] += 0.1
-    assert set(said) == {"a sender on /ev/imu is not admitted: the graph does not name its node"}
+    assert set(lines) == {"a sender on /ev/imu is not admitted: the graph does not name its node"}
     graph.names["ours"] = "plant"
     assert heard(speaker, OURS)
 
 
-def reader_of(said: list[bytes]) -> Reader:
-    """What reads messages of these publishers, of which one may speak."""
-    reader, left = object.__new__(Reader), iter(said)
+def reader_of(payloads: list[bytes]) -> Reader:
+    """A reader of messages from these publishers, one of which may write."""
+    reader, left = object.__new__(Reader), iter(payloads)
     reader.speaker = Speaker(
         Graph(ours="plant", another="stranger"), "imu", "plant", lambda *_: None
     )
@@ -95,7 +95,10 @@ def reader_of(said: list[bytes]) -> Reader:
 
 
 def test_who_speaks_faster_than_it_is_refused_does_not_keep_the_node_from_all_else(wall):
-    """Without an end to its messages; the one of the plant is found behind them when the node looks again."""
+    """A flood of refused messages ends a look.
+
+    The plant's message behind them is found in the next.
+    """
     reader = reader_of([ANOTHER] * (QUEUE_DEPTH + 10) + [OURS] + [ANOTHER] * QUEUE_DEPTH)
     assert reader.take() is None
     assert reader.take() == b""
@@ -105,10 +108,10 @@ def test_who_speaks_faster_than_it_is_refused_does_not_keep_the_node_from_all_el
 
 def test_a_master_that_was_started_anew_before_time_went_on_is_named(wall):
     """Its state at 0 has the stamp of the one before: nodes that have answered that would take it for a repetition."""
-    graph, told = Graph(ours="plant"), []
+    graph, warnings = Graph(ours="plant"), []
     reception = Reception(
         Stepper(find_method("asr", "off"), lambda: None, PERIOD),
-        SimpleNamespace(warn=told.append),
+        SimpleNamespace(warn=warnings.append),
         print,
     )
     inbox = reception._stepper.inbox
@@ -121,8 +124,8 @@ def test_a_master_that_was_started_anew_before_time_went_on_is_named(wall):
             graph.names = {gid.decode(): "plant"}
             wall[0] += 1.0
             assert heard(speaker, gid)
-        assert len(told) == named
-    assert told[0].startswith("plant was started again at 0 s")
+        assert len(warnings) == named
+    assert warnings[0].startswith("plant was started again at 0 s")
 
 
 def test_a_message_without_an_identity_is_of_no_other_publisher(wall):

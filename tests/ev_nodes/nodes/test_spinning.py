@@ -1,4 +1,4 @@
-"""How nodes are run."""
+"""Running of nodes."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Besieged(Node):
 
 
 def test_a_node_for_which_something_always_comes_hears_the_rest_too():
-    """In real time, answers that others repeat kept the master from hearing the recorder, and nothing ever began."""
+    """Endless messages on one topic leave the others their turn, such as the recorder's."""
     with ros_domain() as context:
         node = Besieged("besieged", context=context)
         turns = iter(range(1_000_000))

@@ -40,7 +40,7 @@ def test_a_message_names_its_publisher_as_the_graph_does():
 
 
 def test_without_the_c_library_by_its_name_messages_are_taken_by_rclpy(monkeypatch):
-    """As on systems that name their libraries differently."""
+    """Systems with other names for their libraries use rclpy."""
     with ros_domain() as context:
         node = Node("node", context=context)
         subscription = node.create_subscription(String, "words", print, QUALITY, raw=True)

@@ -1,4 +1,4 @@
-"""From 2038 on Fast DDS can send nothing: a run over DDS does not begin, and says why."""
+"""Fast DDS can send nothing from 2038 on: a run over DDS is refused with that reason."""
 
 import pytest
 from rclpy.impl.implementation_singleton import rclpy_implementation

@@ -1,4 +1,4 @@
-"""Who asks what a node is told does not leave the graph between that and the node."""
+"""An observer of a node's inputs stays in the graph until the node has them."""
 
 from __future__ import annotations
 

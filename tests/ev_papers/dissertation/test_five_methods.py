@@ -33,7 +33,7 @@ CASES = [
 
 
 class Cycles(dict[str, CaseResult]):
-    """By name, each driven when it is asked for first: 580 s, a second of a processor."""
+    """Results by name, each driven at its first use: 580 s, a second of a processor."""
 
     def __missing__(self, name: str) -> CaseResult:
         (self[name],) = drive_here(
@@ -61,7 +61,7 @@ def test_methods_come_in_the_printed_order(driven, seed):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_eq_2_37_in_full_lies_below_the_ratio_of_speeds(driven, method):
-    """By what the rolling resistance of wet asphalt and snow takes, 8 to 14 % of the torque; so 0.96 is out of reach.
+    """The rolling resistance of wet asphalt and snow takes 8 to 14 % of the torque: no 0.96.
 
     With table 2.2 in M_f no method can have more than 0.89 (f_0 = 0, lower ends, no slip).
     """
@@ -75,7 +75,7 @@ def test_eq_2_37_in_full_lies_below_the_ratio_of_speeds(driven, method):
 @pytest.mark.weekly
 @pytest.mark.parametrize("method", ["1", "2"])
 def test_released_pedal_costs_eq_2_37_a_lot(driven, method):
-    """With `pulse` rolling resistance goes on while the torque is zero: at least 0.1 less over whole windows."""
+    """`pulse` has rolling resistance without torque: at least 0.1 less over whole windows."""
     measured = driven[case_name(method, "pulse", 1)].measured
     assert measured["wheel_efficiency_windows"] < measured["wheel_efficiency"] - 0.1
     driven_time = measured["energy_windows"] / measured["energy_as_printed"] * 580.0
@@ -85,7 +85,7 @@ def test_released_pedal_costs_eq_2_37_a_lot(driven, method):
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_who_knows_the_friction_is_better_than_the_printed_method_5(driven, seed):
-    """Above method 2, and by 0.02 at most above method 1: nobody can do better than not to slip."""
+    """Method 5 lies above 2, and above 1 by 0.02 at most: no law does better than not to slip."""
     values = {method: wheel(driven, method, "imposed_speed", seed) for method in ("1", "2", "5")}
     assert values["2"] < values["5"] <= values["1"] + 0.02
 
@@ -110,7 +110,7 @@ def test_who_follows_the_cycle_never_slips(driven):
 
 
 def test_traction_control_is_what_makes_method_1(driven):
-    """At least 0.05 above the same distribution without ASR."""
+    """ASR raises the same distribution by at least 0.05."""
     without = driven[WITHOUT_ASR].measured["wheel_speed_efficiency"]
     assert wheel(driven, "1", "imposed_speed", 1) >= without + 0.05
 
@@ -206,7 +206,7 @@ def test_another_cycle_takes_its_own_length_and_has_nothing_printed_beside(tmp_p
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (["--seeds", "0"], "error: --seeds 0 is refused"),
         (
@@ -219,7 +219,7 @@ def test_another_cycle_takes_its_own_length_and_has_nothing_printed_beside(tmp_p
         ),
     ],
 )
-def test_bad_options_are_one_line(words, said, tmp_path):
+def test_bad_options_are_one_line(words, message, tmp_path):
     """A seed that is none ends the study, and so does a value that all cases refuse."""
     with pytest.raises(SystemExit) as end:
         main(
@@ -236,4 +236,4 @@ def test_bad_options_are_one_line(words, said, tmp_path):
                 *words,
             ]
         )
-    assert str(end.value.code).startswith(said) and "\n" not in str(end.value.code)
+    assert str(end.value.code).startswith(message) and "\n" not in str(end.value.code)

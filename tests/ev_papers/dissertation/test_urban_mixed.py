@@ -378,7 +378,7 @@ def test_figures_say_what_is_missing(tmp_path):
 
 
 def spinning_up(a: float, b: float) -> Recording:
-    """A wheel whose slip grows to 0.2 in 0.4 s on a road that takes exactly y = a x + b sqrt(x) of the torque."""
+    """A wheel with slip up to 0.2 in 0.4 s; the road takes y = a x + b sqrt(x) of the torque."""
     time = np.arange(81) * PERIOD
     free = np.full_like(time, 30.0)
     speed = free / (1 - 0.02 - 0.18 * (time / time[-1]) ** 2)

@@ -20,7 +20,7 @@ LENGTH = 24.0  # s: rest, pulling away, two surfaces, spinning wheels
 
 @pytest.fixture(scope="module")
 def recording():
-    """With exact sensors."""
+    """A run with exact sensors."""
     (run,) = load_scenario(
         "urban_mixed_bench", Overrides(values=IDEAL["sensors"], duration=LENGTH)
     ).runs
@@ -73,7 +73,7 @@ def test_a_bench_needs_its_plant():
 
 
 def test_without_a_bench_the_graph_is_as_short_as_ever():
-    """No node, no channel and no number in the frames for those who do not ask for it."""
+    """A scenario without a bench has no node, no channel and no number of it in the frames."""
     (run,) = load_scenario("urban_mixed", Overrides(duration=0.05)).runs
     assert tuple(run.configurations) == REQUIRED
     assert not [

@@ -137,7 +137,7 @@ def test_a_wheel_that_never_passes_its_peak_is_noticed(id: str):
 )
 @pytest.mark.sampled
 def test_motors_too_weak_to_spin_on_snow_make_no_control_better(id: str):
-    """What the survey says of slip controls holds where there is slip."""
+    """The survey's claims on slip controls hold where there is slip."""
     motor = [
         word
         for of in ("peak", "nominal")
@@ -195,7 +195,7 @@ def test_what_holds_in_part_is_gone_with_another_parameter(id: str, changed):
 
 @pytest.mark.parametrize("method", ["adaptive", "limited_slip"])
 def test_what_no_method_could_miss_follows_from_the_inputs(method: str):
-    """A driver who brakes asks for no drive torque, so no method has anything to share."""
+    """A braking driver gives no drive torque, so no method has anything to share."""
     changed = ("electronic_differential", "method", method)
     assert verdict_on("diss.ideal.brakes", changed).judgement == "follows from the inputs"
 
@@ -248,7 +248,10 @@ def test_what_is_not_reproduced(id: str):
 
 @pytest.mark.slow
 def test_with_a_limit_method_5_is_better_than_all_others():
-    """Who knows the friction and limits by it never slips; without the limit the order is the printed one."""
+    """Limited by the known friction it never slips.
+
+    Without the limit the order is the printed one.
+    """
     assert studied("diss.t3.6.order").judgement == "reproduced"
     assert (
         studied("diss.t3.6.order", "--set", "electronic_differential.limit=true").judgement

@@ -66,7 +66,7 @@ def test_the_layer_removes_the_chatter_of_one_reading_alone():
 
 
 def test_at_the_speed_of_the_source_the_model_of_ackermann_does_not_hold():
-    """At 1 m/s wheel speeds turn the car as equal torques do, at 5 m/s by 30 % more."""
+    """Wheel speeds turn the car as equal torques do at 1 m/s, and by 30 % more at 5 m/s."""
 
     def at_5_m_per_s(need: Need) -> Need:
         changed = ("plant", "initial_speed", 5.0)
@@ -80,7 +80,7 @@ def test_at_the_speed_of_the_source_the_model_of_ackermann_does_not_hold():
 
 
 def test_full_car_in_place_of_the_sources_own_is_noticed():
-    """With u free the source's car spins with `increment`, the full one drives off."""
+    """A free u and `increment` make the source's car spin; the full one drives off."""
     changed = (
         ("*", "vehicle.load_transfer", "both"),
         ("*", "vehicle.tyre.lateral_curve", "linear"),

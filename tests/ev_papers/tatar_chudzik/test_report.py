@@ -65,7 +65,7 @@ def test_a_wheel_force_does_not_change_its_magnitude_between_the_axes():
 
 
 def test_correction_costs_tyre_force_and_saves_energy():
-    """The outer wheel pushes the car round, so the front wheels, whose force points backwards, have less to do."""
+    """The outer wheel pushes the car round; the front wheels' backward force has less to do."""
     for layout in ("front", "rear", "all"):
         for quantity, sign in (
             ("total_tyre_force", 1),

@@ -1,4 +1,4 @@
-"""How far a path is from a circle."""
+"""Distance of a path from a circle."""
 
 import numpy as np
 import pytest

@@ -25,7 +25,7 @@ CALM = dict.fromkeys(("h_n", "h_2", "h_4"), 0)
 
 
 def counted(study, peak) -> dict[str, float]:
-    """The metrics of a study whose cases have the sideslip angle that `peak` gives for a case [rad]."""
+    """Metrics of a study in which `peak` gives the sideslip angle of a case [rad]."""
     cases = study.cases(Namespace())
     results = {
         case.name: CaseResult(case.name, {"peak_sideslip": peak(case), **CALM}) for case in cases
@@ -84,9 +84,9 @@ def test_every_reading_is_driven_in_all_cases_and_told_to_the_law():
     """Rear drive, K = 0.48, 0.5, 1 and the equality, three second branches, by speed and by geometry, a fixed half."""
     cases = sweep.cases(Namespace())
     assert len(cases) == 10 * 40 == len({case.name for case in cases})
-    told = {case.name.split()[0]: case.values[4:] for case in cases}
-    assert told["k1"] == told["equality"] == ()
-    assert told["k1_derived"] == (("electronic_differential", "second_branch", "derived"),)
+    settings = {case.name.split()[0]: case.values[4:] for case in cases}
+    assert settings["k1"] == settings["equality"] == ()
+    assert settings["k1_derived"] == (("electronic_differential", "second_branch", "derived"),)
     assert {case.run for case in cases} == set(grid.CONTROLS)
 
 
@@ -143,7 +143,10 @@ def test_every_variant_is_a_row_of_the_page():
 
 @pytest.mark.parametrize("name", [each.name for each in variants.VARIANTS])
 def test_a_variant_changes_what_it_says(name):
-    """At 3000 N and 6 deg k = 0.5 moves otherwise than in the base; it never slows down, so no rule on that counts."""
+    """A variant moves k = 0.5 at 3000 N and 6 deg.
+
+    The base never slows down, so no rule on that counts.
+    """
     (variant,) = (each for each in variants.VARIANTS if each.name == name)
     driven = {}
     for each in (variant, variants.BASE):

@@ -47,7 +47,10 @@ def test_what_can_be_judged_without_the_sweep_is_reproduced(id: str):
 
 @pytest.mark.parametrize("place", ["bend", "ahead"])
 def test_rear_drive_is_not_the_most_stable_under_braking_by_the_engine(place: str):
-    """In a bend it spins; straight ahead both stay below 0.1 deg. Without any braking torque the bend is harmless."""
+    """Rear drive spins in a bend.
+
+    Straight ahead both stay below 0.1 deg. Without any braking torque the bend is harmless.
+    """
     found = verdict_on(f"zhil.engine_braking.{place}")
     assert found.judgement == "not reproduced"
     peaks = [found.metrics[name].value for name in ("rear drive", "half and half")]
@@ -57,7 +60,7 @@ def test_rear_drive_is_not_the_most_stable_under_braking_by_the_engine(place: st
 
 
 def test_eq_5_does_not_follow_from_the_line_above_it():
-    """At cos(phi) = 0.8 K (1 - 0.8) instead of K 0.8: N = (0.2 - 0.8) j/V = -0.075 1/s instead of none."""
+    """cos(phi) = 0.8, K (1 - 0.8) for K 0.8: N = (0.2 - 0.8) j/V = -0.075 1/s instead of none."""
     found = verdict_on("zhil.eq5.derivation")
     assert found.judgement == "not reproduced"
     assert found.metrics[""].value == pytest.approx((0.2 - 0.8) * 1.0 / 8.0, rel=1e-9)

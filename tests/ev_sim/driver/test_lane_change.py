@@ -1,4 +1,4 @@
-"""The course of the double lane change: a line that fits every car, and a driver who keeps to it whatever he sees.
+"""The double lane change: its line fits every car, and the driver keeps to it.
 
 The long form is `python benchmarks/lane_change.py`; docs/scenarios.md has its tables.
 """
@@ -56,10 +56,10 @@ def test_cones_do_not_hang_on_how_far_the_driver_sees(car):
 
 
 def test_the_car_turns_about_as_fast_as_its_line_bends():
-    """The line's largest bend, 1/134 m, is 0.17 rad/s at 80 km/h; a quarter more (0.21) is what its tail does.
+    """The line's largest bend, 1/134 m, is 0.17 rad/s at 80 km/h.
 
-    A car with its centre of mass held on a line is free to swing: omega^2 = L C_r/J_z, damped by
-    zeta = omega b/(2 V),
-    0.31 at 80 km/h. A driver who holds the line too firmly, or does not know how late his wheels turn, makes it swing.
+    A quarter more, 0.21, is the tail. A car with its centre of mass held on a line is free to
+    swing: omega^2 = L C_r/J_z, damped by zeta = omega b/(2 V), 0.31 at 80 km/h. It swings if the
+    driver holds the line too firmly or does not know how late the wheels turn.
     """
     assert 0.16 < ev_stack.run("double_lane_change").metrics["peak_yaw_rate"].value < 0.23

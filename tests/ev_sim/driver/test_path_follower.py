@@ -1,4 +1,4 @@
-"""A driver who follows a path."""
+"""The driver that follows a path."""
 
 from __future__ import annotations
 

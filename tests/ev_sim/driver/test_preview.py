@@ -1,4 +1,4 @@
-"""The driver who looks ahead: every car settles at every speed, follows bends, and does alike to the left and right."""
+"""The driver with preview: every car settles at every speed and follows bends, mirrored alike."""
 
 from __future__ import annotations
 
@@ -66,10 +66,11 @@ def test_bends_of_3_m_per_s2_are_followed(car):
 
 @pytest.mark.parametrize("preview_time", [0.5, 1.0, 3.0])
 def test_a_circle_is_followed_without_error_on_linear_tyres(preview_time):
-    """Understeer is known and the bend goes on behind the horizon: 4 m/s^2 at 80 km/h after 8 s, whatever is seen.
+    """Understeer is known and the bend goes on behind the horizon: 4 m/s^2 at 80 km/h after 8 s.
 
-    3 cm are left by sines of slip angles and by drive forces that pull the front wheels inwards; 9
-    m would be left by a driver who takes the car for neutral.
+    The result does not depend on the preview time. 3 cm are left by sines of slip angles and by
+    drive forces that pull the front wheels inwards; a driver that takes the car for neutral would
+    leave 9 m.
     """
     radius = (80 / 3.6) ** 2 / 4.0
     linear = {

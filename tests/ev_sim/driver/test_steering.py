@@ -59,7 +59,7 @@ def turn(driver: Any, column_name: str, law_name: str | None, duration: float, *
 
 
 def turns_to(*degrees: float, every: float = 8.0, **values: Any) -> Any:
-    """A driver who wants these road-wheel angles, each for so many seconds."""
+    """A driver with these wanted road-wheel angles, each for so many seconds."""
     return driver_of(
         "speed_profile",
         steering__wanted_angle__time=tuple(every * i for i in range(len(degrees))),

@@ -70,13 +70,13 @@ def test_drive_reaches_its_set_point_within_the_torque_and_never_pulls_back():
     torques = []
     for n in range(1050):
         car.advance(command, STRAIGHT, WheelSpeedCommand(Wheels.all(10.0 if n < 1000 else 5.0)))
-        said = signals(car)
-        torques.append(said[WheelStates].effort.front_left)
+        outputs = signals(car)
+        torques.append(outputs[WheelStates].effort.front_left)
         if n == 999:
-            assert said[WheelStates].velocity.front_left == pytest.approx(10.0, rel=0.005)
+            assert outputs[WheelStates].velocity.front_left == pytest.approx(10.0, rel=0.005)
     assert max(torques) == pytest.approx(300.0, rel=1e-3)
     assert min(torques) > -1e-9 and abs(torques[-1]) < 1e-6
-    assert said[MotorStates].effort.rear_left == 0.0
+    assert outputs[MotorStates].effort.rear_left == 0.0
 
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])

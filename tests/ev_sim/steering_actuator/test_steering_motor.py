@@ -45,10 +45,10 @@ def test_it_gets_there_as_fast_as_it_may():
 
 
 @given(st.lists(st.tuples(ANGLES, MOMENTS), min_size=1, max_size=40))
-def test_limits_hold_whatever_is_asked_and_both_sides_are_alike(told):
+def test_limits_hold_whatever_is_asked_and_both_sides_are_alike(commands):
     """Peak torque and angle exactly; the rate is a set-point, which the road may pass by a little."""
     s, mirrored, c = SteeringMotorState(), SteeringMotorState(), servo(P, PERIOD)
-    for wanted, moment in told:
+    for wanted, moment in commands:
         turn(P, c, s, wanted, moment)
         turn(P, c, mirrored, -wanted, -moment)
         assert abs(s.angle) <= P.max_angle
@@ -64,11 +64,11 @@ def test_limits_hold_whatever_is_asked_and_both_sides_are_alike(told):
 @given(
     st.lists(st.tuples(st.floats(-0.05, 0.05), st.floats(-150.0, 150.0)), min_size=1, max_size=100)
 )
-def test_energy_closes(told):
+def test_energy_closes(commands):
     """Supply = copper + friction + kinetic energy - work of the road, exactly for the rule by which a step is taken."""
     s, c = SteeringMotorState(), servo(P, ONE_STEP)
     taken = losses = given_by_road = 0.0
-    for wanted, moment in told:
+    for wanted, moment in commands:
         before = s.rate
         turn(P, c, s, wanted, moment)
         mean = 0.5 * (before + s.rate)

@@ -93,7 +93,7 @@ def test_a_surface_of_ones_own_drives_as_one_of_the_table_with_its_numbers():
 
 
 @pytest.mark.parametrize(
-    ("values", "said"),
+    ("values", "message"),
     [
         ({"left": ("gravl",)}, "left: unknown surface 'gravl'; did you mean gravel"),
         (
@@ -108,8 +108,8 @@ def test_a_surface_of_ones_own_drives_as_one_of_the_table_with_its_numbers():
         ({"own_c3": (0.2, 0.1)}, "own 'oil' has no friction at a slip of 1, expected a smaller c3"),
     ],
 )
-def test_surfaces_of_ones_own_that_make_no_sense_are_refused(values, said):
-    with pytest.raises(ParameterError, match=re.escape(said)):
+def test_surfaces_of_ones_own_that_make_no_sense_are_refused(values, message):
+    with pytest.raises(ParameterError, match=re.escape(message)):
         RoadParameters(**{**OWN, **values})
 
 

@@ -29,16 +29,20 @@ def needed(name: str) -> set[str]:
         each = waiting.pop()
         if each not in found:
             found.add(each)
-            said = [text for text in distribution(each).requires or () if "extra ==" not in text]
-            said = [
+            requirements = [
+                text for text in distribution(each).requires or () if "extra ==" not in text
+            ]
+            requirements = [
                 text
-                for text in said
+                for text in requirements
                 if "sys_platform" not in text and "platform_system" not in text
             ]
-            said = [
-                text for text in said if not re.search(r"python_version\s*<\s*.3\.1[01]\b", text)
+            requirements = [
+                text
+                for text in requirements
+                if not re.search(r"python_version\s*<\s*.3\.1[01]\b", text)
             ]
-            waiting += [re.match(r"[\w.-]+", text).group().lower() for text in said]
+            waiting += [re.match(r"[\w.-]+", text).group().lower() for text in requirements]
     return found
 
 
@@ -117,5 +121,5 @@ def test_wheels_and_the_notebook_need_nothing_else(tmp_path):
     refused = subprocess.run(
         [bare / "bin" / "ev-stack", "run", "shchur2019"], capture_output=True, text=True, env=clean
     )
-    said = "error: nodes need ROS 2 (rclpy), which is not installed here: --offline --no-record needs none\n"
-    assert (refused.returncode, refused.stderr, refused.stdout) == (1, said, "")
+    message = "error: nodes need ROS 2 (rclpy), which is not installed here: --offline --no-record needs none\n"
+    assert (refused.returncode, refused.stderr, refused.stdout) == (1, message, "")

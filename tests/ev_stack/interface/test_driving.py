@@ -52,13 +52,13 @@ def test_a_run_is_that_of_the_command(result, tmp_path):
         ]
     )
     result.save(tmp_path / "saved")
-    said, saved = (
+    commanded, saved = (
         json.loads((tmp_path / name / "summary.json").read_text()) for name in ("command", "saved")
     )
-    assert said["signal_hash"] == saved["signal_hash"] == result.hash
+    assert commanded["signal_hash"] == saved["signal_hash"] == result.hash
     for of_run in ("wall_time", "real_time_factor", "command"):
-        del said[of_run], saved[of_run]
-    assert said == saved
+        del commanded[of_run], saved[of_run]
+    assert commanded == saved
     assert (
         signal_hash(load(tmp_path / "saved" / "signals.npz"))
         == saved["runs"]["shchur2019"]["signal_hash"]
@@ -200,7 +200,7 @@ def test_a_batch_is_the_runs_one_by_one():
 
 
 @pytest.mark.parametrize(
-    ("changed", "said"),
+    ("changed", "message"),
     [
         ({"set": {"gamma": 1.0}}, "set: 'gamma' is refused, expected NODE.PARAMETER"),
         ({"method": {"asr": "on"}}, "asr: unknown asr method 'on'; known: "),
@@ -216,10 +216,10 @@ def test_a_batch_is_the_runs_one_by_one():
         ({"runs": ("first",)}, "unknown run of shchur2019 'first'; known: shchur2019"),
     ],
 )
-def test_what_is_refused_is_one_line(changed, said):
+def test_what_is_refused_is_one_line(changed, message):
     with pytest.raises(ParameterError) as error:
         ev_stack.run("shchur2019", **changed)
-    assert str(error.value).startswith(said)
+    assert str(error.value).startswith(message)
     assert "\n" not in str(error.value)
 
 

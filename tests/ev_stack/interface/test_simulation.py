@@ -94,11 +94,11 @@ def test_ones_own_traction_control_sets_the_speeds_of_drives_in_speed_mode():
     )
     speeds = [name for name in outside.inputs if name.startswith("speed_command.")]
     assert len(speeds) == 4
-    told = dict.fromkeys(speeds, 5.0) | {
+    inputs = dict.fromkeys(speeds, 5.0) | {
         f"torque_command.drive.front_{side}": 800.0 for side in ("left", "right")
     }
     for _ in range(200):
-        frame = outside.step(told)
+        frame = outside.step(inputs)
     assert frame["wheel_states.velocity.front_left"] == pytest.approx(5.0, rel=0.2)
     assert "speed_command.speed.front_left" in outside.recording.channels
 
@@ -177,7 +177,7 @@ def test_any_configuration_goes_on_from_any_instant_with_the_same_bits(
 
 
 @pytest.mark.parametrize(
-    ("other", "said"),
+    ("other", "message"),
     [
         (
             {"method": {"electronic_differential": "equal_torque"}},
@@ -198,7 +198,7 @@ def test_any_configuration_goes_on_from_any_instant_with_the_same_bits(
         ),
     ],
 )
-def test_a_state_that_does_not_fit_is_refused_and_nothing_changes(other, said):
+def test_a_state_that_does_not_fit_is_refused_and_nothing_changes(other, message):
     """It was taken without a word, or left half of it behind in a KeyError."""
     method = {"electronic_differential": "power_steering"}
     car, same = (
@@ -210,7 +210,7 @@ def test_a_state_that_does_not_fit_is_refused_and_nothing_changes(other, said):
     ).state
     with pytest.raises(ParameterError) as error:
         car.state = saved
-    assert str(error.value).startswith(said) and "\n" not in str(error.value)
+    assert str(error.value).startswith(message) and "\n" not in str(error.value)
     assert [car.step() for _ in range(5)] == [same.step() for _ in range(5)]
 
 
@@ -257,7 +257,7 @@ def test_reset_begins_anew():
 
 
 @pytest.mark.parametrize(
-    ("inputs", "said"),
+    ("inputs", "message"),
     [
         (
             {"torque_request.drive.left": 1.0},
@@ -270,12 +270,12 @@ def test_reset_begins_anew():
         ),
     ],
 )
-def test_other_inputs_are_refused_and_nothing_is_done(inputs, said):
+def test_other_inputs_are_refused_and_nothing_is_done(inputs, message):
     car = simulation(without=("electronic_differential",))
     before = car.frame
     with pytest.raises(ParameterError) as error:
         car.step({"torque_request.brake.rear_left": 1.0, **inputs})
-    assert str(error.value).startswith(said)
+    assert str(error.value).startswith(message)
     assert car.frame == before
 
 

@@ -130,7 +130,7 @@ def test_a_scenario_without_a_course_gets_no_foreign_cones(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("lanes", "said"),
+    ("lanes", "message"),
     [
         ({"begin": (0.0, 20.0), "end": (10.0,)}, "end has 1 values, expected 2 as begin has"),
         (
@@ -145,8 +145,8 @@ def test_a_scenario_without_a_course_gets_no_foreign_cones(tmp_path):
         ({"begin": (0.0,), "end": (10.0,)}, "a lane has no width, expected "),
     ],
 )
-def test_lanes_that_make_no_sense_are_refused(lanes, said):
-    with pytest.raises(ParameterError, match=f"^{said}"):
+def test_lanes_that_make_no_sense_are_refused(lanes, message):
+    with pytest.raises(ParameterError, match=f"^{message}"):
         Course(**lanes)
 
 

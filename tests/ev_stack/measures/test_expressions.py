@@ -97,7 +97,7 @@ def test_what_has_no_value_says_why(expression, why):
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ("x [1] = maxi(imu.yaw_rate)", "unknown function 'maxi'; did you mean maximum?"),
         (
@@ -144,10 +144,10 @@ def test_what_has_no_value_says_why(expression, why):
         ("slip_energy [kJ] = slip_energy / 1000", "slip_energy is the name of another metric"),
     ],
 )
-def test_what_has_no_meaning_is_one_line(text, said):
+def test_what_has_no_meaning_is_one_line(text, message):
     with pytest.raises(ParameterError) as error:
         named_metric(text)
-    assert said in str(error.value) and str(error.value).startswith("metric ")
+    assert message in str(error.value) and str(error.value).startswith("metric ")
     assert "\n" not in str(error.value) and len(str(error.value)) < 1000
 
 

@@ -130,11 +130,11 @@ def test_a_batch_has_the_metrics_of_its_runs_to_the_bit():
 
 
 def test_a_batch_refuses_what_it_cannot_measure_before_it_drives():
-    for metric, said in (
+    for metric, message in (
         ("peak_slip", "metric peak_slip needs tire_forces.slip_ratio, which "),
         ("peak", "unknown m"),
     ):
-        with pytest.raises(ParameterError, match=f"^{said}"):
+        with pytest.raises(ParameterError, match=f"^{message}"):
             ev_stack.batch("shchur2019", metrics=[metric], duration=1e3)
 
 

@@ -174,7 +174,9 @@ def test_kill_at_random_moments_keeps_every_checkpoint(tmp_path: Path):
     delays = random.Random(2)
     for run in range(10):
         directory = tmp_path / f"run{run}"
-        shared = mmap.mmap(-1, 16)  # counters written and counters saved, as the child last told
+        shared = mmap.mmap(
+            -1, 16
+        )  # counters written and counters saved, as the child last reported
 
         def record(directory: Path = directory, shared: mmap.mmap = shared) -> None:
             bag = DurableBag(directory, checkpoint_period=NEVER)

@@ -25,11 +25,11 @@ def test_ctrl_c_leaves_a_bag_that_counts_what_it_holds(
     recording = run_offline(run.configurations, run.duration)
     whole = len(topics) * len(recording.time)
     strikes = whole if late else whole // 2
-    write, told = DurableBag.write, []
+    write, written = DurableBag.write, []
 
     def interrupted(bag: DurableBag, *message) -> None:
-        told.append(message)
-        if len(told) == strikes:
+        written.append(message)
+        if len(written) == strikes:
             signal.raise_signal(signal.SIGINT)
         write(bag, *message)
 
@@ -37,5 +37,5 @@ def test_ctrl_c_leaves_a_bag_that_counts_what_it_holds(
     with pytest.raises(KeyboardInterrupt):
         write_bag(recording, topics, [topic.name for topic in topics], run.period, tmp_path / "bag")
     with AnyReader([tmp_path / "bag"]) as reader:
-        assert reader.message_count == sum(1 for _ in reader.messages()) == len(told)
-    assert strikes <= len(told) < strikes + len(topics)
+        assert reader.message_count == sum(1 for _ in reader.messages()) == len(written)
+    assert strikes <= len(written) < strikes + len(topics)

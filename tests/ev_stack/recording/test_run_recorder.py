@@ -111,9 +111,9 @@ def test_what_is_held_is_what_has_come(
                 continue
             index, ahead, value, other = word
             step = 0 if ahead is None else max(0, len(expected.kept[index]) + ahead)
-            said = message(USED[index], step, value, max(expected.run + other, 0))
-            recorder.add(index, [said], [0], fail)
-            expected.add(index, said)
+            sent = message(USED[index], step, value, max(expected.run + other, 0))
+            recorder.add(index, [sent], [0], fail)
+            expected.add(index, sent)
             assert recorder.held_stamp == recorder.held + expected.run
             assert recorder.held == (expected.steps() - 1) * PERIOD
             assert bool(recorder.loss) == expected.loss

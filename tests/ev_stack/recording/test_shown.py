@@ -46,10 +46,10 @@ def recorder_in(folder: Path, mode: str) -> RunRecorder:
 
 
 def take(recorder: RunRecorder, index: int, step: int, value: float, run: int = 0) -> None:
-    said = MessageTable(USED[index]).serialize(
+    sent = MessageTable(USED[index]).serialize(
         np.array([step * PERIOD + run]), np.full((1, frame.SIZE), value)
     )
-    recorder.add(index, said, [10**18 + step * PERIOD], lambda error: pytest.fail(str(error)))
+    recorder.add(index, sent, [10**18 + step * PERIOD], lambda error: pytest.fail(str(error)))
 
 
 def shown_in(bag: Path) -> list[tuple[int, str]]:

@@ -73,8 +73,8 @@ def test_a_car_with_slower_steering_has_its_own_angle_and_a_given_one_stays():
     changed = ("*", "vehicle.steering_ratio", 2 * Vehicle().steering_ratio)
     (one,) = load_scenario("step_steer", Overrides(values=[changed]), only=["left"]).runs
     assert one.configurations["steering_column"].parameters.scale == pytest.approx(2.0, rel=0.02)
-    told = [changed, ("steering_column", "scale", 1.0)]
-    (given,) = load_scenario("step_steer", Overrides(values=told), only=["left"]).runs
+    values = [changed, ("steering_column", "scale", 1.0)]
+    (given,) = load_scenario("step_steer", Overrides(values=values), only=["left"]).runs
     assert given.configurations["steering_column"].parameters.scale == 1.0
 
 
@@ -86,7 +86,7 @@ def test_where_the_ramp_finds_nothing_the_note_says_so():
 
 
 @pytest.mark.parametrize(
-    ("speed", "said"),
+    ("speed", "message"),
     [
         (0.0, "the run begins at rest, where no angle gives a lateral acceleration"),
         (
@@ -95,12 +95,12 @@ def test_where_the_ramp_finds_nothing_the_note_says_so():
         ),
     ],
 )
-def test_a_car_too_slow_for_the_ramp_is_said_to_be_that(speed, said):
+def test_a_car_too_slow_for_the_ramp_is_said_to_be_that(speed, message):
     """It was "profile.angle: 1612.0 is refused", which nobody had set. 616 are 16 (4 m/s^2 2.405 m/(0.5 m/s)^2)."""
     scenario = load_scenario(
         "step_steer", Overrides(values=[("plant", "initial_speed", speed)]), only=["left"]
     )
-    assert f"a slow ramp gives none: {said}" in scenario.notes[0]
+    assert f"a slow ramp gives none: {message}" in scenario.notes[0]
 
 
 def test_another_cycle_is_no_other_car():
@@ -129,7 +129,9 @@ def test_a_run_that_tells_nothing_is_configured_once(monkeypatch):
     """Twice is for what may be another car."""
     found = []
     configured = scenarios._run
-    monkeypatch.setattr(scenarios, "_run", lambda *told: (found.append(told), configured(*told))[1])
+    monkeypatch.setattr(
+        scenarios, "_run", lambda *arguments: (found.append(arguments), configured(*arguments))[1]
+    )
     load_scenario("step_steer", Overrides(duration=5.0), only=["left"])
     assert len(found) == 1
 

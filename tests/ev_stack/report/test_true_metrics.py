@@ -123,8 +123,8 @@ def test_sensors_and_faults_make_of_the_truth_what_was_recorded(sensors, faults,
     """Rows of sensors and faults behind the found truth show the recorded numbers to the bit, whatever read them."""
     values = [
         ("plant", f"sensors.{name}.{of}", value)
-        for name, said in sensors.items()
-        for of, value in said.items()
+        for name, errors in sensors.items()
+        for of, value in errors.items()
     ]
     values += [
         ("plant", "faults", faults),

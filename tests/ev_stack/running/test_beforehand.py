@@ -140,9 +140,9 @@ print(machine_code.compiled_function("seven", text, {})())
 def test_processes_that_need_the_same_code_at_once_compile_it_once(text, kind, tmp_path):
     """Whether C calls it or Python."""
     cache = tmp_path / "cache"
-    said = [process.communicate() for process in [started(text, cache) for _ in range(4)]]
-    assert [out for out, _ in said] == ["7\n"] * 4
-    assert sum(err.count("compiling seven ... (once)") for _, err in said) == 1
+    outputs = [process.communicate() for process in [started(text, cache) for _ in range(4)]]
+    assert [out for out, _ in outputs] == ["7\n"] * 4
+    assert sum(err.count("compiling seven ... (once)") for _, err in outputs) == 1
     assert [file.suffix for file in cache.iterdir()] == [kind]
 
 
@@ -190,9 +190,9 @@ def test_a_run_that_is_stopped_while_it_compiles_ends_at_once_and_the_next_one_g
             assert run.poll() is None
             time.sleep(0.02)
         (os.killpg if kind is signal.SIGINT else os.kill)(run.pid, kind)
-        said = run.communicate()[1]
+        output = run.communicate()[1]
         assert run.returncode == 130
-        assert said.endswith("stopped\n") and "Traceback" not in said
+        assert output.endswith("stopped\n") and "Traceback" not in output
         with pytest.raises(ProcessLookupError):
             os.killpg(run.pid, 0)
     again = subprocess.run(words, env=environment, text=True, capture_output=True)

@@ -60,9 +60,9 @@ def test_what_the_options_mean():
     ]
     given = arguments([*words, "--no-record", "--seed", "7"])
     assert (given.offline, given.no_record, given.out) == (True, True, Path("x"))
-    said = overrides(given)
-    assert (list(said.files), said.duration) == ([Path("a.yaml"), Path("b.yaml")], 2.5)
-    assert list(said.values) == [("*", "seed", 7)]
+    found = overrides(given)
+    assert (list(found.files), found.duration) == ([Path("a.yaml"), Path("b.yaml")], 2.5)
+    assert list(found.values) == [("*", "seed", 7)]
     assert values("--realtime") == [("*", "mode", "realtime")]
 
 
@@ -100,7 +100,7 @@ def test_a_value_is_read_as_a_parameter_file_would_read_it(text, value):
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (["--method", "asr"], "--method 'asr' is refused, expected NODE=NAME"),
         (["--method", "=off"], "--method '=off' is refused, expected NODE=NAME"),
@@ -122,8 +122,8 @@ def test_a_value_is_read_as_a_parameter_file_would_read_it(text, value):
         ),
     ],
 )
-def test_words_without_sense_are_one_line(words, said):
-    assert refused(*words).startswith(said)
+def test_words_without_sense_are_one_line(words, message):
+    assert refused(*words).startswith(message)
 
 
 def test_a_node_of_ones_own_is_a_command_with_its_arguments():
@@ -134,7 +134,7 @@ def test_a_node_of_ones_own_is_a_command_with_its_arguments():
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         ([], "which scenario? --list shows them"),
         (["a", "b"], "unrecognized arguments: b"),
@@ -151,19 +151,19 @@ def test_a_node_of_ones_own_is_a_command_with_its_arguments():
         (["a", "--set"], "expected one argument"),
     ],
 )
-def test_unknown_words_end_with_status_2(words, said, capsys):
+def test_unknown_words_end_with_status_2(words, message, capsys):
     """The status that argparse and most commands give for a wrong command line."""
     with pytest.raises(SystemExit) as ended:
         arguments(words)
     assert ended.value.code == 2
-    assert said in capsys.readouterr().err
+    assert message in capsys.readouterr().err
 
 
 _NO_SNOW = "plant: road.left: unknown surface 'snow'; did you mean packed_snow_1, packed_snow_2?"
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (["nowhere"], "unknown scenario, study or review 'nowhere'; known: "),
         (["sweeep", "x"], "unknown scenario, study or review 'sweeep'; did you mean sweep?"),
@@ -177,18 +177,20 @@ _NO_SNOW = "plant: road.left: unknown surface 'snow'; did you mean packed_snow_1
         (["shchur2019", "--params", "nowhere.yaml"], "nowhere.yaml: No such file or directory"),
     ],
 )
-def test_what_is_refused_ends_the_command_with_one_line_and_leaves_nothing(words, said, tmp_path):
+def test_what_is_refused_ends_the_command_with_one_line_and_leaves_nothing(
+    words, message, tmp_path
+):
     """sys.exit with a text prints it and gives status 1; the output folder is not even made."""
     out = tmp_path / "out"
     with pytest.raises(SystemExit) as ended:
         main([*words, "--offline", "--out", str(out)])
-    assert ended.value.code.startswith(f"error: {said}")
+    assert ended.value.code.startswith(f"error: {message}")
     assert "\n" not in ended.value.code
     assert not out.exists()
 
 
 @pytest.mark.parametrize(
-    ("set_", "said"),
+    ("set_", "message"),
     [
         (
             "*.control_period=0.0133",
@@ -200,7 +202,7 @@ def test_what_is_refused_ends_the_command_with_one_line_and_leaves_nothing(words
         ),
     ],
 )
-def test_what_may_not_be_meant_is_one_note(set_, said, tmp_path, capsys):
+def test_what_may_not_be_meant_is_one_note(set_, message, tmp_path, capsys):
     """The first ended early without a word, the second drove at 288 km/h."""
     words = [
         "shchur2019",
@@ -213,7 +215,7 @@ def test_what_may_not_be_meant_is_one_note(set_, said, tmp_path, capsys):
         str(tmp_path / "out"),
     ]
     main([*words, "--set", set_])
-    assert said in capsys.readouterr().out.splitlines()
+    assert message in capsys.readouterr().out.splitlines()
     main(words)
     found = [line for line in capsys.readouterr().out.splitlines() if line.startswith("note: ")]
     assert len(found) == 1 and found[0].startswith(
@@ -222,7 +224,7 @@ def test_what_may_not_be_meant_is_one_note(set_, said, tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("word", "said"),
+    ("word", "message"),
     [
         ("rnu", "unknown command 'rnu'; did you mean run?"),
         ("sweeep", "unknown command 'sweeep'; did you mean sweep"),
@@ -230,11 +232,11 @@ def test_what_may_not_be_meant_is_one_note(set_, said, tmp_path, capsys):
         ("shchur2019", "'shchur2019' is no command: ev-stack run shchur2019\n"),
     ],
 )
-def test_a_command_of_ev_stack_asks_for_the_similar_one(word, said, capsys):
+def test_a_command_of_ev_stack_asks_for_the_similar_one(word, message, capsys):
     with pytest.raises(SystemExit) as ended:
         program.perform([word])
     assert ended.value.code == 2
-    assert capsys.readouterr().err.startswith(f"ev-stack: {said}")
+    assert capsys.readouterr().err.startswith(f"ev-stack: {message}")
 
 
 def test_list_shows_every_scenario_and_method_in_a_line(capsys):
@@ -311,11 +313,11 @@ def test_an_error_that_ctrl_c_has_made_is_one_line_and_any_other_is_told(
 
 
 @pytest.mark.parametrize(
-    ("error", "status", "said"),
+    ("error", "status", "message"),
     [(None, 0, ""), ("error: no nodes", 1, "error: no nodes\n"), (2, 2, "")],
 )
 def test_a_command_with_a_participant_ends_without_deleting_it(
-    error, status, said, command, monkeypatch, capsys
+    error, status, message, command, monkeypatch, capsys
 ):
     """Deleting one may wait for ever; status and line are as Python's own end gives them."""
     monkeypatch.setattr(stop_request, "KEPT", kept := ["a participant"])
@@ -331,4 +333,4 @@ def test_a_command_with_a_participant_ends_without_deleting_it(
     with pytest.raises(SystemExit) as ended:
         command()
     assert ended.value.code == status
-    assert capsys.readouterr().err == said
+    assert capsys.readouterr().err == message

@@ -11,7 +11,7 @@ import pytest
 from ev_nodes.master.node import MasterNode
 from ev_nodes.stepping.runner_line import WAITS, RunnerLine, Waiting, Word
 from ev_stack.running import processes
-from ev_stack.running.node_reports import NodeReports as Told
+from ev_stack.running.node_reports import NodeReports
 from ev_stack.running.processes import Hanging
 
 PIDS = dict.fromkeys(("plant", "driver", "electronic_differential", "asr", "recorder"), 1)
@@ -24,11 +24,11 @@ def named(
     why: Mapping[str, Sequence[str]] = MappingProxyType({}),
 ) -> str | None:
     """The line about a run that has come to 1 s of simulated time, and has stood still for long."""
-    told = Told("/ev")
-    told.time = 1.0
+    reports = NodeReports("/ev")
+    reports.time = 1.0
     for node, whom in waits.items():
-        told._take(node, Word(WAITS, values={"whom": list(whom), "why": [*why.get(node, ())]}))
-    hanging = Hanging(told, pids, 0.0, realtime)
+        reports._take(node, Word(WAITS, values={"whom": list(whom), "why": [*why.get(node, ())]}))
+    hanging = Hanging(reports, pids, 0.0, realtime)
     hanging._since = time.monotonic() - 10.0
     return hanging.look()
 
@@ -81,34 +81,34 @@ def test_behind_the_end_of_the_plant_only_the_recorder_is_left():
 def test_a_run_that_goes_on_or_rests_is_not_named_and_what_was_said_long_ago_does_not_count(
     monkeypatch,
 ):
-    told = Told("/ev")
-    hanging = Hanging(told, PIDS, 0.0, realtime=False)
-    told.rests, hanging._since = True, time.monotonic() - 100.0
+    reports = NodeReports("/ev")
+    hanging = Hanging(reports, PIDS, 0.0, realtime=False)
+    reports.rests, hanging._since = True, time.monotonic() - 100.0
     assert hanging.look() is None
-    told._take("plant", Word(WAITS, values={"whom": ["asr"], "why": []}))
+    reports._take("plant", Word(WAITS, values={"whom": ["asr"], "why": []}))
     later = time.monotonic() + 5.0
     monkeypatch.setattr(time, "monotonic", lambda: later)
-    assert told.waits_for("plant", 1.0) is None
+    assert reports.waits_for("plant", 1.0) is None
 
 
 def test_a_node_says_for_whom_it_waits_once_its_steps_stand_still(monkeypatch):
-    said, now = [], [0.0]
+    words, now = [], [0.0]
     monkeypatch.setattr(time, "monotonic", lambda: now[0])
-    line = SimpleNamespace(spec=RunnerLine, tell=said.append)
+    line = SimpleNamespace(spec=RunnerLine, tell=words.append)
     waiting = Waiting(line)
     for step in range(10):
         now[0] = 0.1 * step
         waiting.look(step, ("plant",))
-    assert said == []
+    assert words == []
     for _ in range(10):
         now[0] += 0.1
         waiting.look(9, ("plant",))
-    assert 3 <= len(said) <= 5 and said[0] == Word(WAITS, values={"whom": ["plant"], "why": []})
+    assert 3 <= len(words) <= 5 and words[0] == Word(WAITS, values={"whom": ["plant"], "why": []})
 
 
 def test_a_plant_that_waits_for_nothing_but_its_pace_does_not_hang(monkeypatch):
     """At `real_time_factor` 0.004 a step takes 2.5 s: "node plant does not answer" was said at each of them."""
-    told, now = Told("/ev"), [0.0]
+    reports, now = NodeReports("/ev"), [0.0]
     monkeypatch.setattr(time, "monotonic", lambda: now[0])
     plant = object.__new__(MasterNode)
     plant.done, plant._go_on, plant._retry_period = False, lambda: None, 0.05
@@ -117,11 +117,11 @@ def test_a_plant_that_waits_for_nothing_but_its_pace_does_not_hang(monkeypatch):
     plant.__dict__["schedule"] = SimpleNamespace(
         all_are_here=True, recorder_keeps_up=True, rests=False
     )
-    plant._waiting = Waiting(SimpleNamespace(tell=lambda word: told._take("plant", word)))
-    hanging = Hanging(told, PIDS, 2.0, realtime=False)
-    told.time = 0.01
+    plant._waiting = Waiting(SimpleNamespace(tell=lambda word: reports._take("plant", word)))
+    hanging = Hanging(reports, PIDS, 2.0, realtime=False)
+    reports.time = 0.01
 
-    def said(seconds: float, idle: bool) -> list[str]:
+    def lines_within(seconds: float, idle: bool) -> list[str]:
         lines = []
         for _ in range(round(seconds / 0.05)):
             now[0] += 0.05
@@ -130,8 +130,10 @@ def test_a_plant_that_waits_for_nothing_but_its_pace_does_not_hang(monkeypatch):
             lines.append(hanging.look())
         return [line for line in lines if line is not None]
 
-    assert said(60.0, idle=True) == []
-    assert said(60.0, idle=False) == ["node plant does not answer, at 0.01 s of simulated time"]
+    assert lines_within(60.0, idle=True) == []
+    assert lines_within(60.0, idle=False) == [
+        "node plant does not answer, at 0.01 s of simulated time"
+    ]
 
 
 @pytest.mark.parametrize(
@@ -145,7 +147,7 @@ def test_a_node_that_is_stopped_while_nodes_start_is_named_at_once(
     now = [0.0]
     monkeypatch.setattr(time, "monotonic", lambda: now[0])
     monkeypatch.setattr(processes, "_is_stopped", lambda pid: stopped and pid == 7)
-    hanging = Hanging(Told("/ev"), {"plant": 1, "asr": 7}, 2.0, realtime=False)
+    hanging = Hanging(NodeReports("/ev"), {"plant": 1, "asr": 7}, 2.0, realtime=False)
     now[0] = 1.7
     assert hanging.look() is None
     now[0] = 1.9

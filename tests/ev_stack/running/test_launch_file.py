@@ -1,6 +1,6 @@
 """The launch file starts what scripts/run.sh starts, with the same parameters.
 
-`launch` is not on PyPI: its classes are stood in for by some that keep what they are told.
+`launch` is not on PyPI: its classes have stand-ins that keep their arguments.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ FILE = Path(__file__).parents[3] / "src" / "ev_stack" / "launch" / "scenario.lau
 GIVEN = {"scenario": "shchur2019", "options": "--duration 3 --method asr=pi_slip", "rviz": "false"}
 
 
-class Told:
+class Kept:
     """Any class of launch: it keeps its arguments."""
 
     def __init__(self, *words, **named):
@@ -44,7 +44,7 @@ def launch_file(monkeypatch):
     for module, classes in names.items():
         made = ModuleType(module)
         for name in classes:
-            setattr(made, name, type(name, (Told,), {}))
+            setattr(made, name, type(name, (Kept,), {}))
         monkeypatch.setitem(sys.modules, module, made)
     spec = importlib.util.spec_from_file_location("scenario_launch", FILE)
     module = importlib.util.module_from_spec(spec)
@@ -66,15 +66,17 @@ def test_launch_starts_every_node_with_the_parameters_of_the_runner(
     actions = description[-1].named["function"]({**GIVEN, "out": str(tmp_path / "out")})
     *nodes, visualization, rviz = [action.named for action in actions]
     run = load_scenario("shchur2019", Overrides((), [("asr", "method", "pi_slip")], 3.0)).runs[0]
-    told = node_parameters(run, tmp_path / "out", bag=True)
-    assert [node["executable"] for node in nodes] == list(told)
+    expected = node_parameters(run, tmp_path / "out", bag=True)
+    assert [node["executable"] for node in nodes] == list(expected)
     assert {node["package"] for node in nodes} == {"ev_sim", "ev_control", "ev_stack"}
     assert {node["namespace"] for node in nodes} == {"/ev"}
     ends = {node["executable"] for node in nodes if node["on_exit"] is not None}
     assert ends == {"recorder"}  # it is the last one that has something to do
     ((file,),) = {tuple(node["parameters"]) for node in nodes}
     content = yaml.safe_load(Path(file).read_text())
-    assert content == {f"/**/{name}": {"ros__parameters": values} for name, values in told.items()}
+    assert content == {
+        f"/**/{name}": {"ros__parameters": values} for name, values in expected.items()
+    }
     assert visualization["condition"] is rviz["condition"] is not None
     assert Path(rviz["arguments"][1]).name == "car.rviz" and Path(rviz["arguments"][1]).exists()
 

@@ -44,13 +44,13 @@ def test_an_error_of_memory_is_called_that(monkeypatch):
 
 
 def test_a_missing_file_is_named_where_no_memory_is_left_either(monkeypatch):
-    said = ended_by(OSError(2, "No such file or directory", "name"), 50e6, monkeypatch)
-    assert said == "error: name: No such file or directory"
+    message = ended_by(OSError(2, "No such file or directory", "name"), 50e6, monkeypatch)
+    assert message == "error: name: No such file or directory"
 
 
 def test_other_errors_are_not_called_out_of_memory(monkeypatch):
-    said = ended_by(OSError(2, "No such file or directory", "name"), 1e9, monkeypatch)
-    assert said == "error: name: No such file or directory"
+    message = ended_by(OSError(2, "No such file or directory", "name"), 1e9, monkeypatch)
+    assert message == "error: name: No such file or directory"
     with pytest.raises(ImportError, match="no module of this name"):
         ended_by(ImportError("no module of this name"), 1e9, monkeypatch)
 

@@ -146,8 +146,8 @@ def test_a_law_that_gives_no_number_stops_the_run_in_one_line(bad):
     asr = played_by("asr", Stumbling, (WheelTorqueRequest,))
     with pytest.raises(SignalError) as error:
         run_offline({**clockwork(), "electronic_differential": law, "asr": asr}, 0.1)
-    said = f"WheelTorqueRequest.drive.front_right is {bad}, only finite numbers are allowed"
-    assert str(error.value) == f"at 0.02 s: electronic_differential: {said}"
+    message = f"WheelTorqueRequest.drive.front_right is {bad}, only finite numbers are allowed"
+    assert str(error.value) == f"at 0.02 s: electronic_differential: {message}"
 
 
 class Counting:
@@ -191,12 +191,12 @@ def test_nodes_that_do_not_fit_together_do_not_start():
 
 
 def test_progress_ends_at_the_end_and_never_goes_back():
-    told: list[float] = []
-    run_offline(clockwork(), 2.5, told.append)
-    assert told == sorted(told)
-    assert told[0] == 0.0
-    assert told[-1] == 2.5
-    assert len(told) >= 3
+    times: list[float] = []
+    run_offline(clockwork(), 2.5, times.append)
+    assert times == sorted(times)
+    assert times[0] == 0.0
+    assert times[-1] == 2.5
+    assert len(times) >= 3
 
 
 def test_only_what_the_methods_write_is_recorded():

@@ -355,7 +355,7 @@ def test_a_recording_that_is_played_back_is_not_replaced(
     (tmp_path / "other").mkdir()
     (tmp_path / "link").symlink_to("ours")
     before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
-    for command, said in (
+    for command, message in (
         (
             (*run, "ours", "--method", "driver=ours/signals.npz"),
             r"ours: signals\.npz there is what is played back",
@@ -369,7 +369,7 @@ def test_a_recording_that_is_played_back_is_not_replaced(
             "the run that is replayed is there",
         ),
     ):
-        with pytest.raises(SystemExit, match=said):
+        with pytest.raises(SystemExit, match=message):
             program.perform(command)
         assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
 

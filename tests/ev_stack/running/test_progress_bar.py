@@ -13,7 +13,7 @@ def test_behind_a_reset_the_pace_is_that_of_the_new_run(monkeypatch):
     wall, bars = [0.0], []
 
     class Bar(SimpleNamespace):
-        def __init__(self, **told) -> None:
+        def __init__(self, **options) -> None:
             super().__init__(n=0.0, unit="-", paces=[])
             bars.append(self)
 

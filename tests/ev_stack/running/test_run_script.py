@@ -157,7 +157,7 @@ def test_what_nobody_reads_is_no_error():
 
 
 def test_list_names_scenarios_and_methods():
-    said = run("--list").stdout
+    output = run("--list").stdout
     for name in (
         "shchur2019",
         "shchur2019_steps",
@@ -166,11 +166,11 @@ def test_list_names_scenarios_and_methods():
         "drive_by_wire",
         "kinematic",
     ):
-        assert re.search(rf"^  {name} +\S", said, re.MULTILINE), name
+        assert re.search(rf"^  {name} +\S", output, re.MULTILINE), name
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "message"),
     [
         (
             ("shchur2020",),
@@ -205,18 +205,20 @@ def test_list_names_scenarios_and_methods():
         (("shchur2019", "--duration", "-1"), "duration: -1.0 is refused"),
     ],
 )
-def test_bad_input_is_one_line_and_a_status(arguments: tuple[str, ...], said: str, tmp_path: Path):
+def test_bad_input_is_one_line_and_a_status(
+    arguments: tuple[str, ...], message: str, tmp_path: Path
+):
     """What, where, the value and what is allowed; and nothing is left behind of a run that never began."""
     out = tmp_path / "out"
     result = run(*arguments, "--offline", "--out", out, check=False)
     assert result.returncode != 0
-    assert re.search(said, result.stderr)
+    assert re.search(message, result.stderr)
     assert len(result.stderr.strip().splitlines()) == 1
     assert not out.exists()
 
 
 @pytest.mark.parametrize(
-    ("variable", "value", "said"),
+    ("variable", "value", "message"),
     [
         (
             "ROS_AUTOMATIC_DISCOVERY_RANGE",
@@ -227,7 +229,7 @@ def test_bad_input_is_one_line_and_a_status(arguments: tuple[str, ...], said: st
     ],
 )
 def test_where_no_node_can_hear_another_a_run_is_refused_in_one_line(
-    variable, value, said, tmp_path: Path
+    variable, value, message, tmp_path: Path
 ):
     words = [RUN, "shchur2019", "--duration", "0.1", "--out", tmp_path / "out"]
     ended = subprocess.run(
@@ -235,7 +237,7 @@ def test_where_no_node_can_hear_another_a_run_is_refused_in_one_line(
     )
     assert ended.returncode == 1
     (line,) = [line for line in re.split("[\r\n]+", ended.stderr) if "error" in line.lower()]
-    assert line.startswith(f"error: {variable}=") and line.endswith(said)
+    assert line.startswith(f"error: {variable}=") and line.endswith(message)
 
 
 @pytest.mark.parametrize("name", ["run.sh", "setup.sh", "inspect.sh"])

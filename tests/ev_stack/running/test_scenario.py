@@ -159,8 +159,8 @@ def test_an_impossible_duration_is_refused(scenario, duration):
 
 def test_a_run_is_at_least_one_step_long(scenario):
     """A recorder that waits for the first step after the end would wait for ever."""
-    said = "duration: 0.009 is refused, expected at least one control period, 0.01 s"
-    assert refused(scenario(HEAD), Overrides(duration=0.009)) == said
+    message = "duration: 0.009 is refused, expected at least one control period, 0.01 s"
+    assert refused(scenario(HEAD), Overrides(duration=0.009)) == message
     assert load_scenario("test", Overrides(duration=0.01)).runs[0].duration == 0.01
 
 
@@ -177,11 +177,11 @@ def test_a_law_brings_the_column_that_it_requires(scenario):
 def test_a_bench_behind_a_real_bus_has_other_defaults():
     """What a user says goes before them."""
     bus, clock = ("test_bench", "method", "circuits_on_can"), ("*", "mode", "realtime")
-    said = ("plant", "wheel_speed", "load_machine")
+    setting = ("plant", "wheel_speed", "load_machine")
     for values, speed in (
-        ((bus,), said[2]),
+        ((bus,), setting[2]),
         ((bus, clock), "virtual"),
-        ((bus, clock, said), said[2]),
+        ((bus, clock, setting), setting[2]),
     ):
         (run,) = load_scenario("urban_mixed_bench", Overrides(values=values)).runs
         assert run.configurations["plant"].parameters.wheel_speed == speed
@@ -200,8 +200,8 @@ def test_bad_words_of_a_scenario_about_itself_name_its_file(scenario, config):
     assert refused(scenario(HEAD.replace("2.0", "long"))).startswith(
         f"{path}: parameter duration: 'long'"
     )
-    said = f"{path}: unknown parameter 'abuot'; did you mean about?"
-    assert refused(scenario(HEAD.replace("about", "abuot"))).startswith(said)
+    message = f"{path}: unknown parameter 'abuot'; did you mean about?"
+    assert refused(scenario(HEAD.replace("about", "abuot"))).startswith(message)
     assert refused(scenario("a: [")).startswith(f"{path}: not readable as YAML")
 
 
@@ -236,8 +236,8 @@ def test_what_a_file_is_called_and_says_of_itself_is_shown_as_text(scenario, cap
     name = scenario(section("/**/scenario", json.dumps({"about": "a\x1b[2J\nb"})), "bad\x1b[31m")
     assert load_scenario(name).name == r"bad\x1b[31m"
     main(["--list"])
-    assert r"bad\x1b[31m" in (said := capsys.readouterr().out)
-    assert "\x1b" not in said
+    assert r"bad\x1b[31m" in (output := capsys.readouterr().out)
+    assert "\x1b" not in output
 
 
 @pytest.mark.parametrize(
@@ -258,7 +258,7 @@ def test_a_section_that_means_no_node_is_refused(scenario, more, pattern):
 
 
 @pytest.mark.parametrize(
-    ("value", "said"),
+    ("value", "message"),
     [
         (("drivr", "seed", 1), "unknown node 'drivr'; did you mean driver? known: asr, "),
         (("driver", "sed", 1), "driver: unknown parameter of driver 'sed'; did you mean seed?"),
@@ -271,15 +271,15 @@ def test_a_section_that_means_no_node_is_refused(scenario, more, pattern):
         (("asr", "control_period", 0.02), "control_period differs between nodes: "),
     ],
 )
-def test_bad_words_on_the_command_line_name_node_and_parameter(scenario, value, said):
-    assert refused(scenario(HEAD), Overrides(values=[value])).startswith(said)
+def test_bad_words_on_the_command_line_name_node_and_parameter(scenario, value, message):
+    assert refused(scenario(HEAD), Overrides(values=[value])).startswith(message)
 
 
 ASR, LAW = "asr", "electronic_differential"
 
 
 @pytest.mark.parametrize(
-    ("values", "said"),
+    ("values", "message"),
     [
         (
             [(ASR, "method", "pi_slip"), (ASR, "reference.trust.watch", True)],
@@ -301,16 +301,16 @@ ASR, LAW = "asr", "electronic_differential"
         ),
     ],
 )
-def test_what_the_command_line_says_belongs_to_the_chosen_methods(scenario, values, said):
+def test_what_the_command_line_says_belongs_to_the_chosen_methods(scenario, values, message):
     """It was accepted and did nothing."""
-    assert refused(scenario(HEAD), Overrides(values=values)).startswith(said)
+    assert refused(scenario(HEAD), Overrides(values=values)).startswith(message)
     set_there = {f"{node}.{key}": value for node, key, value in values if key != "method"}
     methods = {node: value for node, key, value in values if key == "method"}
-    with pytest.raises(ParameterError, match=f"^{re.escape(said)}"):
+    with pytest.raises(ParameterError, match=f"^{re.escape(message)}"):
         ev_stack.run("test", set=set_there, method=methods)
     words = [f"--set={place}={value}" for place, value in set_there.items()]
     words += [f"--method={node}={name}" for node, name in methods.items()]
-    with pytest.raises(ParameterError, match=f"^{re.escape(said)}"):
+    with pytest.raises(ParameterError, match=f"^{re.escape(message)}"):
         load_scenario("test", overrides(arguments(["test", *words])))
 
 
@@ -324,15 +324,15 @@ def test_another_cycle_changes_what_is_driven_or_is_refused(name, tmp_path):
     try:
         other = ev_stack.run(name, cycle=cycle, **given)
     except ParameterError as error:
-        said = "is refused: the driver goes by the pedals from the start on, allowed with driver.pedals.begin=false"
+        message = "is refused: the driver goes by the pedals from the start on, allowed with driver.pedals.begin=false"
         if name == "lap":
             assert (
                 str(error)
                 == "driver.speed_profile.file is refused: driver method lap follows no speed over time"
             )
             return
-        assert str(error) == f"driver.speed_profile.file {said}"
-        with pytest.raises(ParameterError, match=f"^driver.speed_profile.time {said}$"):
+        assert str(error) == f"driver.speed_profile.file {message}"
+        with pytest.raises(ParameterError, match=f"^driver.speed_profile.time {message}$"):
             ev_stack.run(name, set={"driver.speed_profile.time": [0.0, 1.0, 2.0, 3.0]}, **given)
     else:
         assert other.hash != ev_stack.run(name, **given).hash
@@ -356,8 +356,8 @@ def test_a_file_may_prepare_other_methods_and_what_none_of_them_uses_is_noted(sc
     """Where the method is that of the files: who chooses another one knows that it is told other things."""
     path = more(section(f"/**/{LAW}", "{gamma: 3.0, gain: 2.0}"))
     name = scenario(HEAD)
-    said = f"used by no chosen method: {LAW}.gamma, {LAW}.gain of {path}"
-    assert load_scenario(name, Overrides([path])).notes == (said,)
+    message = f"used by no chosen method: {LAW}.gamma, {LAW}.gain of {path}"
+    assert load_scenario(name, Overrides([path])).notes == (message,)
     chosen = Overrides([path], [(LAW, "method", "power_steering")])
     loaded = load_scenario(name, chosen)
     assert (loaded.notes, loaded.runs[0].configurations[LAW].parameters.gamma) == ((), 3.0)
@@ -412,8 +412,8 @@ def test_a_scenario_and_a_vehicle_may_be_any_file(scenario, tmp_path):
         1400.0,
         0.0,
     )
-    said = f"left out for another vehicle: vehicle.mass, vehicle.rear_steering_ratio of {path}"
-    assert loaded.notes == (said,)
+    message = f"left out for another vehicle: vehicle.mass, vehicle.rear_steering_ratio of {path}"
+    assert loaded.notes == (message,)
     on_top = Overrides(vehicle=own_car(tmp_path), values=[("*", "vehicle.mass", 900.0)])
     assert (
         load_scenario(str(path), on_top).runs[0].configurations["asr"].common.vehicle.mass == 900.0
@@ -425,8 +425,8 @@ def test_a_vehicle_that_does_not_say_everything_about_itself_is_refused(scenario
     path = own_car(
         tmp_path, lambda text: text.replace("mass: 1400.0", "").replace("resistance: 0.1 ", "#")
     )
-    said = f"{path}: a vehicle says everything about itself, missing: vehicle.mass, vehicle.battery.resistance"
-    assert refused(scenario(HEAD), Overrides(vehicle=path)) == said
+    message = f"{path}: a vehicle says everything about itself, missing: vehicle.mass, vehicle.battery.resistance"
+    assert refused(scenario(HEAD), Overrides(vehicle=path)) == message
 
 
 PROFILE = "t_s,v_mps\n0,1\n10,2\n"
@@ -448,13 +448,13 @@ def test_points_that_a_file_says_are_refused_whoever_names_the_file(
     ]
     beside = [*named, *speed] if level == "command line" else speed
     prepared = named if level == "cycle" else []
-    said = "driver: parameter speed_profile.time is refused: speed_profile.file says it, allowed with speed_profile.fi"
-    assert refused(name, Overrides(files, beside, prepared=prepared)).startswith(said)
+    message = "driver: parameter speed_profile.time is refused: speed_profile.file says it, allowed with speed_profile.fi"
+    assert refused(name, Overrides(files, beside, prepared=prepared)).startswith(message)
     points = more(
         section("/**/driver", "{speed_profile: {time: [0.0, 5.0], speed: [3.0, 4.0]}}"), "points"
     )
     if level in ("scenario", "file"):
-        assert refused(name, Overrides([*files, points])) == f"{said}le '' ({points})"
+        assert refused(name, Overrides([*files, points])) == f"{message}le '' ({points})"
     instead = Overrides([points, *files], [*speed, ("driver", "speed_profile.file", "")])
     (run,) = load_scenario(name, instead).runs
     assert run.configurations["driver"].parameters.speed_profile.speed == (3.0, 4.0)
@@ -473,22 +473,22 @@ def test_a_file_goes_before_points_that_were_told_before_it(scenario, tmp_path):
 
 
 def test_numbers_of_a_tyre_that_its_file_says_are_refused():
-    said = "parameter vehicle.tyre.rear_mf is refused: vehicle.tyre.rear_file says it, allowed with vehicle.tyre.rear_"
+    message = "parameter vehicle.tyre.rear_mf is refused: vehicle.tyre.rear_file says it, allowed with vehicle.tyre.rear_"
     numbers = list(
         load_scenario("coast_down", Overrides(vehicle="compact_ev"))
         .runs[0]
         .configurations["plant"]
         .common.vehicle.tyre.rear_mf
     )
-    told = [("*", "vehicle.tyre.rear_mf", [2.0 * each for each in numbers])]
-    assert said in refused("coast_down", Overrides(values=told, vehicle="compact_ev"))
+    values = [("*", "vehicle.tyre.rear_mf", [2.0 * each for each in numbers])]
+    assert message in refused("coast_down", Overrides(values=values, vehicle="compact_ev"))
 
 
 def test_a_vehicle_that_says_more_than_a_car_is_refused(scenario, tmp_path):
     """The scenario would overrule it, and nobody would know."""
     path = own_car(tmp_path, lambda text: text + section("/**/asr", "{method: 'off'}"))
-    said = f"{path}: parameter 'method' is no vehicle's, expected those of vehicle; others stand in a scenario"
-    assert refused(scenario(HEAD), Overrides(vehicle=path)) == said
+    message = f"{path}: parameter 'method' is no vehicle's, expected those of vehicle; others stand in a scenario"
+    assert refused(scenario(HEAD), Overrides(vehicle=path)) == message
 
 
 def test_a_scenario_may_borrow_a_report_and_bring_metrics(scenario):
@@ -522,7 +522,7 @@ def test_every_scenario_names_five_numbers_of_its_nodes_for_a_lesson(name):
 
 
 @pytest.mark.parametrize(
-    ("named", "said"),
+    ("named", "message"),
     [
         ("driverr.band", "lesson: unknown node 'driverr'; did you mean driver?"),
         (
@@ -543,12 +543,12 @@ def test_every_scenario_names_five_numbers_of_its_nodes_for_a_lesson(name):
         ("driver.method", "lesson: unknown number of driver that changes while it runs"),
     ],
 )
-def test_a_lesson_of_what_no_slider_can_change_is_one_line(scenario, named, said):
-    assert said in refused(scenario(HEAD.replace("about", f"lesson: [{named}], about")))
+def test_a_lesson_of_what_no_slider_can_change_is_one_line(scenario, named, message):
+    assert message in refused(scenario(HEAD.replace("about", f"lesson: [{named}], about")))
 
 
 @pytest.mark.parametrize("name", ["duration", "manoeuvre_end", "lesson"])
 def test_what_the_scenario_states_of_itself_is_not_set_in_the_plant(scenario, name):
     value = "[]" if name == "lesson" else "1.0"
-    said = refused(scenario(HEAD + section("/**/plant", f"{{{name}: {value}}}")))
-    assert f"plant.{name} is refused, allowed in the section /**/scenario" in said
+    message = refused(scenario(HEAD + section("/**/plant", f"{{{name}: {value}}}")))
+    assert f"plant.{name} is refused, allowed in the section /**/scenario" in message

@@ -128,14 +128,14 @@ def test_the_commands_of_the_readme_for_a_running_graph_work(shell):
         .partition("\n### ")[0]
     )
     words = [each.split()[1:] for each in re.findall(r"^ev-stack .*$", block, re.MULTILINE)]
-    said = [
+    outputs = [
         "/ev/wheel_states",
         "name: [front_left, ",
         "electronic_differential.gamma: 5.0 -> ",
         "paused",
         "running",
     ]
-    for command, expected in zip(words, said, strict=True):
+    for command, expected in zip(words, outputs, strict=True):
         assert expected in shell(*command)
     shell("param", "set", "electronic_differential", "gamma", "5.0")
 

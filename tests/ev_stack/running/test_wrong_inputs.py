@@ -38,7 +38,7 @@ def refused(*words: str, out: Path) -> str:
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (
             ["ge_ni2005", "--offline", "--method", "electronic_differential=power_steering"],
@@ -85,13 +85,13 @@ def refused(*words: str, out: Path) -> str:
         ),
     ],
 )
-def test_one_line_and_nothing_is_lost(words, said, tmp_path):
-    assert refused(*words, out=tmp_path / "out").startswith(f"error: {said}")
+def test_one_line_and_nothing_is_lost(words, message, tmp_path):
+    assert refused(*words, out=tmp_path / "out").startswith(f"error: {message}")
 
 
 def test_what_a_file_says_wrong_is_found_in_the_file(tmp_path):
     path = tmp_path / "mine.yaml"
-    for text, said in (
+    for text, message in (
         (
             "{sed: 1}",
             f"error: driver: unknown parameter of driver 'sed'; did you mean seed\\? \\({path}\\)",
@@ -108,7 +108,7 @@ def test_what_a_file_says_wrong_is_found_in_the_file(tmp_path):
         path.write_text(f"/**/driver:\n  ros__parameters: {text}\n")
         shutil.rmtree(tmp_path / "out", ignore_errors=True)
         line = refused("shchur2019", "--offline", "--params", str(path), out=tmp_path / "out")
-        assert re.fullmatch(said, line), line
+        assert re.fullmatch(message, line), line
 
 
 @pytest.fixture
@@ -133,12 +133,12 @@ def offered(monkeypatch):
 def test_a_broken_plug_in_harms_only_who_wants_it(offered, tmp_path, capsys):
     offered("asr", "no_such_module_of_mine")
     assert ev_stack.run("shchur2019", duration=0.05).hash
-    said = "not loaded: no_such_module_of_mine: ModuleNotFoundError: No module named 'no_such_module_of_mine'"
+    message = "not loaded: no_such_module_of_mine: ModuleNotFoundError: No module named 'no_such_module_of_mine'"
     assert refused(
         "shchur2019", "--offline", "--method", "asr=mine", out=tmp_path / "out"
-    ).endswith(f"; {said}")
+    ).endswith(f"; {message}")
     main(["--list"])
-    assert said in capsys.readouterr().out.splitlines()
+    assert message in capsys.readouterr().out.splitlines()
 
 
 def test_a_misspelt_role_is_named(offered, capsys):

@@ -93,11 +93,11 @@ class Ear:
 def test_a_run_that_is_watched_is_shown_by_the_packages_that_are_there(monkeypatch):
     """Their messages are serialized without them, here by stand-ins for the packages; one that is missing is named."""
     monkeypatch.setattr(ros_views, "message_class", lambda kind: KINDS[kind])
-    node, said = Ear(), []
+    node, notes = Ear(), []
     numbers = np.zeros((1, SIZE))
     numbers[0, PLACES[BodyPose]] = BodyPose.at(3.0, 4.0, 1.2)
     instant = recording_of(numbers, [TOPICS[signal] for signal in PLACES])
-    views = ros_views.RosViews(node, said.append)
+    views = ros_views.RosViews(node, notes.append)
     views.publish(instant, CarViews("/ev", Vehicle()))
     assert {name: kind for name, (kind, _) in node.heard.items()} == {
         view.within("/ev").name: view.message_type for view in VIEWS if view.message_type in KINDS
@@ -105,7 +105,7 @@ def test_a_run_that_is_watched_is_shown_by_the_packages_that_are_there(monkeypat
     kind, data = node.heard["/tf"]
     base = ros_types().deserialize_cdr(data, kind).transforms[0]
     assert (base.transform.translation.x, base.transform.translation.y) == (3.0, 4.0)
-    assert said == [
+    assert notes == [
         "no tyre_force_markers: visualization_msgs is not installed; a bag has it without (docs/live.md)"
     ]
 

@@ -77,7 +77,7 @@ def test_draws_are_those_of_the_seed_within_their_bounds():
     assert len(set(mass)) == SMALL.draws
     friction = np.array(one.values["plant.road.own_c1"]) / 0.635
     assert ((friction >= 0.8) & (friction <= 1.05)).all()
-    assert all(0.7 <= factor <= 1.3 for factor in one.told)
+    assert all(0.7 <= factor <= 1.3 for factor in one.believed)
 
 
 def test_the_reference_costs_one_and_the_control_lowers_the_energy_of_a_step(result: BoardResult):
@@ -143,10 +143,10 @@ def test_the_command_writes_scores_and_all_runs(tmp_path: Path, capsys):
     part = next(Path(os.environ["EV_STACK_RESULTS"]).glob("*/*.cell"))
     part.write_bytes(part.read_bytes()[::-1])
     main([*words, "--no-report"])
-    printed, told = capsys.readouterr()
+    printed, errors = capsys.readouterr()
     assert f"hash of all runs {board['hash']}" in printed
     assert ", 1 of them driven before" in printed
-    assert f"{part} does not fit its checksum: it is removed and made again" in told
+    assert f"{part} does not fit its checksum: it is removed and made again" in errors
 
 
 @pytest.mark.parametrize("way", ["--offline", "--in-process"])

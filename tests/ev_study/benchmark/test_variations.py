@@ -210,17 +210,17 @@ def test_differences_are_as_sure_as_they_say(cells: int, draws: int, spread: flo
 
 def test_what_a_law_believes_is_its_own_factor_by_what_is_told(board: Board):
     """A law that believes in half the friction is told half of what the board draws, not all of it."""
-    told = replace(board, variations=[Variation(TOLD_FRICTION, factor=[0.7, 1.3])])
-    (cell,) = told.cells(STEP)
-    base = run_of(told, cell, values_of(told, cell))
-    draws = drawn(told, cell, base.configurations)
+    varied = replace(board, variations=[Variation(TOLD_FRICTION, factor=[0.7, 1.3])])
+    (cell,) = varied.cells(STEP)
+    base = run_of(varied, cell, values_of(varied, cell))
+    draws = drawn(varied, cell, base.configurations)
     name = "electronic_differential.known.error_factor"
     for own in (1.0, 0.5):
-        laws = {**told.laws, "pi": {**told.laws["pi"], "known.error_factor": own}}
-        found = own_draws(law_of(replace(told, laws=laws), "pi", base), draws)
-        assert found == {name: [own * each for each in draws.told]}
+        laws = {**varied.laws, "pi": {**varied.laws["pi"], "known.error_factor": own}}
+        found = own_draws(law_of(replace(varied, laws=laws), "pi", base), draws)
+        assert found == {name: [own * each for each in draws.believed]}
     chosen = replace(board, variations=[Variation(TOLD_FRICTION, choice=[0.7, 1.3])])
-    assert set(drawn(chosen, cell, base.configurations).told) == {0.7, 1.3}
+    assert set(drawn(chosen, cell, base.configurations).believed) == {0.7, 1.3}
 
 
 def test_a_drawn_fault_comes_beside_those_of_the_run(board: Board):

@@ -88,7 +88,7 @@ def test_a_part_of_a_graph_is_replayed_from_any_namespace_and_start(turn: Path, 
 
 
 @pytest.mark.parametrize(
-    ("stamps", "said"),
+    ("stamps", "message"),
     [
         ([*STEPS, *STEPS], "wheel_states goes back from 0.19 s to 0 s, expected a bag of one run"),
         (
@@ -98,10 +98,12 @@ def test_a_part_of_a_graph_is_replayed_from_any_namespace_and_start(turn: Path, 
         ([0], "holds 1 whole instants of a run, expected two or more"),
     ],
 )
-def test_a_bag_that_is_no_single_run_in_steps_is_one_line(stamps, said, turn: Path, tmp_path: Path):
+def test_a_bag_that_is_no_single_run_in_steps_is_one_line(
+    stamps, message, turn: Path, tmp_path: Path
+):
     with pytest.raises(ParameterError) as error:
         find_recorded(foreign_bag(load(turn / "signals.npz"), tmp_path, stamps, PART))
-    assert str(error.value).endswith(said)
+    assert str(error.value).endswith(message)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux keeps such a limit")
@@ -132,17 +134,17 @@ def test_what_a_bag_names_is_a_file_that_fits_on_the_disk(
     bag = foreign_bag(load(turn / "signals.npz"), tmp_path, STEPS, PART) / "bag"
     metadata = bag / "metadata.yaml"
     (storage,) = (path for path in bag.iterdir() if path != metadata)
-    said = metadata.read_text().replace(storage.name, "other")
+    content = metadata.read_text().replace(storage.name, "other")
     if kind == "pipe":
         os.mkfifo(bag / "other")
     else:
         (bag / "other").write_bytes(rosbags_reader.zstd.compress(bytes(16 * MEGABYTE)))
-        said = re.sub("compression_mode:.*", "compression_mode: FILE", said)
-        said = re.sub("compression_format:.*", "compression_format: zstd", said)
+        content = re.sub("compression_mode:.*", "compression_mode: FILE", content)
+        content = re.sub("compression_format:.*", "compression_format: zstd", content)
         monkeypatch.setattr(ev_study.replay.recorded, "SIGNALS", 4 * MEGABYTE)
         # no limit of memory
         monkeypatch.setattr(ev_study.replay.recorded, "sys", SimpleNamespace(platform="other"))
-    metadata.write_text(said)
+    metadata.write_text(content)
     with pytest.raises(
         ParameterError, match="it is a pipe" if kind == "pipe" else "File too large"
     ):

@@ -55,10 +55,10 @@ def test_another_law_differs_from_the_step_in_which_hands_or_column_move(
     )
     assert float(left["rms"]) == pytest.approx(np.sqrt(np.mean(apart**2)))
     assert rows["torque_request.brake.rear_left"]["differing"] == "0"
-    said = capsys.readouterr().out
+    output = capsys.readouterr().out
     assert (
         "2 of 8 channels differ, compared at 1101 instants; first torque_request.drive.front_left in step"
-        in said
+        in output
     )
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["runs"]["recorded"]["signal_hash"] != summary["runs"]["replayed"]["signal_hash"]
@@ -103,7 +103,7 @@ def places(turn: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Pa
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (["nothing", "--node", "asr"], "nothing: no such bag"),
         (["{run}", "--node", "asrr"], "unknown node 'asrr'"),
@@ -123,11 +123,11 @@ def places(turn: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Pa
     ],
 )  # fmt: skip
 def test_what_cannot_be_replayed_is_one_line(
-    words: list[str], said: str, places: dict[str, Path], tmp_path: Path
+    words: list[str], message: str, places: dict[str, Path], tmp_path: Path
 ):
     with pytest.raises(SystemExit) as ended:
         main(["replay", *(word.format(**places) for word in words), "--out", str(tmp_path / "out")])
-    assert said in ended.value.code and "\n" not in ended.value.code
+    assert message in ended.value.code and "\n" not in ended.value.code
     assert not (tmp_path / "out").exists()
 
 

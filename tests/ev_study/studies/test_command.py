@@ -24,7 +24,7 @@ def cases_of(name: str, *words: str) -> list[Case]:
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (
             "sweep double_lane_change --vary plant.initial_speed=15,20 --set plant.initial_speed=25",
@@ -101,11 +101,11 @@ def cases_of(name: str, *words: str) -> list[Case]:
         ),
     ],
 )
-def test_what_a_case_sets_itself_is_refused_in_one_line(words, said):
+def test_what_a_case_sets_itself_is_refused_in_one_line(words, message):
     """Rows stood under a value, a law or a seed that none of them had."""
     with pytest.raises(ParameterError) as error:
         cases_of(*words.split())
-    assert str(error.value).startswith(said) and "\n" not in str(error.value)
+    assert str(error.value).startswith(message) and "\n" not in str(error.value)
 
 
 def test_a_file_of_parameters_does_not_take_the_place_either(tmp_path):
@@ -151,13 +151,13 @@ def test_names_have_all_digits_and_lists_are_values():
 def assert_driven_as_it_says(case: Case) -> None:
     """What a case sets is what its run has: told once more, it changes nothing."""
     played = run_of(case).configurations
-    said = {
+    settings = {
         (role, name): value
         for node, name, value in case.values
         for role in played
         if node in ("*", role)
     }
-    for (role, name), value in said.items():
+    for (role, name), value in settings.items():
         if name in (has := played[role].values()):
             assert played[role].changed({name: value}).values() == has, (case.name, role, name)
 

@@ -52,7 +52,7 @@ def test_classes_by_model_else_by_driven_axles(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("row", "told"),
+    ("row", "message"),
     [
         (
             car("X", DRIVES[0], weight="heavy"),
@@ -66,8 +66,8 @@ def test_classes_by_model_else_by_driven_axles(tmp_path):
         ),
     ],
 )
-def test_a_wrong_row_is_one_line(tmp_path, row, told):
-    with pytest.raises(ParameterError, match=told):
+def test_a_wrong_row_is_one_line(tmp_path, row, message):
+    with pytest.raises(ParameterError, match=message):
         read_cars(listed(tmp_path, [row]))
 
 

@@ -178,8 +178,8 @@ def test_a_worker_with_other_packages_or_sources_is_refused(other):
     """Its rows would be kept as if our text had driven them; a checkout of last week has the same version."""
 
     class OneWorker:
-        def run(self, function, **told):
-            found = function(**told)
+        def run(self, function, **arguments):
+            found = function(**arguments)
             if function.__name__ != other:
                 return {"tcp://a": found}
             return {"tcp://a": {**found, "numpy": "0.1"} if isinstance(found, dict) else "other"}

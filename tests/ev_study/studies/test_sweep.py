@@ -97,9 +97,9 @@ def test_a_sweep_that_was_killed_goes_on_where_it_was(tmp_path, capsys):
     rows[5].write_bytes(rows[5].read_bytes()[:100])
     capsys.readouterr()
     sweep_into(second)
-    said = capsys.readouterr().out
-    assert "12 runs, 1.2 s in" in said
-    assert "5 of them driven before" in said
+    output = capsys.readouterr().out
+    assert "12 runs, 1.2 s in" in output
+    assert "5 of them driven before" in output
     assert (second / "table.csv").read_bytes() == (first / "table.csv").read_bytes()
 
 
@@ -179,7 +179,7 @@ def test_rows_and_signals_are_those_of_the_car_as_its_file_is_now(tmp_path, caps
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (
             ["--vary", "gamma=1"],
@@ -206,11 +206,11 @@ def test_rows_and_signals_are_those_of_the_car_as_its_file_is_now(tmp_path, caps
         ([], "a sweep of nothing is refused, expected --vary NODE.PARAM=x,y,z, --seeds N, or both"),
     ],
 )
-def test_words_without_sense_are_one_line(words, said):
+def test_words_without_sense_are_one_line(words, message):
     """`0:10:1000000000` took 23 GB, `0:10:0` ended in "none of 0 runs can be driven; "."""
     with pytest.raises(ParameterError) as error:
         sweep.cases(arguments("sweep", ["shchur2019", *words]))
-    assert str(error.value) == said
+    assert str(error.value) == message
 
 
 def test_runs_too_short_for_any_metric_are_said_to_be_that():
@@ -236,7 +236,7 @@ def test_metrics_are_named_before_anything_is_driven():
     assert {case.metrics for case in asked} == {
         ("slip_energy", "x [1] = maximum(hypot(pose.x, pose.y))")
     }
-    for scenario, metrics, said in (
+    for scenario, metrics, message in (
         (
             "step_steer",
             "yaw_rate_eror",
@@ -255,7 +255,7 @@ def test_metrics_are_named_before_anything_is_driven():
     ):
         with pytest.raises(ParameterError) as error:
             cases(scenario, metrics)
-        assert str(error.value).startswith(said)
+        assert str(error.value).startswith(message)
 
 
 def test_values_that_are_rounded_inside_are_noted(tmp_path, capsys):
@@ -336,10 +336,10 @@ def test_the_terminal_shows_each_number_once_and_how_long_it_takes(tmp_path, cap
             "drive_energy,peak_slip_of_none [1] = last(time)",
         ]
     )
-    said = capsys.readouterr()
-    assert said.err.startswith("sweep: 2 runs\nsweep: 2 of them to drive, in about 0:00:0")
-    assert "measured" not in said.out
-    assert said.out.count("drive_energy") == 1
+    captured = capsys.readouterr()
+    assert captured.err.startswith("sweep: 2 runs\nsweep: 2 of them to drive, in about 0:00:0")
+    assert "measured" not in captured.out
+    assert captured.out.count("drive_energy") == 1
 
 
 def test_values_are_numbers_texts_and_units():

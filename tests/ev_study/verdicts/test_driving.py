@@ -190,7 +190,7 @@ def test_command_writes_one_object_for_each_id(
         "shchur.fig1b.end",
     )
     main(["verdicts", *only])
-    said = capsys.readouterr().out
+    output = capsys.readouterr().out
     written = json.loads((tmp_path / "results" / "verdicts" / "verdicts.json").read_text())
     assert [each["id"] for each in written] == [
         "shchur.fig1b.end",
@@ -210,7 +210,7 @@ def test_command_writes_one_object_for_each_id(
     assert manual["run"] == "shchur2019_steps"
     assert (
         "all: 6 ids, 3 reproduced with assumption, 1 reproduced, 1 not judgeable, 1 no verdict"
-        in said
+        in output
     )
     assert "shchur.hold30.manual" in (tmp_path / "results" / "verdicts" / "verdicts.md").read_text()
 

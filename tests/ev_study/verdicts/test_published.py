@@ -206,9 +206,9 @@ def test_what_is_in_braces_is_a_text_or_a_measure(listed, tmp_path: Path):
 def test_a_mistake_is_one_line(listed, tmp_path: Path, changed: dict[str, str], line: str):
     with pytest.raises(ParameterError) as refused:
         listed({**GOOD, **changed})
-    said = str(refused.value)
-    assert said.startswith(f"{tmp_path / 'published.csv'}, line 2, own.a: {line}")
-    assert "\n" not in said
+    message = str(refused.value)
+    assert message.startswith(f"{tmp_path / 'published.csv'}, line 2, own.a: {line}")
+    assert "\n" not in message
 
 
 @pytest.mark.parametrize(

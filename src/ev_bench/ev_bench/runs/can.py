@@ -100,7 +100,7 @@ def _hub() -> Iterator[str]:
             place = line.rpartition(" ")[2]
             if not place.startswith(f"{HOST}:"):
                 raise RunFailed(
-                    f"the hub for CAN frames did not start: {line or 'it said nothing'}"
+                    f"the hub for CAN frames did not start: {line or 'it printed nothing'}"
                 )
             yield place
         finally:

@@ -161,7 +161,7 @@ class NodeReports:
                     self._take(node, Word.decoded(message))
                 except (ValueError, TypeError, LookupError, OverflowError):
                     self._noted.setdefault(
-                        node, f"node {node} has told what cannot be read: {shown(message)}"
+                        node, f"node {node} sent an unreadable report: {shown(message)}"
                     )
 
     def _take(self, node: str, word: Word) -> None:
@@ -199,10 +199,10 @@ class NodeReports:
         if self._tallies:
             self._tallies[RECORDER] = self._tally_of(recording)
         return [
-            f"node {node} told no sums: nobody knows whether others have spoken in its name"
+            f"node {node} reported no checksums: another sender in its name would not be noticed"
             for node in silent
         ] + [
-            f"node {node}: what it took on {topic} is not what {writer} has said; somebody else has spoken in its name"
+            f"node {node} read on {topic} what {writer} did not write: another process sends in its name"
             for node, tally in self._tallies.items()
             for topic, taken in tally[READ].items()
             if (writer := _WRITER_OF[topic]) in self._tallies

@@ -23,10 +23,10 @@ _FAULTS, _ANYTHING = "faults", 2**31
 
 @dataclass(frozen=True)
 class Draws:
-    """By ROLE.PARAMETER a value for each run, for all laws; `told` are factors of the friction that they believe."""
+    """Values of each run for all laws, by ROLE.PARAMETER; `believed` scales the friction that the laws assume."""
 
     values: Mapping[str, Sequence[Any]]
-    told: Sequence[float]
+    believed: Sequence[float]
 
 
 def numbers_drawn(board: Board, cell: Cell) -> tuple[list[int], dict[str, list[Any]]]:
@@ -72,11 +72,11 @@ def drawn(board: Board, cell: Cell, base: Mapping[str, Configuration]) -> Draws:
     """The draws of a cell for its run without a law."""
     seeds, numbers = numbers_drawn(board, cell)
     values: dict[str, list[Any]] = {SEEDS: seeds}
-    told = [1.0] * board.draws
+    believed = [1.0] * board.draws
     for variation in board.variations:
         found = numbers[variation.parameter]
         if variation.parameter == TOLD_FRICTION:
-            told = found
+            believed = found
         elif variation.parameter == FRICTION:
             surfaces = [surfaces_of(board, cell, factor) for factor in found]
             for name in ("own_c1", "own_c3"):
@@ -91,7 +91,7 @@ def drawn(board: Board, cell: Cell, base: Mapping[str, Configuration]) -> Draws:
             values[variation.parameter] = [of_car * factor for factor in found]
         else:
             values[variation.parameter] = found
-    return Draws(values, told)
+    return Draws(values, believed)
 
 
 def value_in(base: Mapping[str, Configuration], name: str) -> float:
@@ -110,12 +110,12 @@ def value_in(base: Mapping[str, Configuration], name: str) -> float:
 
 
 def own_draws(law: Mapping[str, Configuration], draws: Draws) -> dict[str, Sequence[float]]:
-    """What is drawn for a law alone: by the names that it has for the friction it believes in, its own factor x told.
+    """Draw the friction that a law believes in, by its own names: its own factor x believed.
 
     ParameterError if one of the products is beyond the bounds of that name.
     """
     return {
-        f"{role}.{name}": [own * told for told in draws.told]
+        f"{role}.{name}": [own * believed for believed in draws.believed]
         for role, of in law.items()
         for name, own in of.values().items()
         if name in BELIEF

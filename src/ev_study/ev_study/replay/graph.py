@@ -195,7 +195,7 @@ def _refuse_other_car(
 
 
 def _refuse_not_finite(recorded: Recorded, configuration: Configuration) -> None:
-    """ParameterError for a recorded answer that is no number: nothing can be told to differ from it."""
+    """Refuse a recorded answer that is no number: no difference from it has a meaning."""
     for signal in filter(recorded.has, configuration.method.writes):
         for name in TOPICS[signal].channels:
             values = recorded.recording.channels[name]

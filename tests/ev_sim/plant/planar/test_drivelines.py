@@ -111,7 +111,7 @@ def test_differentials_lose_what_their_locks_take_and_no_more():
 
 
 @pytest.mark.parametrize(
-    ("values", "said"),
+    ("values", "message"),
     [
         (
             {"front": "torsen_1"},
@@ -136,14 +136,14 @@ def test_differentials_lose_what_their_locks_take_and_no_more():
         ),
     ],
 )
-def test_drivelines_that_nobody_builds_are_refused(values, said):
+def test_drivelines_that_nobody_builds_are_refused(values, message):
     with pytest.raises(ParameterError) as error:
         Driveline(**values)
-    assert str(error.value).startswith(said) and "\n" not in str(error.value)
+    assert str(error.value).startswith(message) and "\n" not in str(error.value)
 
 
 def test_engines_without_a_shaft_are_refused():
-    for values, said in (
+    for values, message in (
         (
             {"driveline": Driveline()},
             "engine needs one shaft that it drives: driveline.coupling clutch or centre",
@@ -156,7 +156,7 @@ def test_engines_without_a_shaft_are_refused():
     ):
         with pytest.raises(ParameterError) as error:
             dataclasses.replace(engine_car(), **values)
-        assert str(error.value).startswith(said)
+        assert str(error.value).startswith(message)
 
 
 # Axles of different motors
@@ -182,19 +182,19 @@ def test_axle_of_twice_the_size_is_one_with_two_motors_side_by_side():
     )
     two = plant(dataclasses.replace(CAR, motor=motor, driveline=Driveline(front_size=2.0)))
     one = plant(dataclasses.replace(CAR, motor=twice))
-    said = [drive(each, 2.0, Wheels.front(300.0, 250.0)) for each in (two, one)]
-    assert said[0][MotorStates].effort.front_left == pytest.approx(300.0 / 2.65, rel=1e-9)
-    assert said[0][MotorStates].effort == pytest.approx(said[1][MotorStates].effort, rel=1e-12)
+    driven = [drive(each, 2.0, Wheels.front(300.0, 250.0)) for each in (two, one)]
+    assert driven[0][MotorStates].effort.front_left == pytest.approx(300.0 / 2.65, rel=1e-9)
+    assert driven[0][MotorStates].effort == pytest.approx(driven[1][MotorStates].effort, rel=1e-12)
     for entry in ("longitudinal_velocity", "battery_work", "motor_loss", "motor_heat"):
         assert two.state[index(entry)] == pytest.approx(one.state[index(entry)], rel=1e-9)
 
 
 def test_front_axle_turns_its_motor_by_its_own_gear():
     """8.8 in front, 8 behind; in front both wheels get the mean of what is asked of them, behind each its own."""
-    said = drive(
+    driven = drive(
         plant(named("layout_1_8_b"), initial_speed=5.0), 0.5, Wheels(300.0, 100.0, 300.0, 100.0)
     )
-    motors, wheels = said[MotorStates], said[WheelStates]
+    motors, wheels = driven[MotorStates], driven[WheelStates]
     assert motors.velocity.front_left == pytest.approx(
         8.8 * 0.5 * (wheels.velocity.front_left + wheels.velocity.front_right), rel=1e-12
     )
@@ -246,13 +246,13 @@ def test_engine_gives_what_is_asked_and_loses_what_gear_and_converter_take():
     car = plant(engine_car(), initial_speed=20.0, speed="held")
     drive(car, 5.0, Wheels.all(150.0))
     before = car.state.copy()
-    said = drive(car, 1.0, Wheels.all(150.0))[WheelStates]
-    assert sum(said.effort) == pytest.approx(0.96 * 600.0, rel=2e-3)
+    wheels = drive(car, 1.0, Wheels.all(150.0))[WheelStates]
+    assert sum(wheels.effort) == pytest.approx(0.96 * 600.0, rel=2e-3)
     lost, work, given = (
         car.state[index(name)] - before[index(name)]
         for name in ("driveline_loss", "engine.work", "drive_work")
     )
-    shaft = 4.1 * np.mean(said.velocity)
+    shaft = 4.1 * np.mean(wheels.velocity)
     turbine = shaft * Gearbox().ratios[int(car.state[index("engine.gear")]) - 1]
     pump = car.state[index("engine.speed")]
     taken, passed = converter_torques(1.0, pump, turbine)
@@ -293,7 +293,7 @@ def test_engine_shifts_up_through_all_gears_and_brakes_by_its_drag():
 
 def allowed(role: str, vehicle: str) -> set[str]:
     """The methods of a role that take a car of config/vehicles; a refusal is one line that names car and coupling."""
-    values = {f"vehicle.{name}": value for name, value in _told(vehicle).items()}
+    values = {f"vehicle.{name}": value for name, value in _values_of(vehicle).items()}
     found = set()
     for name in all_methods()[role]:
         try:
@@ -305,7 +305,7 @@ def allowed(role: str, vehicle: str) -> set[str]:
     return found
 
 
-def _told(vehicle: str) -> dict[str, object]:
+def _values_of(vehicle: str) -> dict[str, object]:
     from ev_stack.scenarios.about import vehicle_file
 
     values = vehicle_file(vehicle).values_for("/ev/driver")
@@ -351,7 +351,7 @@ def test_every_law_says_which_driveline_it_can_drive(vehicle, laws):
 @pytest.mark.parametrize(("law", "group"), [("pi_slip", "regulator.limp"), ("slip_window", "limp")])
 def test_traction_controls_take_every_driveline_but_not_with_a_limp_mode(law, group):
     """A wheel shows nothing of a lost motor that drives its partner as well."""
-    values = {f"vehicle.{name}": value for name, value in _told("centre_dccd").items()}
+    values = {f"vehicle.{name}": value for name, value in _values_of("centre_dccd").items()}
     configure("asr", {"method": law, **values})
     with pytest.raises(
         ParameterError, match=rf"needs a motor or a clutch for each driven wheel for {group}.watch"

@@ -195,8 +195,8 @@ class BoardResult:
         """SHA-256 of what was drawn and measured in all runs, and of their signals: a list of JSON, run by run."""
         digest, before = hashlib.sha256(b"["), b""
         for run in self.runs():
-            told = {name: value for name, value in run.items() if name != "once_more"}
-            digest.update(before + json.dumps(told, sort_keys=True).encode())
+            kept = {name: value for name, value in run.items() if name != "once_more"}
+            digest.update(before + json.dumps(kept, sort_keys=True).encode())
             before = b", "
         digest.update(b"]")
         return digest.hexdigest()
