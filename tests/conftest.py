@@ -100,7 +100,7 @@ def own_results_of_a_module(tmp_path_factory: pytest.TempPathFactory) -> Iterato
         yield
 
 
-def _unchanged(who: str) -> Iterator[None]:
+def _unchanged(scope: str) -> Iterator[None]:
     methods, shared, alive = _methods(), _shared(), _alive()
     yield
     left = {
@@ -108,13 +108,13 @@ def _unchanged(who: str) -> Iterator[None]:
         for which, each in _methods().items()
         if which in methods or each.package not in _INSTALLED
     }
-    assert left == methods, f"{who} leaves other methods behind"
+    assert left == methods, f"{scope} leaves other methods behind"
     for what, value in _shared().items():
-        assert value == shared[what], f"{who} leaves other {what} behind"
+        assert value == shared[what], f"{scope} leaves other {what} behind"
     if any(is_alive and not alive[what] for what, is_alive in _alive().items()):
         gc.collect()  # programs end with the objects that have started them
     for what, is_alive in _alive().items():
-        assert alive[what] or not is_alive, f"{who} leaves {what} behind"
+        assert alive[what] or not is_alive, f"{scope} leaves {what} behind"
 
 
 def _methods() -> dict[tuple[str, str], register.Method]:
@@ -126,7 +126,7 @@ def _methods() -> dict[tuple[str, str], register.Method]:
 
 
 def _shared() -> dict[str, object]:
-    """What tests of one process share: by a name, what has to be as it was."""
+    """State that tests of one process share, by name: a test leaves it as it was."""
     return {
         "variables of the environment": {
             k: v for k, v in os.environ.items() if k not in _SET_BY_OTHERS
@@ -140,7 +140,10 @@ def _shared() -> dict[str, object]:
 
 
 def _alive() -> dict[str, bool]:
-    """What lives on behind a test. Threads do not count: many are of libraries, and end when they like."""
+    """Things that live on behind a test, by name.
+
+    Threads do not count: many are of libraries, and end when they like.
+    """
     return {
         "processes": _has_processes(),
         "a context of rclpy": "rclpy" in sys.modules and sys.modules["rclpy"].ok(),

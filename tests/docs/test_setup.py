@@ -342,7 +342,7 @@ def test_the_installed_middleware_decides_which_profile_keeps_nodes_on_this_mach
         assert middleware_of(checkout, **own) == own
 
 
-# scripts/compile_ahead.py where only those packages are there whose lines in the lock a pattern
+# scripts/compile_ahead.py where only packages are installed with lines in the lock that a pattern
 # matches.
 WITH_FIRST_PACKAGES = """
 import re, runpy, sys

@@ -249,7 +249,7 @@ def test_the_lock_has_every_requirement_and_a_hash_for_every_package(lock, wante
     )
     assert wanted.items() <= {name: version for name, version, _ in packages}.items()
     assert [name for name, _, first_hash in packages if not first_hash] == []
-    assert "://" not in locked, "whoever installs names the index"
+    assert "://" not in locked, "the index is named at installation"
 
 
 def test_locks_differ_in_ros_alone():

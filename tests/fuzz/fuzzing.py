@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 _WEIGHTS = 21.4  # of all tests, by which they share the cases of the long form
 _ASKED = int(os.environ.get("EV_FUZZ_CASES", "0"))
-LONGEST_LINE = 4000  # characters: whoever is refused shall be able to read why
+LONGEST_LINE = 4000  # characters: a refusal has to be readable
 
 seeds = st.integers(0, 2**32 - 1)
 # of the content of a file, see `spoil`

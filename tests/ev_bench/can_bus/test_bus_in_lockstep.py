@@ -106,7 +106,7 @@ def test_the_load_of_others_makes_frames_late(healthy):
 
 @pytest.mark.parametrize("load", [0.3, 0.405])
 def test_set_points_that_come_after_the_inverters_phase_act_a_cycle_later(healthy, load):
-    """At a load of 40.5 % each set-point meets the next one on the wire, and still acts."""
+    """Set-points that meet the next one on the wire, at a load of 40.5 %, still act."""
     loaded = driven(0.6, ("test_bench", "bus.other_load", load))
     for side in ("left", "right"):
         channel = f"bench.shafts.set_point.front_{side}"

@@ -160,7 +160,7 @@ def test_what_is_lost_hangs_on_the_seed_alone(seed: int):
 def test_compiled_code_gives_the_same_bits():
     p = BusModelParameters(loss=0.05, other_load=0.2, seed=7)
     s, memory, tree = ChannelState(), one_record(ChannelState())[0], one_record(number_tree(p))[0]
-    put, go, shift, anew = map(compiled, (release, advance_channel, next_tick, next_period))
+    put, go, shift, restart = map(compiled, (release, advance_channel, next_tick, next_period))
     chance, frames = random.Random(5), one_record(FRAMES)[0]
     for _ in range(100):
         for place in range(PLACES):
@@ -173,7 +173,7 @@ def test_compiled_code_gives_the_same_bits():
         next_tick(p, s)
         shift(tree, memory)
         next_period(s)
-        anew(memory)
+        restart(memory)
         assert memory.reshape(1).view(float).tolist() == numbers(s)
     assert s.lost > 0.0
 

@@ -213,7 +213,7 @@ def test_a_silent_controller_ends_the_torque_of_both_drives():
 
 
 def test_load_machines_follow_load_command():
-    """In speed mode a load machine keeps its command to 0.5 rad/s."""
+    """A load machine in speed mode keeps its command to 0.5 rad/s."""
     with rig("load") as r:
         command = JointState(name=["right_load"], velocity=[50.0])
 

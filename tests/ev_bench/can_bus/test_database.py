@@ -109,5 +109,5 @@ def test_a_signal_that_is_taken_says_what_it_can_and_no_more(
         return
     for value in (field.low, field.high, 0.5 * (field.low + field.high), -math.inf, math.inf):
         arrived = extracted(inserted(0, field, value), field)
-        wished = min(max(value, field.low), field.high)
-        assert arrived == pytest.approx(wished, abs=0.5001 * field.scale)
+        limited = min(max(value, field.low), field.high)
+        assert arrived == pytest.approx(limited, abs=0.5001 * field.scale)

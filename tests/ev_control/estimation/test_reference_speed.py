@@ -199,7 +199,7 @@ def test_at_rest_the_offset_is_learned_and_moves_the_car_no_more(offset):
     reference = standing(offset, 4.5)
     assert reference.state.speed == 0.0
     assert reference.state.offset == pytest.approx(offset * (1.0 - math.exp(-4.0)), rel=1e-3)
-    # a second of a drive ahead whose wheels spin far above: by the accelerometer alone
+    # a second ahead with wheels that spin far above: by the accelerometer alone
     for _ in range(200):
         reference.rolling(Wheels.all(40.0), 0.0, InertialMeasurement(0.0, 1.0 + offset, 0.0), 1.0)
     assert reference.state.offset == pytest.approx(offset * (1.0 - math.exp(-4.0)), rel=1e-3)

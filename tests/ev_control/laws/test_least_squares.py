@@ -81,7 +81,7 @@ def test_a_changed_window_takes_effect_at_once():
     after.step(steps[40])
     for name in ("sum_x", "sum_xx", "sum_x_root", "sum_xy", "sum_root_y"):
         name = f"curve.fit.{name}"
-        # A running sum of ten terms against one formed anew: rounding of a few of them.
+        # A running sum of ten terms against a new sum: rounding of a few of them.
         assert moved.of_wheel()[name] == pytest.approx(after.of_wheel()[name], rel=1e-13)
     assert moved.of_wheel()["curve.fit.size"] == 10.0
     assert after_all["curve.fit.taken"] == 40.0

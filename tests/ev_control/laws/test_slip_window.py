@@ -47,7 +47,7 @@ def test_limit_stays_inside_the_window_and_where_the_slip_returns():
 
 
 def test_limit_rises_below_the_window_until_it_is_the_request():
-    """Without rising slip it rises by 2000 N m/s: 40 N m are ten steps of 10 N m, less one."""
+    """The limit rises by 2000 N m/s without rising slip: 40 N m are ten steps, less one."""
     law = Control("slip_window", trend=0.0)
     for slip in (0.0, 0.2):
         law.step(spinning_at(at_slip(slip), 10.0))

@@ -15,7 +15,7 @@ pytestmark = pytest.mark.slow
 
 SEED = 1
 STEPS = 300
-# of the laws whose state is long, for every number of it is looked at in every step
+# of laws with a long state: every number of it is compared in every step
 FEWER_STEPS = 200
 ALL_DRIVEN = {"vehicle.driven_wheels": list(WHEEL_NAMES)}
 REAR_DRIVEN = {"vehicle.driven_wheels": ["rear_left", "rear_right"]}

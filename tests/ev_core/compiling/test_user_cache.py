@@ -94,12 +94,12 @@ def test_what_lies_in_a_folder_of_everybody_is_refused(tmp_path, monkeypatch):
     assert folder(monkeypatch, EV_STACK_CACHE=tmp_path / "link" / "own")
 
 
-@pytest.mark.parametrize("whose", ["folder", "link"])
-def test_what_belongs_to_another_user_is_refused(tmp_path, monkeypatch, whose):
+@pytest.mark.parametrize("kind", ["folder", "link"])
+def test_what_belongs_to_another_user_is_refused(tmp_path, monkeypatch, kind):
     """A folder, or a link to one of our own."""
     (tmp_path / "own").mkdir(mode=0o700)
     (tmp_path / "link").symlink_to(tmp_path / "own")
-    theirs, other = tmp_path / ("own" if whose == "folder" else "link"), os.getuid() + 1
+    theirs, other = tmp_path / ("own" if kind == "folder" else "link"), os.getuid() + 1
     found = Path.lstat
 
     def lstat(path: Path) -> os.stat_result:

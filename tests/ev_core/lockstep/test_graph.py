@@ -204,13 +204,13 @@ def test_every_role_has_the_method_that_it_plays_by_default():
             (SteeringColumnState, WheelTorqueCommand),
             (SteeringColumnState, WheelTorqueCommand),
         ),
-        # the clock alone tells nobody when to step
+        # the clock alone makes no node step
         ("driver", (Instant,), (BodyVelocity,)),
         ("asr", (), (WheelTorqueRequest,)),
         # the column repeats its last two answers, so its stamp zero announces no new run
         ("driver", (SteeringColumnState,), (SteeringColumnState, BodyVelocity)),
         ("electronic_differential", (SteeringColumnState,), (SteeringColumnState, DriverCommand)),
-        # whoever answers before announces it as well as the master does
+        # a role that answers before announces it as well as the master does
         ("electronic_differential", (DriverCommand,), (DriverCommand,)),
         ("asr", (WheelTorqueRequest,), (WheelTorqueRequest,)),
         ("electronic_differential", (BodyPose,), (BodyPose,)),

@@ -65,7 +65,7 @@ ESSENTIAL = {
 }
 faults = st.builds(Faults, st.floats(0, 0.4), st.floats(0, 0.3), st.sampled_from((0.0, 0.002)))
 
-# Turns up to a reset, and before it another start state of somebody.
+# Turns up to a reset, and before it another start state of one role.
 changes = st.tuples(st.integers(0, 80), st.sampled_from(tuple(ROLES)), st.floats(0.01, 0.99))
 
 

@@ -38,7 +38,7 @@ def stepped(role: str, method: str, compiled: bool) -> str:
 def test_code_is_loaded_without_the_compiler_and_gives_the_bits_of_plain_python():
     """The node of a light law does without numba, which takes a second to load."""
     for role, method in LAWS:
-        stepped(role, method, compiled=True)  # makes it, if nobody has
+        stepped(role, method, compiled=True)  # makes it if it is missing
     calls = "".join(f"print(stepped({role!r}, {method!r}, True))\n" for role, method in LAWS)
     imports = (
         "import sys",

@@ -42,17 +42,17 @@ def test_two_packages_do_not_share_a_name(offer):
     assert (
         offered_module(GROUP, "report", "coast_down").__name__ == "ev_stack.manoeuvres.coast_down"
     )
-    offer("coast_down", "somebody.report")
-    message = r"^ev_stack\.reports 'coast_down' is offered by ev_stack\S+ and by somebody\.report, expected one$"
+    offer("coast_down", "other_package.report")
+    message = r"^ev_stack\.reports 'coast_down' is offered by ev_stack\S+ and by other_package\.report, expected one$"
     with pytest.raises(ParameterError, match=message):
         report_for("coast_down")
 
 
 def test_what_does_not_load_is_one_line_and_harms_only_who_wants_it(offer):
-    offer("braking", "somebody.report")
+    offer("braking", "other_package.report")
     with pytest.raises(
         ParameterError,
-        match=r"^report braking: somebody\.report is not loaded: ModuleNotFoundError: No",
+        match=r"^report braking: other_package\.report is not loaded: ModuleNotFoundError: No",
     ):
         report_for("braking")
     assert report_for("hill_start")

@@ -203,7 +203,7 @@ def test_a_library_is_the_file_that_is_there_now(refused, tmp_path, monkeypatch)
     assert answer_of("law.so") == 2.0
     (tmp_path / "4.0/law.so").replace("law.so")
     assert answer_of("law.so") == answer_of("law.so") == 4.0
-    os.utime("law.so", ns=(1, 1))  # as who writes into it leaves it
+    os.utime("law.so", ns=(1, 1))  # as an editor leaves it
     with pytest.raises(
         ParameterError,
         match=r"^asr method law\.so: it was written over while it was in use, expected",

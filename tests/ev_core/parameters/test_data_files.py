@@ -28,7 +28,7 @@ from ev_stack.scenarios.scenario import Overrides, load_scenario
 from ev_study.replay.recorded import find_recorded
 
 REFUSED = (ParameterError, RecordingError)
-# By kind of file its name, the largest size and who reads it.
+# Name, largest size and reader of each kind of file.
 READERS: dict[str, tuple[str, int, Callable[[Path], object]]] = {
     "scenario": ("own.yaml", TEXT, lambda path: load_scenario(str(path))),
     "vehicle": ("car.yaml", TEXT, lambda path: vehicle_file(str(path))),

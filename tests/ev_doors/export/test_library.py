@@ -204,7 +204,7 @@ int main(void)
 """
 
 
-# In the place of the kernel: a file whose rows are given, or an error.
+# A file with given rows in the place of the kernel, or an error.
 _COUNTER = """
 #include <errno.h>
 #include <fcntl.h>

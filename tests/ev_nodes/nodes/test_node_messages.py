@@ -233,7 +233,7 @@ def test_ordinary_steps_are_taken_in_compiled_code_and_others_in_python(law, mon
 
     Switched off, all steps are taken in Python.
     """
-    assert steps.CODE.address()  # compiled if nobody has yet
+    assert steps.CODE.address()  # compiled if it is not yet
     judged = []
     for reader in law.node.readers.values():
         judge = reader.judge

@@ -47,7 +47,7 @@ def tried(node: Any, **values: Any) -> str:
     return result.reason
 
 
-# Of a gateway: the car whose gear stands between its machines and the wheels, and a step of whole
+# Of a gateway: the car with the gear between its machines and the wheels, and a step of whole
 # cycles of the bus.
 NEEDED = {"inverter_gateway": {"vehicle.gear_ratio": 7.4, "control_period": 0.005}}
 
@@ -201,7 +201,7 @@ def test_no_request_of_any_service_ends_a_node_or_is_done_by_half(law):
     for kind in (10, 77, 255):
         for wrong in (
             no_type("natural_frequency", kind),
-            no_type("nobody", kind),
+            no_type("unknown", kind),
             no_type("", kind),
         ):
             each = asked(

@@ -162,7 +162,7 @@ import sys
 def stop():
     signal.raise_signal(signal.{kind})
 
-if "stopped" in {who!r}:
+if "stopped" in {ending!r}:
     signal.signal(signal.{kind}, signal.default_int_handler)
 atexit.register(stop)
 sys.argv = ["driver"]
@@ -170,19 +170,20 @@ sys.argv = ["driver"]
 
 
 @pytest.mark.parametrize("kind", ["SIGINT", "SIGTERM"])
-@pytest.mark.parametrize("who", STOPPED_AT_THE_END)
-def test_a_stop_at_the_very_end_changes_nothing(who, kind):
-    """The runner asks nodes to stop that are just ending; Python's way of being interrupted there is a traceback.
-
-    What the campaign found with seed 21.
-    """
+@pytest.mark.parametrize("ending", STOPPED_AT_THE_END)
+def test_a_stop_at_the_very_end_changes_nothing(ending, kind):
+    """A node that is just ending prints no traceback when it is stopped (campaign, seed 21)."""
     process = start(
-        [sys.executable, "-c", TO_STOP.format(who=who, kind=kind) + STOPPED_AT_THE_END[who]]
+        [
+            sys.executable,
+            "-c",
+            TO_STOP.format(ending=ending, kind=kind) + STOPPED_AT_THE_END[ending],
+        ]
     )
     output, _ = process.communicate(timeout=PATIENCE)
     assert "Traceback" not in output
     assert process.returncode == (130 if output == "stopped\n" else 0)
-    assert output == "stopped\n" if who == "the runner, stopped" else "stopped" not in output
+    assert output == "stopped\n" if ending == "the runner, stopped" else "stopped" not in output
 
 
 STOPPED_BEFORE_ITS_TIME = """

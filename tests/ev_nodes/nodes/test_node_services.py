@@ -133,7 +133,7 @@ def test_after_a_reset_the_bag_holds_the_new_run_and_the_old_one_is_kept(nodes, 
     assert 30 <= len(stamps["bag_before_reset_1"]) <= steps
 
 
-# What somebody may do on the live page: services, and parameters of what integrates and of what
+# Actions on the live page: services, and parameters of what integrates and of what
 # answers.
 CHANGED = {
     "plant.initial_speed": st.floats(10.0, 20.0),
@@ -203,7 +203,7 @@ def test_services_and_changes_in_any_order_end_in_a_fresh_run_with_the_same_valu
     That holds at time zero as well, and where resets follow each other.
     """
     folder, values = tmp_path_factory.mktemp("run"), {}
-    (folder / "bag_before_reset_1").mkdir()  # somebody's own
+    (folder / "bag_before_reset_1").mkdir()  # of the user's own
     with graph(
         lane_change({}), folder, bag=True, names=[name for name in NODES if name != "driver"]
     ) as nodes:

@@ -134,7 +134,7 @@ def test_a_child_finds_its_end_and_no_other_process_does(reports):
 def test_a_node_without_a_runner_tells_nobody(address, monkeypatch):
     monkeypatch.setenv(RUNNER_LINE, address)
     line = RunnerLine()
-    line.tell(Word(WARNING, "nobody hears that"))
+    line.tell(Word(WARNING, "no one is listening"))
     line.close()
     assert line.key == b""
 

@@ -13,7 +13,7 @@ from ev_nodes.stepping.taking import taker_of
 
 
 def test_a_message_names_its_publisher_as_the_graph_does():
-    """Of two publishers of one topic each message has that of its own; a long message arrives whole."""
+    """Each message has its own of two publishers of one topic; a long message arrives whole."""
     with ros_domain() as context:
         node = Node("node", context=context)
         subscription = node.create_subscription(String, "words", print, QUALITY, raw=True)

@@ -18,7 +18,7 @@ from ev_study.studies.study import CaseResult
 
 pytestmark = pytest.mark.slow
 
-# ten are in docs/dissertation.md, and single ones of them are driven anew by tests/docs
+# ten are in docs/dissertation.md, and tests/docs drives single ones of them again
 SEEDS = (1,)
 WITHOUT_ASR = "method 1 without ASR"
 HALF_STEP = (("plant", "step", 0.5e-3),)

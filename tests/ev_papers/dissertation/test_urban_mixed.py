@@ -174,7 +174,7 @@ def test_metrics_by_hand():
         assert value[f"drive_efficiency{row}"] == pytest.approx(drive)
         assert value[f"total_efficiency{row}"] == pytest.approx(wheel * drive)
     assert (value["energy"], value["energy_windows"]) == pytest.approx((energy, energy))
-    # Eq 2.40: mean power of 2 s times the time of a cycle whose profile ends at 0 s.
+    # Eq 2.40: mean power of 2 s times the time of a cycle that ends at 0 s.
     assert value["energy_as_printed"] == value["energy_as_printed_in_kwh"] == 0.0
     assert (value["traction_time"], value["window_time"]) == pytest.approx((2.0, 2.0))
     assert value["mean_speed_error"] == 0.0
@@ -287,7 +287,7 @@ def test_metrics_are_the_printed_formulas(driver):
             (torque.sum() - rolling.sum()) / torque.sum(),
             at[f"wheel_states.velocity.{free}"].sum() / speed.sum(),
         )
-        # The period is that of the stamps, whose differences keep twelve digits at 580 s.
+        # The period is that of the stamps; their differences keep twelve digits at 580 s.
         assert sums.efficiency == pytest.approx(shares[0] * shares[1], rel=1e-10)
         motor, shaft = at[f"motor_states.effort.{wheel}"], at[f"motor_states.velocity.{wheel}"]
         power = motor * shaft + loss_power(MOTOR, motor, shaft)

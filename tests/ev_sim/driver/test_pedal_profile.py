@@ -30,7 +30,7 @@ def test_pedals_change_over_at_time_and_speed():
 
 
 def test_without_pedals_the_speed_is_followed_throughout():
-    """From 11 to 10 m/s the drives brake to their limit, and the brakes do the rest."""
+    """Drives brake to their limit from 11 to 10 m/s, and the brakes do the rest."""
     driver = driver_of("manoeuvre", speed_profile__time=[0.0], speed_profile__speed=[10.0])
     for n in range(3):
         command = driver.step(Instant(n * 1.0), at(11.0))

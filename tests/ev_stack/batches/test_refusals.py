@@ -1,4 +1,4 @@
-"""What a batch refuses, before anything runs."""
+"""Refusals of a batch, before anything runs."""
 
 from __future__ import annotations
 
@@ -120,7 +120,10 @@ def test_values_that_do_not_fit_together():
 
 
 def test_a_fault_that_strikes_at_no_instant_of_another_period():
-    """From 0.05 s until 0.06 s lie an instant of 10 ms and none of 40 ms; such a run would be that of a sound car."""
+    """0.05 s until 0.06 s holds an instant of 10 ms and none of 40 ms.
+
+    Such a run would be that of a sound car.
+    """
     graph = {**lane_change()}
     graph["plant"] = graph["plant"].changed(
         {"faults": ["constant imu.yaw_rate 0.5 from 0.05 until 0.06"]}

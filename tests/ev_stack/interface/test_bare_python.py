@@ -47,7 +47,7 @@ def needed(name: str) -> set[str]:
 
 
 def tops(name: str) -> Iterator[Path]:
-    """What a distribution has put into site-packages."""
+    """Yield the top folders and files that a distribution has put into site-packages."""
     of = distribution(name)
     for top in {file.parts[0] for file in of.files or () if file.parts[0] != ".."}:
         yield Path(of.locate_file(top))

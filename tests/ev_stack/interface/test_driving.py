@@ -30,7 +30,7 @@ def result():
 
 @pytest.mark.slow
 def test_a_run_is_that_of_the_command(result, tmp_path):
-    """Which has the hash of all other ways to run (tests/ev_stack/running/test_hashes.py, test_machines.py)."""
+    """Both have one hash; all other ways to run have it, too (test_hashes.py, test_machines.py)."""
     words = [
         "--set",
         "electronic_differential.gamma=4.0",
@@ -78,7 +78,7 @@ def test_signals_are_arrays_over_time(result):
 
 
 def test_everything_that_a_program_calls_is_listed_before_it_is_imported():
-    """In a Python of its own: here all of it is imported already."""
+    """A Python of its own shows it: here all of it is imported already."""
     code = "import sys, ev_stack; print(*dir(ev_stack)); assert 'ev_stack.interface' not in sys.modules"
     shown = subprocess.run(
         [sys.executable, "-c", code], check=True, capture_output=True, text=True
@@ -106,7 +106,7 @@ def test_what_has_moved_from_ev_sim_is_there_with_one_line():
 
 
 def test_a_run_and_its_metrics_take_what_is_compiled_without_the_compiler():
-    """Whose import takes longer than the run: one metric alone had it imported again."""
+    """A run and its metrics do not import numba, which takes longer than the run."""
     lane_change = ev_stack.run("double_lane_change", duration=0.1)
     # a Python of its own finds all of it compiled
     assert lane_change.metrics["course_passed"].reason
@@ -143,7 +143,7 @@ def test_a_result_is_shown_in_a_few_lines(result):
 
 
 def test_a_data_frame_has_the_units_of_its_columns(result, monkeypatch):
-    """With a stand-in for pandas, which the environment lacks: what is given to it, and where it keeps the units."""
+    """A stand-in for pandas, which the environment lacks, keeps what it is given and the units."""
     frame = SimpleNamespace(attrs={})
     pandas = SimpleNamespace(
         DataFrame=lambda columns, index: vars(frame).update(columns=columns, index=index) or frame
@@ -240,6 +240,6 @@ def test_what_is_refused_is_one_line(changed, message):
     ],
 )
 def test_a_null_byte_in_a_path_is_one_line(call):
-    """It was "embedded null byte", by which nobody finds the path."""
+    """The line shows the path, in which the byte can be found."""
     with pytest.raises(ParameterError, match=r"a\\x00"):
         call()

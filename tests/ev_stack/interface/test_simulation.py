@@ -28,7 +28,7 @@ def simulation(**more) -> ev_stack.Simulation:
 
 
 def equal_torques(frame) -> dict[str, float]:
-    """What `equal_torque` writes for a car with two driven front wheels."""
+    """Signals that `equal_torque` writes for a car with two driven front wheels."""
     torques = {
         f"torque_request.drive.front_{side}": frame["driver.command.drive_torque"] / 2
         for side in ("left", "right")
@@ -85,7 +85,7 @@ def test_ones_own_driver_and_column_are_told_what_they_do(inside):
 
 
 def test_ones_own_traction_control_sets_the_speeds_of_drives_in_speed_mode():
-    """What the law that is left out would have written can be given: torques, and here the speeds as well."""
+    """All signals of a law that is left out can be given: torques, and here speeds as well."""
     outside = ev_stack.Simulation(
         "double_lane_change",
         without=("asr",),
@@ -154,7 +154,10 @@ OF_LAW = (
 def test_any_configuration_goes_on_from_any_instant_with_the_same_bits(
     scenario, seed, of_plant, of_law, without, noise, delay, steps
 ):
-    """In a fresh simulation with another seed, and through a file; sensors and faults of every kind have their say."""
+    """A fresh simulation with another seed goes on, also through a file.
+
+    Sensors and faults of every kind take part.
+    """
     plant = sorted(of_plant) if scenario in PLANAR else []
     changed = {
         "plant.faults": plant,
@@ -281,7 +284,7 @@ def test_other_inputs_are_refused_and_nothing_is_done(inputs, message):
 
 @pytest.mark.parametrize("changed", [{"seed": 2}, {"run": "object"}])
 def test_a_configured_run_is_driven_as_it_is(changed):
-    """What differs has been said when it was configured; it was left out without a word."""
+    """Differences belong to its configuration; later ones are refused."""
     run = only_run("shchur2019_steps", "object", overrides(duration=0.1))
     assert ev_stack.Simulation(run).duration == 0.1
     with pytest.raises(

@@ -1,4 +1,4 @@
-"""Angles of a car at rest, whose velocity of rounding errors has any direction."""
+"""Angles of a car at rest: rounding errors give its velocity any direction."""
 
 from __future__ import annotations
 

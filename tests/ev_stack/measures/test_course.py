@@ -1,4 +1,4 @@
-"""Courses: what a scenario says of its lanes, and who passes them."""
+"""Courses: lanes of a scenario, and which cars pass them."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def test_who_touches_a_cone_does_not_pass():
 def test_the_body_lies_around_the_middle_of_the_car_not_around_its_centre_of_mass(
     offset, aside, turned
 ):
-    """A car whose centre of mass is left of its middle has the body of one that drives as far right of it."""
+    """A centre of mass left of the middle puts the body as far to the right of the path."""
     cosine, sine = np.cos(turned), np.sin(turned)
     body, mass = (
         driven((13.0, aside), (17.0, aside - 3.0)),

@@ -87,7 +87,7 @@ def test_the_driver_who_looks_ahead_knows_the_steady_circle(car, speed):
 
 @pytest.mark.parametrize("speed", SPEEDS)
 def test_laws_want_of_a_steady_car_what_it_does(speed):
-    """Without compliance steer the gradient of the tyres is all that a law has to know."""
+    """Laws need the gradient of the tyres only, without compliance steer."""
     car: Vehicle = vehicle_of("ge_ni2005")
     angle, u, _, yaw_rate = motion(settled(car.name, speed, "left"))
     gradient = understeer_gradient(car)

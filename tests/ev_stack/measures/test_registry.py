@@ -90,7 +90,7 @@ def test_the_understeer_gradient_of_a_slow_ramp_is_that_of_the_linear_car():
 def test_the_understeer_gradient_is_not_measured_where_the_car_does_not_turn_steadily(
     scenario, run
 ):
-    """Of a car that neither under- nor oversteers the slopes are 0.0101, 0.0055, -0.0031, -0.0125 there."""
+    """Slopes of a neutral car would be 0.0101, 0.0055, -0.0031, -0.0125 there."""
     runs = ev_stack.run(
         scenario,
         runs=[run] if scenario == "sine_with_dwell" else [],
@@ -180,7 +180,10 @@ def test_torque_activity_friction_use_and_battery_energy_are_what_they_say():
 
 @pytest.mark.parametrize("scenario", scenario_names())
 def test_every_metric_of_a_scenario_is_known_before_it_is_driven(scenario):
-    """By name, unit and what is computed; one that is judged by a published number says where that stands."""
+    """Each has a name, a unit and a formula.
+
+    A judged one names the place of its published number.
+    """
     found = known_metrics(load_scenario(scenario).runs)
     assert found
     for name, metric in found.items():

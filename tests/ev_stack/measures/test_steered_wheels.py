@@ -1,4 +1,4 @@
-"""Where wheels point, and what follows from it: slip angles of cars with compliance, gradients of any car."""
+"""Directions of wheels: slip angles of cars with compliance, gradients of any car."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from ev_stack.scenarios.scenario import Overrides, load_scenario
 @pytest.mark.parametrize("side", [1.0, -1.0], ids=["left", "right"])
 @pytest.mark.parametrize(("front", "rear"), [(0.0, 0.0), (2.5e-6, 0.0), (2.5e-6, 2e-6)])
 def test_wheels_point_where_their_side_force_bends_them(front, rear, side, direction):
-    """On a steady circle the ground passes under each wheel at its slip angle, that of the plant.
+    """The ground passes under each wheel at the plant's slip angle on a steady circle.
 
     To 0.02 deg: the car still loses speed. Without compliance the front wheels would be off by
     2.5e-6 rad/N of 2 kN, 0.3 deg.

@@ -45,7 +45,7 @@ def write_counters(bag: DurableBag, topics: list[Connection], counters: range) -
 
 
 def read_counters(directory: Path) -> list[int]:
-    """What a standard reader finds, having checked that metadata.yaml counts just that."""
+    """Read the counters by a standard reader, and check that metadata.yaml counts just those."""
     with AnyReader([directory]) as reader:
         counters = [
             reader.deserialize(data, topic.msgtype).data for topic, _, data in reader.messages()
@@ -56,7 +56,7 @@ def read_counters(directory: Path) -> list[int]:
 
 
 def on_disk(directory: Path) -> bool:
-    """Whether a checkpoint has brought messages to the disk."""
+    """Return True once a checkpoint has brought messages to the disk."""
     try:
         with Reader(directory) as reader:
             return reader.message_count > 0
@@ -65,7 +65,7 @@ def on_disk(directory: Path) -> bool:
 
 
 def assert_every_file_opens(directory: Path) -> None:
-    """Someone who opens a file by hand, past metadata.yaml, must find a complete one as well."""
+    """Check that each file opened by hand, past metadata.yaml, is complete as well."""
     for path in directory.glob("*.mcap"):
         with Reader(path) as reader:
             assert sum(1 for _ in reader.messages()) == reader.message_count
@@ -203,7 +203,7 @@ def test_kill_at_random_moments_keeps_every_checkpoint(tmp_path: Path):
 
 
 def test_kill_loses_less_than_a_second(tmp_path: Path):
-    """With the default period: the last message on disk is less than a second older than the kill."""
+    """The last message on disk is less than a second older than the kill, by default."""
 
     def record(directory: Path) -> None:
         bag = DurableBag(directory)

@@ -1,4 +1,4 @@
-"""What a recorder holds of a run: the same as if it kept every message, in memory that does not grow."""
+"""Content of a recorder: as if it kept every message, in memory that does not grow."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def fail(error: MessageError) -> None:
 
 
 class KeepsAll:
-    """What a recorder is held against: a list of messages for each topic."""
+    """Reference for a recorder: a list of messages for each topic."""
 
     def __init__(self, may_skip: bool, last: int) -> None:
         self.may_skip, self.last, self.kept, self.loss = may_skip, last, [[] for _ in USED], False
@@ -141,7 +141,7 @@ def test_answers_that_come_with_a_reset_are_kept_where_their_stamps_tell_them_fr
 
 
 def test_a_closed_recorder_keeps_nothing_more(tmp_path):
-    """In one process a plant in real time may end after it, and report something that a closed bag cannot take."""
+    """A plant in real time in the same process may end later and report to a closed bag."""
     recorder = recorder_in(tmp_path, bag=True, mode="realtime", duration=PERIOD / 1e9)
     for step in range(2):
         recorder.add(0, [message(USED[0], step, 1.0)], [step], fail)
@@ -184,7 +184,7 @@ def test_the_file_has_the_bytes_of_numpy(tmp_path: Path):
 
 
 def test_a_file_without_room_on_the_disk_is_named(tmp_path):
-    """In the line that a command ends with; only a process that was started says where its log is."""
+    """The last line of a command has the file; only a started process has a log to name."""
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, limits[1]))
     try:

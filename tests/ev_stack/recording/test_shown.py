@@ -1,4 +1,4 @@
-"""What the recorder shows to viewers in its bag: whole instants of one run; in real time what has not come is held."""
+"""Views in a bag: whole instants of one run; in real time a missing value is held."""
 
 from __future__ import annotations
 

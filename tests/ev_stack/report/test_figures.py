@@ -1,4 +1,4 @@
-"""What figures show: bands for chatter, maps to scale, published curves, and files as wide as a paper's column."""
+"""Figures: bands for chatter, maps to scale, published curves, files as wide as a column."""
 
 from __future__ import annotations
 
@@ -251,7 +251,7 @@ def test_details_of_print_without_print_are_refused_before_anything_is_driven():
 
 
 def test_ticks_of_a_map_tell_its_places_apart():
-    """With three digits 1001 and 1002 are both 1e+03."""
+    """1001 and 1002 differ; with three digits both would be 1e+03."""
     places = np.array([1001.0, 1002.0]), np.array([1.0, 2.0])
     figure = drawn(
         {"map": Sheet([colour_map("m", ("x", places[0]), ("y", places[1]), "1", np.eye(2))])}

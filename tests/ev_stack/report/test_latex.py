@@ -27,7 +27,10 @@ def cells(text: str) -> list[list[str]]:
 
 
 def test_numbers_have_the_digits_that_are_wanted_and_a_column_that_fits_them():
-    """Four significant digits: 99999.96 is 100000; siunitx is told the most digits before and behind the point."""
+    """Four significant digits: 99999.96 is 100000.
+
+    siunitx gets the most digits before and behind the point.
+    """
     text = latex_table(COLUMNS, ROWS)
     formats = "l S[table-format=-1.5] S[table-format=6.2] S[table-format=2.0] S[table-format=1.3e-2] S[table-format=1.3]"
     assert rf"\begin{{tabular}}{{{formats}}}" in text

@@ -150,7 +150,7 @@ def test_print_has_no_text_beyond_the_edge_or_over_another(study: str, width: fl
 
 
 def test_a_colour_bar_stands_beside_its_map():
-    """To the right of it, as high as it, and closer than the next map."""
+    """It lies to the right of its map, as high as it, and closer than the next map."""
     (figure, *_) = printed(swept(2), WIDE).values()
     figure.draw_without_rendering()
     for axes in figure.axes:

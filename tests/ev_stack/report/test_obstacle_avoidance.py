@@ -29,7 +29,7 @@ def test_the_course_is_that_of_the_standard(side, track, third):
 
 
 def test_the_car_avoids_the_obstacle_with_its_drives_released():
-    """At 50 km/h all cones stay; rolling, air and the bends take 5 to 15 % of the speed on 61 m."""
+    """All cones stay at 50 km/h; rolling, air and bends take 5 to 15 % of the speed on 61 m."""
     run = ev_stack.run("obstacle_avoidance")
     assert run.metrics["cones_hit"].value == 0
     assert run.metrics["course_passed"].value == 1

@@ -81,7 +81,7 @@ def strokes_on(browser: Browser, channel: str) -> list[list[str]]:
 
 
 def place_on(browser: Browser, channel: str, time: float) -> dict[str, Any]:
-    """Where an instant is on the screen, in the plot of a channel."""
+    """Place of an instant on the screen, in the plot of a channel."""
     return browser.run(
         f"(() => {{ const chart = shown('{channel}'), box = chart.over.getBoundingClientRect();"
         f"return {{ x: box.left + chart.valToPos({time}, 'x'), y: box.top + box.height / 2 }}; }})()"
@@ -262,7 +262,7 @@ def test_every_quantity_and_the_time_have_a_unit_and_every_link_leads_to_what_is
 
 @pytest.mark.parametrize("width", [1280, 390])
 def test_every_table_fits_its_screen(browser: Browser, width: int):
-    """On a phone a table may be moved within its place, the page may not."""
+    """A table may scroll within its place on a phone, the page may not."""
     browser.resize(width, 900)
     show(browser, 0, 1, "beside")
     browser.run("for (const each of document.querySelectorAll('details')) each.open = true")

@@ -1,4 +1,4 @@
-"""Reports on synthetic recordings whose answers are known in closed form."""
+"""Reports on synthetic recordings with answers in closed form."""
 
 from __future__ import annotations
 
@@ -443,7 +443,7 @@ def test_missing_or_broken_channel_is_named():
 
 
 def test_window_leaves_out_its_end():
-    """At the end of the window the driver already answers to what comes next."""
+    """The driver already answers to the next phase at the end of a window."""
     time = instants(20.0)
     recording = Recording(time, {})
     assert mean_between(recording, np.where(time < 18.0, 1.0, 9.0), 17.0, 18.0) == 1.0

@@ -96,7 +96,10 @@ def test_where_the_ramp_finds_nothing_the_note_says_so():
     ],
 )
 def test_a_car_too_slow_for_the_ramp_is_said_to_be_that(speed, message):
-    """It was "profile.angle: 1612.0 is refused", which nobody had set. 616 are 16 (4 m/s^2 2.405 m/(0.5 m/s)^2)."""
+    """The note names the ramp, not `profile.angle: 1612.0`, which the user never set.
+
+    616 are 16 (4 m/s^2 2.405 m/(0.5 m/s)^2).
+    """
     scenario = load_scenario(
         "step_steer", Overrides(values=[("plant", "initial_speed", speed)]), only=["left"]
     )
@@ -159,7 +162,7 @@ def test_linear_and_real_tyres_are_two_runs_with_another_car():
 
 
 def test_displacement_counts_from_5_degrees_and_both_readings_stand_there():
-    """Of the Audi at 5 A: 2.836 m after the beginning of steer of FMVSS 126, 2.761 m from the first turn on."""
+    """The Audi at 5 A: 2.836 m from the begin of FMVSS 126, 2.761 m from the first turn on."""
     driven = ev_stack.run("sine_with_dwell", runs=["slowly_increasing_steer", "times_5_0"])
     found = values(driven)
     assert found["times_5_0_lateral_displacement"] == pytest.approx(2.836, abs=5e-4)
@@ -320,7 +323,7 @@ def test_time_over_the_limit_takes_the_closest_surface():
 # Control period
 
 
-HALVED = {  # scenario -> runs; who spins or touches a cone by a hair is another matter
+HALVED = {  # scenario -> runs; a car that spins or just touches a cone is another matter
     "step_steer": ["left"],
     "sine_with_dwell": ["slowly_increasing_steer", "times_1_5", "times_2_5"],
     "coast_down": ["coast_down"],

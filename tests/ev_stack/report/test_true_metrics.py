@@ -51,7 +51,7 @@ def as_shipped(name: str) -> tuple[Scenario, dict[str, Recording]]:
 def metrics_of(
     scenario: Scenario, runs: dict[str, Recording], side: float = 1.0
 ) -> dict[str, float | str]:
-    """By name the value, or why there is none; with a side of -1 the path of the driver is mirrored as well."""
+    """Values by name, or the reason for none; a side of -1 mirrors the driver's path as well."""
     first = scenario.runs[0].configurations
     parameters = {role: configuration.values() for role, configuration in first.items()}
     if "path.y" in parameters["driver"]:
@@ -157,7 +157,10 @@ def test_sensors_and_faults_make_of_the_truth_what_was_recorded(sensors, faults,
 
 @pytest.mark.parametrize("name", ["step_steer", "sine_with_dwell"])
 def test_metrics_are_those_of_the_motion_whatever_its_sensors_show(name):
-    """Nobody in the loop reads these sensors (the driver reads `twist`), so the motion is the same to the bit."""
+    """No node of the loop reads these sensors (the driver reads `twist`).
+
+    So the motion is the same to the bit.
+    """
     scenario, runs = as_shipped(name)
     unread = ("imu_yaw_rate", "imu_acceleration", "wheel_speed", "tire_slip_ratio", "body_heading")
     values = [
@@ -194,7 +197,7 @@ def test_what_the_commands_said_of_a_broken_yaw_rate_sensor():
 
 
 def test_what_was_not_driven_by_these_parts_is_not_known():
-    """Where the untouched channels are others than the parts of the car say, what its sensors show is not the truth."""
+    """A sensor's output is not the truth if untouched channels are not those of the car's parts."""
     scenario = loaded("step_steer", ("plant", "faults", ["constant imu.yaw_rate 0"]), duration=5.0)
     run, recording = scenario.runs[0], next(iter(driven(scenario).values()))
     assert struck_channels(run.configurations["plant"]) == {"imu.yaw_rate"}
@@ -255,7 +258,7 @@ def assert_same(found: dict, wanted: dict, relative: float = 1e-9) -> None:
 
 @pytest.mark.parametrize("name", DRIVEN)
 def test_metrics_of_the_mirror_image_are_mirrored(name):
-    """To rounding: sums over wheels have another order."""
+    """They agree to rounding: sums over wheels have another order."""
     scenario, runs = as_shipped(name)
     assert_mirrored(scenario, runs)
 

@@ -46,7 +46,7 @@ class S:
 
 @compilable
 def passed_on(request: WheelTorqueRequest, x: float) -> WheelTorqueCommand:
-    """What is asked for, or nothing ever."""
+    """Pass the request on, or never answer."""
     while x > 1.0:
         x = x + 1.0 if x < 1e6 else 2.0
     drive = request.drive

@@ -1,4 +1,4 @@
-"""What a run needs is compiled before it begins: only that, once, counted, whatever interrupts it."""
+"""A run compiles its code before it begins: that code only, once, counted, interrupted or not."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ NODES = {"node_steps", "tally", "newest_tally"}
     ],
 )
 def test_a_run_compiles_what_it_needs_and_nothing_else(in_nodes, others, needed, monkeypatch):
-    """Of all methods that are installed; a role that somebody else's program plays is not compiled."""
+    """Other installed methods are left out, and roles played by a user's own program."""
     found: list[Unit] = []
     monkeypatch.setattr(beforehand, "compile_units", found.extend)
     compile_for(load_scenario("shchur2019").runs, in_nodes, others)
@@ -61,7 +61,10 @@ def _unit(folder: Path, name: str, make=None) -> Unit:
 
 
 def test_what_is_missing_is_made_on_all_cores_and_counted(tmp_path, monkeypatch, capsys):
-    """What is there, or named twice, is not; an error is one line; a process that is killed takes no other along."""
+    """Present and repeated units are not made.
+
+    An error is one line. A process that is killed takes no other along.
+    """
     monkeypatch.setattr(beforehand, "_processes", lambda: 2)
     (tmp_path / "there").touch()
 
@@ -86,7 +89,7 @@ def test_what_is_missing_is_made_on_all_cores_and_counted(tmp_path, monkeypatch,
 
 
 def test_beside_other_threads_nothing_is_forked(tmp_path):
-    """As in a notebook: what a thread holds would be held for ever in the other process."""
+    """Locks of a thread would be held for ever in a forked process, as in a notebook."""
     done = threading.Event()
     thread = threading.Thread(target=done.wait)
     thread.start()
@@ -138,7 +141,7 @@ print(machine_code.compiled_function("seven", text, {})())
     ("text", "kind"), [(ADDRESS, ".code"), (FUNCTION, ".numba")], ids=["C", "Python"]
 )
 def test_processes_that_need_the_same_code_at_once_compile_it_once(text, kind, tmp_path):
-    """Whether C calls it or Python."""
+    """C and Python callers share one compilation."""
     cache = tmp_path / "cache"
     outputs = [process.communicate() for process in [started(text, cache) for _ in range(4)]]
     assert [out for out, _ in outputs] == ["7\n"] * 4
@@ -148,7 +151,7 @@ def test_processes_that_need_the_same_code_at_once_compile_it_once(text, kind, t
 
 @pytest.mark.slow
 def test_who_is_killed_while_it_compiles_keeps_nobody_from_it(tmp_path):
-    """Neither those who wait for it, nor those who come later."""
+    """Waiting and later processes compile after a kill."""
     cache = tmp_path / "cache"
     holder = started(HOLD, cache)
     assert holder.stdout.readline() == "holding\n"

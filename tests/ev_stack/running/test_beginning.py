@@ -1,4 +1,4 @@
-"""A run whose nodes have lost sight of each other, because the time of day was set back, is begun anew."""
+"""A run restarts its nodes if they have lost each other because the time of day was set back."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def clocks(monkeypatch):
 def waited(
     begins: Beginning, run: SimpleNamespace, clocks: SimpleNamespace, most: float = 60.0
 ) -> float:
-    """Seconds until it is told that the run has not begun, infinite if it is not for so long."""
+    """Seconds until the run counts as not begun, infinite if it does not within `most`."""
     start = clocks.seconds
     while clocks.seconds < start + most:
         if begins.is_missed(run):
@@ -41,7 +41,7 @@ def waited(
 
 
 def standing() -> SimpleNamespace:
-    """A run that has taken no step, as its runner is told."""
+    """A run without a step, as its runner sees it."""
     return SimpleNamespace(time=0.0, rests=False)
 
 
@@ -62,7 +62,10 @@ def test_without_a_set_back_a_run_may_take_its_time(jump, clocks):
 
 
 def test_a_run_of_our_own_nodes_that_takes_no_step_at_all_ends_in_one_line(clocks):
-    """As where the middleware lets no node find another one; a run that a service has stopped may stand for ever."""
+    """The middleware may let no node find another one.
+
+    A run that a service has stopped may rest.
+    """
     begins, run = Beginning(), standing()
     with pytest.raises(
         RunFailed, match=r"^no step was taken within 300 s: the nodes do not find or answer each"
@@ -100,7 +103,10 @@ def test_while_time_is_stopped_no_run_can_begin(clocks):
 
 @pytest.mark.weekly
 def test_the_nodes_of_a_run_that_has_not_begun_are_started_anew(tmp_path, monkeypatch, capsys):
-    """Into the same folder, where the first recorder has begun a bag: with the right result, and it is said."""
+    """They write into the same folder, where the first recorder has begun a bag.
+
+    The result is right and a line reports the restart.
+    """
     begun = []
 
     class OnceNotBegun(Beginning):
@@ -118,6 +124,5 @@ def test_the_nodes_of_a_run_that_has_not_begun_are_started_anew(tmp_path, monkey
     assert outcome.recording.time[-1] == pytest.approx(0.1)
     assert [*(tmp_path / "bag").glob("*.mcap")]
     assert (
-        capsys.readouterr().err.count("the run has not begun since: its nodes are started anew")
-        == 1
+        capsys.readouterr().err.count("the run has not begun since: its nodes are restarted") == 1
     )

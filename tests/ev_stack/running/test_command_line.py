@@ -269,7 +269,7 @@ def command(monkeypatch):
 
 @pytest.mark.parametrize("when", ["loading", "driving"])
 def test_ctrl_c_is_one_line_from_the_first_moment(when, command, monkeypatch, capsys):
-    """What takes half a second to load is interrupted more often than what it does."""
+    """Loading takes half a second and is interrupted more often than the work."""
 
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt

@@ -86,7 +86,7 @@ def test_a_domain_in_which_anybody_lives_is_left_alone(participant, first_port):
 
 
 def test_the_lock_of_another_user_is_respected(tmp_path):
-    """Whoever may not open the lock file cannot know whether the domain is free; a folder stands for such a file."""
+    """A domain with an unreadable lock file is not taken; a folder stands for such a file."""
     (tmp_path / "ev_stack_domain_1.lock").mkdir()
     with free_domain() as free:
         assert free == 2
@@ -111,7 +111,7 @@ def test_nobody_else_can_lock_our_lock_file(tmp_path):
 
 
 def test_a_pipe_in_the_place_of_a_lock_holds_nobody_up(tmp_path):
-    """Who opens one to write waits until somebody reads."""
+    """Opening it to write would wait for a reader."""
     os.mkfifo(tmp_path / "ev_stack_domain_1.lock")
     with free_domain() as found:
         assert found == 2

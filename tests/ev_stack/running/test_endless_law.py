@@ -26,7 +26,7 @@ CALLS = ("run", "simulation", "batch")
 
 
 def ended(way: str, folder: Path, kind: signal.Signals) -> subprocess.CompletedProcess[str]:
-    """What comes of a run that is asked to stop once its law stands in its loop.
+    """Run a command that is asked to stop once its law is in its loop.
 
     The law has no end, so nothing but the signal can end the run: how long that takes is no part of
     the test.
@@ -91,7 +91,7 @@ def test_a_request_to_stop_does_not_end_a_call_that_returns():
 
 
 class Memory:
-    """Of a part whose law may never end."""
+    """Memory of a part with a law that may never end."""
 
     is_checked = True
 

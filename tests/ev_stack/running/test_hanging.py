@@ -1,4 +1,4 @@
-"""Who is named where a run stands still."""
+"""Node that is named when a run stands still."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ def named(
 
 
 @pytest.mark.parametrize(
-    ("who", "waits"),
+    ("node", "waits"),
     [
         ("asr", {"plant": ("asr",), "driver": ("plant",)}),
         ("electronic_differential", {"plant": ("asr",), "asr": ("electronic_differential",)}),
-        ("asr", {"plant": ("asr",), "asr": ("plant",)}),  # it lives, and nobody hears it
+        ("asr", {"plant": ("asr",), "asr": ("plant",)}),  # it lives, and no node receives it
         ("recorder", {"plant": ("recorder",), "recorder": ("plant",)}),
         (
             "plant",
@@ -46,8 +46,8 @@ def named(
         ),
     ],
 )
-def test_the_end_of_the_chain_is_named(who, waits):
-    assert named(waits) == f"node {who} does not answer, at 1 s of simulated time"
+def test_the_end_of_the_chain_is_named(node, waits):
+    assert named(waits) == f"node {node} does not answer, at 1 s of simulated time"
 
 
 def test_what_the_nodes_that_wait_know_of_the_reason_is_said():
@@ -107,7 +107,7 @@ def test_a_node_says_for_whom_it_waits_once_its_steps_stand_still(monkeypatch):
 
 
 def test_a_plant_that_waits_for_nothing_but_its_pace_does_not_hang(monkeypatch):
-    """At `real_time_factor` 0.004 a step takes 2.5 s: "node plant does not answer" was said at each of them."""
+    """Steps of 2.5 s, at `real_time_factor` 0.004, are no silence of the plant."""
     reports, now = NodeReports("/ev"), [0.0]
     monkeypatch.setattr(time, "monotonic", lambda: now[0])
     plant = object.__new__(MasterNode)

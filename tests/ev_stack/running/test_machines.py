@@ -18,7 +18,7 @@ from ev_stack.scenarios.scenario import load_scenario
 MACHINES = {"a C library without FMA and AVX2": C_LIBRARIES["without FMA and AVX2"]}
 # between them tyres, drives, columns, drivers and laws
 SCENARIOS = ("double_lane_change", "shchur2019", "urban_mixed")
-# Compiling the planar plant anew takes half a minute: scripts/determinism.sh does it, and for all
+# Compiling the planar plant takes half a minute: scripts/determinism.sh does it, and for all
 # scenarios.
 QUICKLY_COMPILED = ("shchur2019",)
 COMPILERS = ("any x86-64 processor", "without optimisation")

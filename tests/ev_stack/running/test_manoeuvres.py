@@ -24,7 +24,7 @@ pytestmark = pytest.mark.slow
 
 PERIOD = 0.01
 CASES = [(scenario, run.name) for scenario in MANOEUVRES for run in load_scenario(scenario).runs]
-# The adaptive solver begins anew with every command: on lines, which have no limit to come to, less
+# The adaptive solver restarts with every command: on lines, which have no limit to come to, less
 # than all will do, and one of the circles goes beyond its limit.
 CUT = {
     ("steady_circle", "linear"): 15.0,
@@ -145,7 +145,7 @@ def test_hill_start(name):
 @pytest.mark.parametrize("surface", ["dry_asphalt", "ice"])
 @pytest.mark.parametrize("torque", [400.0, -400.0])
 def test_pull_away_slip_keeps_its_sign(surface, torque):
-    """On the level, at the default step: 625 N at each front wheel, more than ice carries, little on dry asphalt."""
+    """625 N at each front wheel on the level: more than ice carries, little on dry asphalt."""
     values = [
         ("plant", "road.grade", [0.0]),
         ("plant", "road.left", [surface]),

@@ -21,7 +21,7 @@ OF_LIBRARIES = [
 
 
 def ended_by(error: BaseException, free: float, monkeypatch: pytest.MonkeyPatch) -> str:
-    """The line of a command whose run raises an error where so much memory is free [bytes]."""
+    """Last line of a command with so much free memory [bytes]; its run raises an error."""
 
     def drive(given):
         raise error

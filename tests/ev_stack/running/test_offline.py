@@ -36,7 +36,7 @@ def played_by(role: str, factory: type, reads: tuple[type, ...]) -> Configuratio
 
 
 class ClockDriver:
-    """Says the time, so that the recording shows who hears what when."""
+    """Writes the time, so that the recording shows which input each node had when."""
 
     def __init__(self, parameters, vehicle, period):
         pass
@@ -111,7 +111,7 @@ def test_the_same_run_gives_the_same_bits_again():
 
 
 def test_signals_are_recorded_as_they_are_carried():
-    """BatteryState holds single precision, and so does everybody who hears it."""
+    """BatteryState holds single precision, and so do all its readers."""
     seen = []
 
     class Watcher:
@@ -131,7 +131,7 @@ def test_signals_are_recorded_as_they_are_carried():
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf])
 def test_a_law_that_gives_no_number_stops_the_run_in_one_line(bad):
-    """It names signal and field of the law, and stops before somebody stumbles over them in his own way."""
+    """The line names signal and field of the law, before another law stumbles over them."""
 
     class Wrong(Copy):
         def step(self, driver: DriverCommand) -> WheelTorqueRequest:
@@ -151,7 +151,7 @@ def test_a_law_that_gives_no_number_stops_the_run_in_one_line(bad):
 
 
 class Counting:
-    """A plant of whose numbers the n-th counts, from `start` on."""
+    """A plant with one output that counts, from `start` on."""
 
     def __init__(self, place: int, start: float) -> None:
         self._shapes = [shape_of(kind) for kind in ROLES[MASTER].writes]

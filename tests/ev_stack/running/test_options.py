@@ -62,7 +62,7 @@ def test_an_output_folder_may_be_there_or_not(tmp_path: Path):
     [["sweep", "--seeds", "0"], ["benchmark", "--draws", "0"], ["tune", "off", "--draws", "0"]],
 )
 def test_commands_of_many_runs_show_how_python_came_to_an_error(words, capsys):
-    """As runs of a scenario do."""
+    """`--traceback` works as for a scenario."""
     with pytest.raises(SystemExit):
         run_scenario.main([*words, "--traceback"])
     assert "Traceback" in capsys.readouterr().err

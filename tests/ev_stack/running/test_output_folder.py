@@ -152,7 +152,7 @@ def _held(path: Path) -> str | bytes:
 
 
 def _write(watched: Watched, seed: int) -> None:
-    """What some command does, which comes to its end, fails or is killed."""
+    """Do the work of some command, which comes to its end, fails or is killed."""
     chance = random.Random(seed)
     writer, count = chance.choice(("scenario a", "study b")), chance.randint(0, 2)
     runs = [Run(f"run [{n}]", "", {}, 0.1) for n in range(count)]
@@ -292,7 +292,10 @@ def test_what_is_in_the_way_is_one_line_before_anything_is_touched(tmp_path: Pat
 
 
 def test_a_figure_of_the_users_is_not_replaced(tmp_path: Path):
-    """What a figure is called is known when it is drawn; what was driven is there then, and can be replaced."""
+    """Names of figures are known once they are drawn.
+
+    Results of the run are there then, and can be replaced.
+    """
     (tmp_path / "speed.png").write_text("mine")
     with pytest.raises(
         SystemExit, match=r"speed\.png there is not of an earlier run, expected another folder$"
@@ -304,7 +307,7 @@ def test_a_figure_of_the_users_is_not_replaced(tmp_path: Path):
 
 
 def test_what_comes_while_a_command_drives_is_not_ours(tmp_path: Path):
-    """Not even under a name that it is going to write."""
+    """A file of the user's is kept, even under a name that the command is going to write."""
     for _ in range(2):
         with suppress(FileExistsError), OutputFolder(tmp_path, "scenario a", ["summary.json"]):
             (tmp_path / "summary.json").write_text("mine")
@@ -450,7 +453,7 @@ def test_a_folder_below_one_that_is_read_is_none_that_is_read(tmp_path: Path):
 
 
 def test_names_and_manifests_that_nobody_can_read_are_refused(tmp_path: Path):
-    """A folder whose name is no text was driven for and then refused; a manifest of any size was read."""
+    """A folder needs a name in UTF-8, and a manifest has a largest size; both before the run."""
     with pytest.raises(
         ParameterError, match=r"is refused, expected the name of a folder in UTF-8$"
     ):
@@ -487,8 +490,8 @@ def test_a_name_that_is_taken_meanwhile_is_not_replaced(tmp_path):
     file = tmp_path / "summary.json"
     with pytest.raises(FileExistsError, match=r"summary\.json"), atomic_file(file) as ours:
         ours.write(b"ours")
-        file.write_bytes(b"of somebody else")
-    assert file.read_bytes() == b"of somebody else" and list(tmp_path.iterdir()) == [file]
+        file.write_bytes(b"of the user")
+    assert file.read_bytes() == b"of the user" and list(tmp_path.iterdir()) == [file]
 
 
 @pytest.mark.parametrize("holds", [(), ("mine",)])

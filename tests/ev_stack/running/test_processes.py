@@ -1,4 +1,4 @@
-"""How the nodes of a run are started, and what a run waits for at its end."""
+"""Start of the nodes of a run, and the waits at its end."""
 
 import os
 from pathlib import Path
@@ -21,7 +21,7 @@ def test_no_program_stands_between_the_runner_and_a_node(name):
 
 @pytest.mark.slow
 def test_one_process_stays_until_the_plant_has_ended_too(monkeypatch, tmp_path: Path):
-    """In real time the plant ends a period, 10 ms, behind its last state, which a quick recorder has by then."""
+    """The plant ends a period, 10 ms, behind its last state; a quick recorder has that by then."""
     monkeypatch.setattr(recorder, "POLL_PERIOD", 0.001)
     outcome = run_in_process(shchur(0.2, **{"*__mode": "realtime"}), tmp_path, True, lambda _: None)
     assert outcome.timing["steps"] == 20

@@ -1,4 +1,4 @@
-"""What the progress bar says of the pace."""
+"""Pace in the progress bar."""
 
 from __future__ import annotations
 

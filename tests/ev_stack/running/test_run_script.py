@@ -45,7 +45,7 @@ def messages_in(bag: Path) -> dict[str, int]:
 
 
 def shown_in(bag: Path) -> dict[str, list[bytes]]:
-    """What viewers are shown, to the last bit."""
+    """Views of a run, to the last bit."""
     found: dict[str, list[bytes]] = {
         "/tf": [],
         "/tf_static": [],
@@ -146,7 +146,7 @@ def test_options_reach_the_nodes(tmp_path: Path):
 
 
 def test_what_nobody_reads_is_no_error():
-    """As in `scripts/run.sh --list | head`: the reader is gone before the first word."""
+    """The reader may be gone before the first word: `scripts/run.sh --list | head`."""
     read, write = os.pipe()
     os.close(read)
     ended = subprocess.run(
@@ -208,7 +208,10 @@ def test_list_names_scenarios_and_methods():
 def test_bad_input_is_one_line_and_a_status(
     arguments: tuple[str, ...], message: str, tmp_path: Path
 ):
-    """What, where, the value and what is allowed; and nothing is left behind of a run that never began."""
+    """The line has place, value and what is expected.
+
+    No files are left of a run that never began.
+    """
     out = tmp_path / "out"
     result = run(*arguments, "--offline", "--out", out, check=False)
     assert result.returncode != 0
@@ -378,7 +381,7 @@ def test_realtime_takes_its_time_and_says_that_it_is_not_reproducible(tmp_path: 
     "way", [pytest.param((), marks=pytest.mark.weekly), ("--in-process",)], ids=["dds", "one"]
 )
 def test_sigterm_stops_everything_too(way: tuple[str, ...], tmp_path: Path):
-    """What `timeout` and a cancelled job send; only the script gets it, not its nodes."""
+    """`timeout` and a cancelled job send it to the script only, not to its nodes."""
     running = Running(tmp_path / "out", *way)
     running.script.send_signal(signal.SIGTERM)
     assert running.end() == 130

@@ -15,7 +15,7 @@ NO_RANDOMIZE = 0x0040000
 
 
 def started() -> int:
-    """What a process that is started now says of itself."""
+    """Start a process and return the number that it prints."""
     return int(subprocess.run(SHOW, capture_output=True, check=True, text=True).stdout, 16)
 
 

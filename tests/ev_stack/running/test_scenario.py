@@ -175,7 +175,7 @@ def test_a_law_brings_the_column_that_it_requires(scenario):
 
 
 def test_a_bench_behind_a_real_bus_has_other_defaults():
-    """What a user says goes before them."""
+    """Values of the user go before them."""
     bus, clock = ("test_bench", "method", "circuits_on_can"), ("*", "mode", "realtime")
     setting = ("plant", "wheel_speed", "load_machine")
     for values, speed in (
@@ -297,7 +297,7 @@ ASR, LAW = "asr", "electronic_differential"
         ),
         (
             [("rear_steering", "gain", 3.0)],
-            "rear_steering.gain is refused: nobody plays rear_steering, allowed with --method rear_steering=NAME",
+            "rear_steering.gain is refused: no node plays rear_steering, allowed with --method rear_steering=NAME",
         ),
     ],
 )
@@ -316,7 +316,7 @@ def test_what_the_command_line_says_belongs_to_the_chosen_methods(scenario, valu
 
 @pytest.mark.parametrize("name", scenario_names())
 def test_another_cycle_changes_what_is_driven_or_is_refused(name, tmp_path):
-    """Who goes by the pedals from the start on never follows it: `hill_start` took `--cycle` without a word."""
+    """A driver on pedals from the start on never follows it: `hill_start` refuses `--cycle`."""
     cycle = tmp_path / "cycle.csv"
     cycle.write_text("t_s,v_mps\n0,3\n2,4\n4,1\n")
     run = load_scenario(name).runs[0].name
@@ -339,7 +339,7 @@ def test_another_cycle_changes_what_is_driven_or_is_refused(name, tmp_path):
 
 
 def test_a_value_is_used_if_one_of_the_runs_uses_it(scenario):
-    """Of several runs each has its own method."""
+    """Several runs have a method each."""
     text = HEAD.replace("about", "runs: [first, second], about")
     text += section(f"/**/first/{LAW}", "{method: power_steering}")
     gamma = Overrides(values=[(LAW, "gamma", 3.0)])
@@ -353,7 +353,7 @@ def test_a_value_is_used_if_one_of_the_runs_uses_it(scenario):
 
 
 def test_a_file_may_prepare_other_methods_and_what_none_of_them_uses_is_noted(scenario, more):
-    """Where the method is that of the files: who chooses another one knows that it is told other things."""
+    """The note is for the methods of the files; another chosen method uses other values."""
     path = more(section(f"/**/{LAW}", "{gamma: 3.0, gain: 2.0}"))
     name = scenario(HEAD)
     message = f"used by no chosen method: {LAW}.gamma, {LAW}.gain of {path}"
@@ -387,8 +387,10 @@ def test_runs_that_are_not_named_are_not_resolved():
         "object",
         "hold_manual",
     ]
-    with pytest.raises(ParameterError, match=r"^unknown run of shchur2019_steps 'nobody'; known: "):
-        load_scenario("shchur2019_steps", only=("nobody",))
+    with pytest.raises(
+        ParameterError, match=r"^unknown run of shchur2019_steps 'unknown'; known: "
+    ):
+        load_scenario("shchur2019_steps", only=("unknown",))
 
 
 def own_car(folder, change=lambda text: text) -> str:
@@ -400,7 +402,10 @@ def own_car(folder, change=lambda text: text) -> str:
 
 
 def test_a_scenario_and_a_vehicle_may_be_any_file(scenario, tmp_path):
-    """The vehicle of one's own is the whole car: what a scenario changes about its car is left out, and said."""
+    """A user's vehicle is the whole car.
+
+    Changes of the scenario to its car are left out, with a note.
+    """
     text = HEAD + section("/**", "{vehicle.mass: 1000.0, vehicle.rear_steering_ratio: 0.1}")
     path = tmp_path / "elsewhere.yaml"
     path.write_text(text)
@@ -436,7 +441,7 @@ PROFILE = "t_s,v_mps\n0,1\n10,2\n"
 def test_points_that_a_file_says_are_refused_whoever_names_the_file(
     scenario, more, tmp_path, level
 ):
-    """They did nothing, and rows of a sweep stood under speeds that nobody drove."""
+    """They would do nothing, and rows of a sweep would stand under speeds that were not driven."""
     (tmp_path / "profile.csv").write_text(PROFILE)
     text = section("/**/driver", f"{{speed_profile: {{file: {tmp_path / 'profile.csv'}}}}}")
     name = scenario(HEAD + text if level == "scenario" else HEAD)
@@ -485,7 +490,7 @@ def test_numbers_of_a_tyre_that_its_file_says_are_refused():
 
 
 def test_a_vehicle_that_says_more_than_a_car_is_refused(scenario, tmp_path):
-    """The scenario would overrule it, and nobody would know."""
+    """The scenario would overrule it without notice."""
     path = own_car(tmp_path, lambda text: text + section("/**/asr", "{method: 'off'}"))
     message = f"{path}: parameter 'method' is no vehicle's, expected those of vehicle; others stand in a scenario"
     assert refused(scenario(HEAD), Overrides(vehicle=path)) == message

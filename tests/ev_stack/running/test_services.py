@@ -1,4 +1,4 @@
-"""What somebody does on the live page, with every node a process: the numbers are those of a fresh run."""
+"""Actions on the live page, with every node a process: the numbers are those of a fresh run."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ def signal_hash(folder: Path) -> str:
 
 @pytest.mark.weekly
 def test_pause_reset_set_reset_resume_gives_a_fresh_run(tmp_path: Path):
-    """At time zero a second reset was a repetition to the others, which answered to the car of before."""
-    slowly = ["--set", "plant.real_time_factor=0.01"]  # 50 s, unless somebody asks for another pace
+    """A second reset at time zero counts as well: the other nodes answer to the changed car."""
+    slowly = ["--set", "plant.real_time_factor=0.01"]  # 50 s, unless the test sets another pace
     with ros_domain() as context:
         domain = str(context.get_domain_id())
         words = [RUN, *SHORT, *slowly, "--out", tmp_path / "live"]
         run = subprocess.Popen(
             words, env={**ENVIRONMENT, "ROS_DOMAIN_ID": domain}, stdout=subprocess.DEVNULL
         )
-        node = Node("somebody", context=context)
+        node = Node("operator", context=context)
         executor = SingleThreadedExecutor(context=context)
         executor.add_node(node)
         callers = {name: node.create_client(Trigger, f"/ev/plant/{name}") for name in SERVICES}

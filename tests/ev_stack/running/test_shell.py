@@ -120,7 +120,7 @@ def shell(domain, monkeypatch, capsys) -> Iterator[Shell]:
 
 
 def test_the_commands_of_the_readme_for_a_running_graph_work(shell):
-    """As they stand there, for a run that is under way; what they have changed is set back."""
+    """They run as printed while a run is under way; their change is set back."""
     block = (
         (ROOT / "README.md")
         .read_text()
@@ -141,7 +141,7 @@ def test_the_commands_of_the_readme_for_a_running_graph_work(shell):
 
 
 class FirstLine(io.StringIO):
-    """Interrupts whoever has written a line to it."""
+    """A file that interrupts the writer of a line."""
 
     def write(self, text: str) -> int:
         super().write(text)
@@ -151,7 +151,10 @@ class FirstLine(io.StringIO):
 
 
 def test_time_is_stopped_and_stepped_from_a_shell(shell, monkeypatch):
-    """A step of the graph is 10 ms; standing still, the plant repeats nothing and nobody else goes on."""
+    """A step of the graph is 10 ms.
+
+    Standing still, the plant repeats nothing and no node goes on.
+    """
     assert re.fullmatch(r"paused at \S+ s\n", shell("pause"))
     before, _ = (float(re.search(r"at (\S+) s", shell(word))[1]) for word in ("pause", "pause"))
     assert "one more step granted" in shell("step", "3")
@@ -207,7 +210,7 @@ def test_parameters_are_listed_and_options_may_stand_behind_the_verb(shell):
 
 
 def test_an_absolute_name_needs_no_graph_to_be_chosen(shell, monkeypatch):
-    """With two cars in a domain there is no single master of time."""
+    """Two cars in a domain have no single master of time."""
 
     def several(*_):
         raise LookupError("several are there")
@@ -222,7 +225,7 @@ def test_an_absolute_name_needs_no_graph_to_be_chosen(shell, monkeypatch):
 
 @pytest.fixture
 def own_node(domain) -> Iterator[Node]:
-    """A node of somebody else in the graph."""
+    """A node of another program in the graph."""
     context = Context()
     rclpy.init(context=context, domain_id=domain)
     node = Node("own", context=context, namespace=NAMESPACE)
@@ -233,7 +236,10 @@ def own_node(domain) -> Iterator[Node]:
 
 
 def test_a_topic_that_somebody_uses_with_another_type_is_read_with_ours(shell, own_node):
-    """The other type comes first in the alphabet; of a topic that is not ours nobody knows which is meant."""
+    """The other type comes first in the alphabet.
+
+    Of a topic that is not ours neither type can be preferred.
+    """
     own_node.create_publisher(Point, "wheel_states", 1)
     others = [
         own_node.create_publisher(Point, "own", 1),
@@ -301,7 +307,7 @@ def test_nodes_are_listed_and_described_as_ros2_does(shell):
     assert "/ev/torque_request: sensor_msgs/msg/JointState" in subscribers
     assert "/ev/torque_command: sensor_msgs/msg/JointState" in publishers
     assert "/ev/asr/get_parameters: rcl_interfaces/srv/GetParameters" in services
-    assert "no node '/ev/nobody'; there are /ev/asr, " in shell.refused("node", "info", "nobody")
+    assert "no node '/ev/unknown'; there are /ev/asr, " in shell.refused("node", "info", "unknown")
 
 
 def test_a_parameter_is_described_with_what_is_expected(shell):
@@ -353,7 +359,7 @@ class AtHundredHertz:
 
 
 def test_rates_are_of_one_time_for_all_topics(monkeypatch):
-    """To one message at either end of the two seconds."""
+    """They agree to one message at either end of the two seconds."""
     clock = AtHundredHertz()
     monkeypatch.setattr(live_graph, "time", clock)
     topics = dict.fromkeys(("a", "b", "c", "d"), "std_msgs/msg/Header")
@@ -368,7 +374,7 @@ def test_what_cannot_be_done_is_one_line(shell):
     )
     assert "plant refuses: " in shell.refused("param", "set", "plant", "real_time_factor", "-1")
     assert "plant has no parameter 'nothing'" in shell.refused("param", "get", "plant", "nothing")
-    assert "no node '/ev/nobody'; there are /ev/asr, " in shell.refused("param", "get", "nobody")
+    assert "no node '/ev/unknown'; there are /ev/asr, " in shell.refused("param", "get", "unknown")
     assert "no master of time (plant) in /other: there is none" in shell.refused(
         "pause", "--namespace", "/other"
     )

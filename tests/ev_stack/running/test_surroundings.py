@@ -36,7 +36,7 @@ def test_a_run_needs_no_home_folder(way: tuple[str, ...], tmp_path: Path):
 
 
 def test_a_command_in_the_graph_needs_no_home_folder():
-    """Without a graph the command says that there is none, not that there is no home folder."""
+    """The line names the missing graph, not the missing home folder."""
     with free_domain() as domain:
         environment = {**HOMELESS, "ROS_DOMAIN_ID": str(domain)}
         done = subprocess.run(

@@ -27,7 +27,7 @@ ROOT = Path(__file__).parents[3]
 
 
 def refused(*words: str, out: Path) -> str:
-    """The line with which a command ends, in whose folder an earlier result stays as it is."""
+    """Last line of a refused command; an earlier result in its folder stays as it is."""
     out.mkdir()
     (out / "summary.json").write_text("earlier")
     with pytest.raises(SystemExit) as ended:
@@ -263,7 +263,7 @@ def test_the_bar_shows_no_factor_before_it_knows_one(monkeypatch):
     assert "simulated, - x real time" in shown.getvalue() or not shown.getvalue()
 
 
-@pytest.mark.skipif(os.geteuid() != 0, reason="only root can give a file to somebody else")
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can give a file away")
 def test_the_environment_of_another_user_is_left_alone(tmp_path):
     (tmp_path / "scripts").mkdir()
     (tmp_path / ".venv").mkdir()

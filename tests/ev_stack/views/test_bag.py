@@ -56,7 +56,7 @@ def driven(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
 
 
 def frames(driven: SimpleNamespace) -> dict[str, list]:
-    """By frame, its transform at each instant."""
+    """Transforms at each instant, by frame."""
     found = defaultdict(list)
     for each in driven.messages["/tf"]:
         for transform in each.decoded_message.transforms:
@@ -164,7 +164,10 @@ def test_arrows_are_the_forces_of_the_road(driven):
 
 
 def test_frames_hang_together_as_the_description_has_them(driven):
-    """All links, each with the parent and the place of its joint; what lasts is kept for those who join later."""
+    """All links have the parent and the place of their joints.
+
+    Lasting transforms are kept for viewers that join later.
+    """
     (description,), (static,) = (
         driven.messages["/ev/robot_description"],
         driven.messages["/tf_static"],
@@ -184,7 +187,7 @@ def test_frames_hang_together_as_the_description_has_them(driven):
 
 
 def test_layouts_show_the_car_from_a_bag(driven):
-    """Every topic that RViz and Foxglove are told to show is there, and the frames that they hold fixed and follow."""
+    """Topics and frames in the layouts of RViz and Foxglove exist in the bag."""
     with (driven.folder / "bag" / "bag.mcap").open("rb") as file:
         topics = {channel.topic for channel in make_reader(file).get_summary().channels.values()}
     layouts = Path(__file__).parents[3] / "config" / "layouts"

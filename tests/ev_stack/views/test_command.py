@@ -1,4 +1,4 @@
-"""What ev-stack visualization refuses before it looks for a car."""
+"""Refusals of ev-stack visualization, before it looks for a car."""
 
 from __future__ import annotations
 

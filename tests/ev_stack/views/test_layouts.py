@@ -1,4 +1,4 @@
-"""What viewers of ROS get beside a run, and the channels that layouts name."""
+"""Views of a run for viewers of ROS, and the channels that layouts name."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def test_a_run_that_is_watched_is_shown_by_the_packages_that_are_there(monkeypat
 
 
 def test_std_msgs_takes_the_bytes_of_a_description():
-    """The one whose package is always installed."""
+    """The package std_msgs is always installed."""
     described, *_ = CarViews("/ev", Vehicle()).lasting()
     assert (
         fromstring(

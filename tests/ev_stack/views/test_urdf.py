@@ -22,7 +22,7 @@ def numbers(text: str) -> np.ndarray:
 
 
 def links(robot: Element) -> dict[str, tuple[np.ndarray, float, np.ndarray]]:
-    """By link with a mass: centre of mass from base_link [m], mass [kg], diagonal of its inertia there [kg m^2]."""
+    """Centre of mass from base_link [m], mass [kg] and inertia there [kg m^2] of each link."""
     parents = {
         joint.find("child").get("link"): (
             joint.find("parent").get("link"),

@@ -165,7 +165,7 @@ def test_a_car_that_steers_neutrally_has_a_transfer_function():
 
 
 def test_neutral_rear_difference_is_the_law_for_the_rear_wheels():
-    """At j = 0 and r = V Theta/L, eq 7 gives q = L Theta h/(2 B (1 - h)), the law of axle_redistribution."""
+    """Eq 7 at j = 0, r = V Theta/L gives q = L Theta h/(2 B (1 - h)), as axle_redistribution."""
     theta, h = 0.1, 0.4
     car = dataclasses.replace(
         CAR, drive_force=3000.0, front_share=h, yaw_rate=CAR.speed * theta / CAR.wheelbase
@@ -178,7 +178,7 @@ def test_neutral_rear_difference_is_the_law_for_the_rear_wheels():
 
 
 def test_dropped_steering_rate_is_what_separates_w12_from_the_car():
-    """With the steering rate d1' has + Theta' too, so the car answers (N - j w)/(D + j w): more than W12 at any w."""
+    """The car's d1' has + Theta' too: (N - j w)/(D + j w), more than W12 at any w."""
     frequency, force = 5.0, 0.4 * 2000.0
     _, w12 = (
         dataclasses.replace(CAR, drive_force=2000.0, front_share=0.4)

@@ -101,7 +101,10 @@ def test_twice_gives_equal_bits_with_other_laws_and_threads(result: BoardResult)
 
 
 def test_the_command_of_a_run_drives_it_again(result: BoardResult):
-    """To the bit, as the words of a shell: all metrics of the second draw of a law with an own parameter drawn."""
+    """Words of a shell give all metrics to the bit.
+
+    The second draw of a law with an own parameter drawn stands for all.
+    """
     words = shlex.split(result.cells[0].commands["pi"][1])
     assert words[0] == "scripts/run.sh"
     given = arguments([*words[1:], "--offline"])

@@ -1,4 +1,4 @@
-"""What a run meets of the driver's demand weighs all its costs: no law ranks above equal torques by doing less."""
+"""Met demand weighs all costs of a run: no law ranks above equal torques by doing less."""
 
 from __future__ import annotations
 
@@ -91,10 +91,10 @@ def with_cheats(tmp_path: Path) -> tuple[Board, list[str]]:
 
 
 def test_no_law_that_does_less_ranks_above_equal_torques(with_cheats: tuple[Board, list[str]]):
-    """In handling, worst tenth and energy. Without cheating the law is `equal_torque`, to the bit.
+    """It holds in handling, worst tenth and energy.
 
-    Once dropping all torques was first in handling and in energy, and dropping the brakes first in
-    the worst tenth.
+    Without cheating the law is `equal_torque`. Dropped torques would lead in handling and energy,
+    dropped brakes in the worst tenth.
     """
     board, cheats = with_cheats
     laws = ["equal_torque", *cheats]
@@ -131,7 +131,7 @@ SCALES = {"peak_sideslip": 0.01, "peak_slip": 0.01, "way": 1.0}
 def costs(
     way: list[float], peak_slip: float = 0.2, cost: str = "handling", sideslip: float = 0.05
 ) -> list[float]:
-    """Of a law with half the sideslip of the reference, which goes 10 m in each draw."""
+    """Costs of a law with half the sideslip of the reference, which goes 10 m in each draw."""
     board = replace(read_board("small"), reference="one", scales=SCALES)
     ones = np.ones(len(way))
     metrics = {
@@ -161,13 +161,13 @@ def test_a_run_pays_for_what_it_misses_of_the_demand():
 def test_a_run_that_meets_less_never_costs_less(
     sideslip: float, slip: float, ways: tuple[float, float]
 ):
-    """With the same numbers otherwise, whatever they are; it costs its own cost at least, and LARGEST at most."""
+    """Other numbers being equal, it costs its own cost at least, and LARGEST at most."""
     more, less, whole = costs([max(ways), min(ways), 10.0], slip, sideslip=sideslip)
     assert 0.0 <= whole <= more <= less <= LARGEST
 
 
 def test_a_run_that_lacks_one_of_two_numbers_costs_most():
-    """Not the mean of 3 and of what the other number costs."""
+    """The cost is not the mean of 3 and of that of the other number."""
     assert costs([10.0], peak_slip=np.nan) == [LARGEST]
 
 

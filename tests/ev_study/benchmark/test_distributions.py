@@ -33,7 +33,7 @@ def test_improvement_counts_draws_and_ties_count_half():
 
 
 def test_the_interval_of_an_improvement_is_that_of_a_share():
-    """60 of 100 draws are better: a share whose standard deviation is 0.049, the bootstrap gives about 1.96 of it."""
+    """The share of 60 better draws of 100 deviates by 0.049, the bootstrap by 1.96 of it."""
     better = np.where(np.arange(100) < 60, 0.9, 1.1)[None, :]
     _, low, high = improvement(np.stack([np.ones((1, 100)), better]), seed=1)
     # of 1000 boards: ends to some per cent

@@ -37,7 +37,7 @@ RESOLUTION = (32.0 - 12.0) / 2**HALVINGS  # m/s
 
 @pytest.fixture(scope="module")
 def board() -> Board:
-    """With few draws and few halvings."""
+    """The full board with few draws and few halvings."""
     full = read_board("full")
     lanes = replace(full.manoeuvres["double_lane_change"], halvings=HALVINGS)
     return replace(full, draws=2, manoeuvres={**full.manoeuvres, "double_lane_change": lanes})
@@ -67,7 +67,7 @@ def test_every_law_suits_the_cars_of_all_cases(board: Board, entry: str):
 
 
 def test_the_entry_speed_is_clean_and_the_next_one_is_not(board: Board):
-    """For each draw and law; the metric is the speed at which the run of the board begins.
+    """The metric is the speed at which the run of the board begins, for each draw and law.
 
     Here runs go on to 14 s whatever happens, so that nothing hangs on when a run ends.
     """
@@ -86,7 +86,7 @@ def test_the_entry_speed_is_clean_and_the_next_one_is_not(board: Board):
 
 
 def test_a_run_that_ended_early_is_driven_again_by_its_command(board: Board):
-    """To the bit, up to the whole second at which the car is behind the last cone, with its rear, too."""
+    """Bits agree up to the whole second at which the car is behind the last cone, rear included."""
     (cell,) = board.cells(f"{CAR}:double_lane_change:dry:handling:*")
     found = drive_cell(board, cell, ["pi"])
     given = arguments([*shlex.split(found.commands["pi"][1])[1:], "--offline"])
@@ -110,7 +110,7 @@ def test_a_run_that_ended_early_is_driven_again_by_its_command(board: Board):
     "path", sorted(files_in_config("benchmarks/tuned").values()), ids=lambda path: path.stem
 )
 def test_its_laws_have_the_tuned_numbers(board: Board, path: Path):
-    """To four digits."""
+    """They agree to four digits."""
     tuned = yaml.safe_load(path.read_text())["/**/electronic_differential"]["ros__parameters"]
     law = board.laws[path.stem.removesuffix("_tuned")]
     assert {name: law[name] for name in tuned} == pytest.approx(tuned, rel=5e-4)
@@ -175,7 +175,7 @@ def test_a_car_that_is_clean_at_no_speed_counts_as_unstable(board: Board):
 
 
 def test_a_run_is_held_against_the_road_of_its_own_driver(board: Board):
-    """On the skidpad at 8.5 m/s, 0.5 m beside the middle: to the end of a road of 1.5 m, and not of one of 0.8 m."""
+    """Skidpad at 8.5 m/s, 0.5 m off the middle: clean on a road of 1.5 m, not on one of 0.8 m."""
     (cell,) = board.cells(f"{CAR}:skidpad:dry:handling:*")
     runs, manoeuvre = (
         laws_in_cell(board, cell, ["equal_torque"])["equal_torque"],
@@ -188,7 +188,7 @@ def test_a_run_is_held_against_the_road_of_its_own_driver(board: Board):
 
 
 def test_a_lap_is_driven_with_its_highest_clean_scale(board: Board):
-    """Of 0.7 and 0.825 the faster one: in less than 59 s; 0.7 takes 60 s."""
+    """0.825 is faster than 0.7: less than 59 s; 0.7 takes 60 s."""
     quick = replace(board.manoeuvres["lap"], speed_scale=[0.7, 0.95], halvings=1, duration=65.0)
     few = replace(board, draws=1, variations=[], manoeuvres={**board.manoeuvres, "lap": quick})
     (cell,) = few.cells(f"{CAR}:lap:dry:handling:*")
@@ -237,7 +237,7 @@ def test_the_step_is_that_of_the_very_car(board: Board):
 
 
 def test_the_friction_jumps_where_the_road_has_it(board: Board):
-    """Of all wheels, from dry to wet asphalt after 100 m: the ratio of the peaks of their curves is 0.67."""
+    """Dry to wet asphalt after 100 m, at all wheels: the peaks of the curves are as 1 to 0.67."""
     run = driven(board, "friction_jump_in_bend:dry_to_wet")
     friction = run.channels["tire_forces.friction_coefficient.front_left"]
     assert friction[-1] / friction[0] == pytest.approx(0.670, abs=0.001)

@@ -1,4 +1,4 @@
-"""What a board keeps of its runs: it goes on where it was stopped, whatever stops it, and drives nothing else."""
+"""Kept runs of a board: it goes on where it was stopped and drives nothing twice."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def test_what_is_driven_anew_counts_as_missing_until_it_is():
 
 
 def test_what_was_driven_with_a_file_that_has_changed_since_is_not_kept(tmp_path: Path):
-    """Each job reads the files anew, so that the numbers may be of another car than the name of the part."""
+    """Each job reads the files again: the numbers may be of another car than the part's name."""
     car = tmp_path / "car.yaml"
     car.write_text(files_in_config("vehicles")["layout_1_8_c"].read_text())
     board = replace(SMALL, cars=[f"{car}:all"])

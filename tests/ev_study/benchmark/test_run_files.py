@@ -24,7 +24,7 @@ LAWS = [BOARD.reference, "pi"]
 
 
 class Invented(Sequence[DrivenCell]):
-    """Cells that nobody has driven, made when they are asked for, and the most of them that were held at once."""
+    """Cells without a run, made on request, and the most of them that were held at once."""
 
     def __init__(self, cells: Sequence[Cell]) -> None:
         self._cells, self._made = cells, list[weakref.ref[DrivenCell]]()
@@ -71,9 +71,10 @@ def test_many_runs_stand_one_a_line(
 def test_parquet_has_the_same_records(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, result: BoardResult
 ):
-    """In several groups of rows; empty is what a manoeuvre does not measure, and what has no number.
+    """Rows come in groups.
 
-    A first run without numbers, and with the name of a law from a file, tells no kind of a column.
+    A field is empty if a manoeuvre does not measure it or it has no number. A first run without
+    numbers, and with the name of a law from a file, fixes no kind of a column.
     """
     parquet = pytest.importorskip("pyarrow.parquet")
     monkeypatch.setattr(run_files, "_ROWS_AT_ONCE", 7)

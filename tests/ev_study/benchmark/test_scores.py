@@ -24,7 +24,7 @@ MANOEUVRE = Manoeuvre("s", 1.0, [], handling=["peak_sideslip"], energy=[])
 
 
 def costs(of_reference, of_law, unstable=NONE_UNSTABLE) -> np.ndarray:
-    """Of a law beside the reference, by its sideslip [rad]."""
+    """Costs of a law beside the reference, by its sideslip [rad]."""
     metrics = {
         "without": {"peak_sideslip": np.array(of_reference)},
         "law": {"peak_sideslip": np.array(of_law)},
@@ -62,7 +62,7 @@ def test_lost_and_unstable_runs_cost_most():
 
 
 def test_the_middle_half_and_the_worst_tenth():
-    """Of 1 to 20: 6 to 15, and 19 and 20."""
+    """1 to 20: the middle half is 6 to 15, the worst tenth 19 and 20."""
     values = np.arange(20.0, 0.0, -1.0)
     assert interquartile_mean(values) == 10.5
     assert tail_mean(values) == 19.5
@@ -88,7 +88,7 @@ def test_paired_draws_tell_apart_what_their_intervals_do_not():
 
 @pytest.mark.parametrize("statistic", [interquartile_mean, tail_mean])
 def test_a_law_has_the_same_boards_beside_any_others(statistic):
-    """To the bit: a division is ranked by the columns of its laws."""
+    """A division is ranked by the columns of its laws, to the bit."""
     costs = np.random.default_rng(5).lognormal(size=(5, 3, 37))
     some = [3, 0]
     assert (
@@ -98,7 +98,7 @@ def test_a_law_has_the_same_boards_beside_any_others(statistic):
 
 
 def test_the_interval_holds_the_true_mean_about_as_often_as_it_says():
-    """Of 40 boards of 3 cells with 20 normal draws at least 32 of 38 expected; 4 standard deviations are 6."""
+    """38 of 40 boards of 3 cells with 20 draws are expected; 4 standard deviations are 6."""
     random = np.random.default_rng(3)
     hits = 0
     for costs in 1.0 + 0.3 * random.standard_normal((40, 1, 3, 20)):

@@ -55,7 +55,7 @@ def history(folder: Path) -> list[list[str]]:
 
 
 def test_shares_are_values_within_the_bounds():
-    """By factors around a positive start, by sums around any other one; the start has its own share."""
+    """Factors around a positive start, sums around any other one; the start has its own share."""
     by_factors, by_sums = Free("gain", 10.0, 0.1, 1000.0), Free("offset", 0.0, -1.0, 3.0)
     assert (by_factors.share, by_factors.value(0.5)) == (pytest.approx(0.5), pytest.approx(10.0))
     assert (by_factors.value(-1.0), by_factors.value(2.0)) == (0.1, 1000.0)
@@ -123,7 +123,10 @@ def test_the_cost_is_what_ranks():
 
 
 def test_other_runs_choose_among_the_best(training: Training, monkeypatch: pytest.MonkeyPatch):
-    """The start stays where none of the best candidates is better on them, and nobody else is asked for."""
+    """The start stays unless one of the best candidates is better.
+
+    No other candidates are driven.
+    """
     free = free_parameters("pi", configurations("pi"), ["pi.*"])
     monkeypatch.setattr(
         Training, "costs", lambda self, found: np.array([each["pi.bandwidth"] for each in found])

@@ -60,7 +60,7 @@ def driven(board: Board) -> DrivenCell:
 
 
 def stated(driven: DrivenCell, law: str, name: str) -> list[str]:
-    """What the command of each draw sets a parameter to."""
+    """Values that the command of each draw gives a parameter."""
     words = [shlex.split(each) for each in driven.commands[law]]
     return [
         word.partition("=")[2] for each in words for word in each if word.startswith(f"{name}=")
@@ -209,7 +209,7 @@ def test_differences_are_as_sure_as_they_say(cells: int, draws: int, spread: flo
 
 
 def test_what_a_law_believes_is_its_own_factor_by_what_is_told(board: Board):
-    """A law that believes in half the friction is told half of what the board draws, not all of it."""
+    """A law with half the friction as its own factor gets half of each drawn factor."""
     varied = replace(board, variations=[Variation(TOLD_FRICTION, factor=[0.7, 1.3])])
     (cell,) = varied.cells(STEP)
     base = run_of(varied, cell, values_of(varied, cell))
@@ -345,8 +345,8 @@ ED = "electronic_differential"
             "driver.nothing by value [0, 1]: unknown parameter of driver",
         ),
         (
-            Variation("nobody.mass", value=[0, 1]),
-            "nobody.mass by value [0, 1]: unknown role 'nobody'; known: *, asr,",
+            Variation("unknown.mass", value=[0, 1]),
+            "unknown.mass by value [0, 1]: unknown role 'unknown'; known: *, asr,",
         ),
         (
             Variation("*.vehicle.masss", factor=[0.9, 1.1]),

@@ -1,4 +1,4 @@
-"""Records that are made by simulating a known car, written as somebody's logger would write them."""
+"""Records simulated with a known car, in the formats of other loggers."""
 
 from __future__ import annotations
 

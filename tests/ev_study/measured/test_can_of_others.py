@@ -126,7 +126,7 @@ def test_a_frame_that_is_too_short_is_passed_over_and_counted(tmp_path, clean):
 
 
 def test_frames_shorter_than_the_dbc_have_the_bits_that_they_have(tmp_path, clean):
-    """Four bytes of eight hold the yaw rate, not the temperature; nobody wants that."""
+    """Four bytes of eight hold the yaw rate, but not the unmapped temperature."""
     short = [(time, bus, name, data[:4]) for time, bus, name, data in lines()]
     record = read(tmp_path, short)
     assert record.notes == ()
@@ -171,7 +171,7 @@ def test_a_value_beyond_the_range_of_the_dbc_is_passed_over_and_counted(tmp_path
 
 
 def test_a_range_of_zero_to_zero_is_none(tmp_path, clean):
-    """What DBC files have where nobody filled in a range."""
+    """DBC files have [0|0] as long as their author gave no range."""
     for other in ("[0|0]", "[200|-200]"):
         record = read(tmp_path, lines(), DBC.replace("[-200|200]", other).encode())
         assert record.notes == ()
@@ -423,7 +423,10 @@ def test_what_is_no_log_is_refused_by_its_suffix_or_where_it_ends(tmp_path, clea
 
 
 def goes_back(frames: list) -> bool:
-    """Whether times of one message do not increase: a first frame stamped too early lies before the record."""
+    """Return True if times of one message do not increase.
+
+    A first frame stamped too early lies before the record.
+    """
     before: dict[str, float] = {}
     for time, _, name, data in frames:
         if len(data) > 1 and time <= before.get(name, -math.inf):

@@ -23,7 +23,7 @@ ROOT = Path(__file__).parents[3]
 
 
 def write(file: Path, columns: dict[str, np.ndarray]) -> None:
-    """As the library does: names in quotes."""
+    """Write columns as the library does: names in quotes."""
     rows = "\n".join(
         ",".join(f"{x:.12g}" for x in row) for row in np.stack(list(columns.values()), axis=1)
     )
@@ -32,7 +32,7 @@ def write(file: Path, columns: dict[str, np.ndarray]) -> None:
 
 
 def results(folder: Path, angle: np.ndarray, error: float) -> None:
-    """Results of the library's equations with a trail, whose yaw angles are a share too large."""
+    """Results of the library's equations with a trail; the yaw angles are a share too large."""
     folder.mkdir()
     (one, turned), (other, other_turned) = (
         (p, t.real)
@@ -63,10 +63,10 @@ def results(folder: Path, angle: np.ndarray, error: float) -> None:
 
 
 def test_a_plant_without_steered_mass_is_that_of_the_equations_without_it(tmp_path, capsys):
-    """The plant and Newton-Euler by scipy, with the same wheel curve, part by less than 0.5 % in place and yaw.
+    """The plant and Newton-Euler by scipy, with one wheel curve, differ by less than 0.5 %.
 
-    Results whose yaw angle is 1 % off do not hold. The reference results themselves are not ours to
-    keep.
+    That is in place and yaw. Results with a yaw angle 1 % off do not hold. The reference results
+    themselves are not ours to keep.
     """
     results(tmp_path / "planar_mechanics", 0.3 * np.sin(TIME), 0.01)
     out = tmp_path / "out"

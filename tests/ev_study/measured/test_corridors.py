@@ -1,4 +1,4 @@
-"""Corridors around simulated signals, on numbers whose answers are known."""
+"""Corridors around simulated signals, on numbers with known answers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a record contradicts itself in, and when a fit supports no interval."""
+"""Contradictions within a record, and fits that support no interval."""
 
 from __future__ import annotations
 
@@ -181,7 +181,7 @@ def test_a_search_out_of_steps_gives_no_interval_and_one_that_ends_does():
 
 @pytest.mark.parametrize("channel", [LONGITUDINAL, ROAD_WHEEL_ANGLE])
 def test_what_the_scale_of_a_sensor_does_to_parameters_is_known_beforehand(channel):
-    """A fit to a record whose sensor shows 2 % too much finds what was foretold, to 5 % of the larger moves.
+    """A fit to a sensor that shows 2 % too much finds the predicted moves, to 5 % of the larger.
 
     A per cent of the speed moves inertia and cornering stiffness by 2 %, many of their deviations:
     the errors that are left are the same, so no fit sees it.
@@ -305,7 +305,7 @@ def test_a_signal_that_got_worse_is_named():
 
 
 def test_no_signal_weighs_more_than_its_sensor_allows():
-    """By a mapping that declares the noise, 0.001 rad/s here; of a good sensor where none is declared."""
+    """The floor is the mapping's noise, 0.001 rad/s here, or that of a good sensor."""
     declared = record_of()
     for record, floor in ((declared, 0.001), (replace(declared, noise={}), FLOORS[YAW_RATE])):
         replay = replay_of(record)

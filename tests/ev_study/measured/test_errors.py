@@ -1,4 +1,4 @@
-"""Numbers for how far two series are apart, on series whose answers are known."""
+"""Measures of the distance of two series, on series with known answers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""scripts/run.sh validate --estimators: what the laws estimate, on records whose truth is known."""
+"""scripts/run.sh validate --estimators: estimates of the laws on records with a known truth."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def test_kinematics_with_a_true_accelerometer_have_the_sideslip_and_wheels_the_s
 def test_an_estimator_begins_anew_behind_a_gap_and_one_without_its_channels_is_named(
     tmp_path, capsys
 ):
-    """With kinematics alone all that is off behind the gap is the lateral velocity which it began without."""
+    """Kinematics alone lack the lateral velocity behind the gap; nothing else is off."""
     of = columns(with_wheels=False)
     lateral = driven().channels["twist.lateral"]
     last = int(np.argmax(np.abs(lateral[600:800]))) + 600  # where the gap ends

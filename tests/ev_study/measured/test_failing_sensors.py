@@ -68,7 +68,7 @@ def test_no_number_of_a_sensor_that_fails_for_a_while_is_believed(
         np.random.PCG64(seed)
     ).standard_normal(SAMPLES)
     values[begin:end] = level
-    if channel != ROAD_WHEEL_ANGLE:  # whose steps are looked at when it has been interpolated
+    if channel != ROAD_WHEEL_ANGLE:  # its steps are checked after interpolation
         values[begin - empty[0] : begin] = np.nan
         values[end : end + empty[1]] = np.nan
     record = record_of({**TRUTH, channel: values})
@@ -85,7 +85,7 @@ def test_no_number_of_a_sensor_that_fails_for_a_while_is_believed(
     ("channel", "step"), [(LONGITUDINAL, 10.0), (YAW_RATE, -2.0), (LATERAL, 6.0)]
 )
 def test_no_window_leads_across_a_jump_that_stays(channel, step):
-    """One of both sides is wrong, and nobody knows which: a car jumps on neither."""
+    """One of both sides is wrong, and the record does not show which: a car jumps on neither."""
     columns = {**TRUTH, channel: TRUTH[channel] + step * (TIME > 3.004)}
     record = record_of(columns)
     windows = windows_of(record, SHORTEST)
@@ -101,7 +101,7 @@ def test_no_window_leads_across_a_jump_that_stays(channel, step):
 @settings(deadline=None, max_examples=60)
 @given(back=st.integers(3, 250), at=st.integers(260, 500))
 def test_no_window_leads_across_a_clock_that_is_set_back(back, at):
-    """By three samples and more: what is behind is that much later, whichever samples of both are passed over."""
+    """Samples behind a step of three or more are late by it, whichever samples are passed over."""
     time = TIME - PERIOD * back * (np.arange(SAMPLES) >= at)
     # two drives in one
     record = record_of({**TRUTH, LONGITUDINAL: 20.0 + 5.0 * (np.arange(SAMPLES) >= at)}, time)
@@ -114,7 +114,7 @@ def test_a_clock_that_is_set_back_is_named_with_its_time():
     time = TIME - 0.5 * (np.arange(SAMPLES) >= 400)
     record = record_of(dict(TRUTH), time)
     assert (
-        "49 of 600 samples passed over, whose times do not increase; it steps back at 3.52 s, where"
+        "49 of 600 samples passed over: their times do not increase; it steps back at 3.52 s, where"
         in record.notes[0]
     )
     assert record.notes[0].startswith(f"{LONGITUDINAL}, {LATERAL}, ")

@@ -34,7 +34,10 @@ def write_bag(
     aside: float = 1.0,
     unstamped: str = "",
 ) -> Path:
-    """What rosbag2 records of a car with standard messages: 100 Hz imu, 50 Hz odometry and steering, no lateral one."""
+    """Write a rosbag2 bag of standard messages: imu at 100 Hz, odometry and steering at 50 Hz.
+
+    There is no lateral velocity.
+    """
     from rosbags.rosbag2 import StoragePlugin, Writer
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
@@ -212,7 +215,7 @@ channels:
 
 
 def write_log(folder: Path, suffix: str) -> Path:
-    """Frames as a logger on the bus has them, between others that nobody asked for."""
+    """Write frames as a logger on the bus has them, between unmapped others."""
     import can
     from cantools.database import load_string
 
@@ -239,7 +242,7 @@ def write_log(folder: Path, suffix: str) -> Path:
     "suffix", [".log", ".asc", ".blf", *([".mf4"] if find_spec("asammdf") else [])]
 )
 def test_a_can_log_is_read_by_its_dbc(tmp_path, suffix):
-    """To half a digit of the DBC, at 50 Hz; .asc has times to 1e-6 s."""
+    """Values agree to half a digit of the DBC, at 50 Hz; .asc has times to 1e-6 s."""
     path = write_log(tmp_path, suffix)
     record = read_record(path, tmp_path / f"drive{suffix}.yaml")
     assert record.period == pytest.approx(2 * PERIOD, abs=1e-6)
@@ -282,7 +285,7 @@ def test_what_a_can_log_lacks_is_refused(tmp_path):
     not find_spec("asammdf"), reason="asammdf is not installed: only what it refuses is tested"
 )
 def test_channels_of_an_mdf_file_are_read_by_name(tmp_path):
-    """As a measuring tool has them, each over its own times; what is not there, or no number, is refused."""
+    """Each has its own times, as in a measuring tool; a missing one, or a text, is refused."""
     from asammdf import MDF, Signal
 
     c, time = driven().channels, driven().time

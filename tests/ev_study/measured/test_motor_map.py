@@ -41,7 +41,7 @@ def write(folder: Path, change: tuple[str, str] = ("", "")) -> Path:
 
 
 def test_the_losses_of_a_map_come_back(tmp_path, capsys):
-    """To the digits of the file, on points that the fit has not seen too; the file is one for --params."""
+    """They agree to the digits of the file, on unseen points too; the result works as --params."""
     path = write(tmp_path)
     main(["identify", "--motor", str(path), "--out", str(tmp_path / "out")])
     assert "rows left out" in capsys.readouterr().out

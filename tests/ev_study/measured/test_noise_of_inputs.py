@@ -79,7 +79,7 @@ def test_noise_of_the_imposed_speed_is_no_force_of_the_tyres(kind):
 
 
 def test_a_window_begins_from_smoothed_values():
-    """Of noise of 0.01 rad/s and 0.05 m/s about a quarter is left where a window begins, in reverse as well."""
+    """A quarter of noise of 0.01 rad/s and 0.05 m/s is left at the begin, in reverse as well."""
     random = np.random.Generator(np.random.PCG64(0))
     sizes = {YAW_RATE: 0.01, LATERAL: 0.05}
     noise = {

@@ -58,7 +58,7 @@ def test_units_axes_and_place_of_the_sensor_are_taken_back(tmp_path, name):
     ],
 )
 def test_the_axes_of_sae_turn_the_sign_of_all_that_points_to_the_left(channel, sign):
-    """With y to the right and z down, of whatever channel an estimator may read."""
+    """Axes with y right and z down turn each such channel that an estimator may read."""
     assert ColumnParameters(frame="sae").factor(channel) == sign
     assert ColumnParameters(frame="iso").factor(channel) == 1.0
 

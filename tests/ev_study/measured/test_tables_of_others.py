@@ -128,7 +128,7 @@ def test_a_clock_reading_ahead_or_behind_costs_one_row(tmp_path):
         columns = columns_of(driven())
         columns["t"][300] = wrong
         record = read_record(write(tmp_path, columns), tmp_path / "made.yaml")
-        assert "1 of 1201 samples passed over, whose times do not increase" in record.notes[0]
+        assert "1 of 1201 samples passed over: their times do not increase" in record.notes[0]
         assert len(record.valid) == 1201
         assert record.valid.all()
 
@@ -172,7 +172,7 @@ def test_of_two_drives_in_one_file_the_longer_one_is_read(tmp_path, first, secon
 
 
 def test_a_stamp_of_a_bag_from_the_future_costs_one_message(tmp_path, monkeypatch):
-    """Of the topic that has it; the others keep all of theirs."""
+    """Its topic loses that message; the others keep all of theirs."""
     bag = write_bag(tmp_path)
     column = "/imu:angular_velocity.z"
     read_all = bags.read_columns

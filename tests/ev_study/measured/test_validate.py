@@ -32,7 +32,7 @@ IN_CORRIDORS = ("steering_angle", "twist.yaw_rate", "sideslip")
 
 
 def test_the_car_that_made_the_record_is_found_right_and_a_softer_one_wrong(tmp_path, capsys):
-    """Of the very car remains what a window does not know: how far wheels and loads had followed the manoeuvre.
+    """Errors of the very car are those of a window's start: wheels and loads in the manoeuvre.
 
     That is below 1 % of the signals. Another car is ten times as far off at least.
     """
@@ -113,9 +113,9 @@ def test_a_value_that_a_replay_has_from_the_record_is_refused(tmp_path, imposed,
 
 @pytest.mark.parametrize("gap", [(8.0, 8.0), (4.0, 4.6), (4.0, 6.0)])
 def test_a_car_whose_lateral_velocity_was_not_measured_has_it_when_a_window_begins(gap):
-    """At the begin of a record and behind a gap, too: the second before is driven as measured, not as interpolated.
+    """The second before a window is driven as measured, also at a record's begin and behind a gap.
 
-    The very car follows to 0.0002 rad/s then; windows that began at once were up to 0.008 rad/s
+    The very car follows to 0.0002 rad/s then; windows that began at once would be up to 0.008 rad/s
     off.
     """
     run = driven()

@@ -59,7 +59,7 @@ def test_bag_in_real_time_keeps_arrivals_and_compares_where_both_sides_are_known
             == timing["latency"][topic]["largest"]
             == pytest.approx(expected)
         )
-    # The column answers the driver of the instant before, who is heard 7 ms before it.
+    # The column answers the driver of the instant before, recorded 7 ms before it.
     assert timing["latency"]["steering_column/state"]["median"] == pytest.approx(0.007)
     assert sum(timing["jitter"]["torque_request"]["counts"]) == 1100 - 2
     assert timing["jitter"]["wheel_states"]["largest"] == 0.0

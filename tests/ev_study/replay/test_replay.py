@@ -87,7 +87,7 @@ def test_role_plays_what_was_recorded_in_any_run(turn: Path, tmp_path: Path):
 
 @pytest.fixture(scope="module")
 def places(turn: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """Of a whole run, and of others that are none."""
+    """Places of a whole run, and of others that are none."""
     folder = tmp_path_factory.mktemp("places")
     shutil.copy(turn / "signals.npz", folder / "lone.npz")
     (folder / "empty.npz").write_bytes(b"")

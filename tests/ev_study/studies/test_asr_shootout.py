@@ -173,7 +173,7 @@ def test_a_refused_case_leaves_gaps(results):
 
 
 def test_figure_shows_the_slip_of_every_control(results):
-    """On snow, the only one of the roads given that is drawn: 8 s in steps of 0.02 s."""
+    """Snow is drawn, the only one of the given roads that is: 8 s in steps of 0.02 s."""
     figures = asr_shootout.figures(GIVEN, results)
     assert list(figures) == ["slip"]
     assert drawn_in(figures["slip"]) == {"off": 401, "least squares": 401}
@@ -181,6 +181,6 @@ def test_figure_shows_the_slip_of_every_control(results):
 
 
 def drawn_in(sheet) -> dict[str, int]:
-    """By name of a curve in the only panel of a sheet the number of its points."""
+    """Number of points of each curve, by name, in the only panel of a sheet."""
     (panel,) = sheet.panels
     return {curve.label: len(curve.values) for curve in panel.curves}

@@ -1,4 +1,4 @@
-"""What the command line of a study may say: what its cases set themselves is theirs."""
+"""Command line of a study: parameters that its cases set are theirs."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ev_stack.scenarios.scenario import load_scenario, scenario_names
 from ev_study.studies.run_study import _refuse_what_it_sets, arguments, study_cases
 from ev_study.studies.study import Case, run_of, study_named, study_names
 
-CARS = str(Path(__file__).with_name("electric_cars.csv"))  # a car that nobody has made
+CARS = str(Path(__file__).with_name("electric_cars.csv"))  # a car that does not exist
 NEEDED = {"energy": (CARS,), "sweep": ("--seeds", "2")}  # words without which a study is refused
 
 
@@ -149,7 +149,7 @@ def test_names_have_all_digits_and_lists_are_values():
 
 
 def assert_driven_as_it_says(case: Case) -> None:
-    """What a case sets is what its run has: told once more, it changes nothing."""
+    """Check that the run has the values of its case: setting them again changes nothing."""
     played = run_of(case).configurations
     settings = {
         (role, name): value
@@ -170,7 +170,10 @@ def test_the_cases_of_a_study_are_driven_as_they_say(name):
 
 
 def is_accepted(case: Case) -> bool:
-    """Whether the car can be driven by it: `compare` offers laws of other cars as well, and lists them as refused."""
+    """Return True if the car can be driven by it.
+
+    `compare` offers laws of other cars as well, and lists them as refused.
+    """
     try:
         return bool(run_of(case))
     except ParameterError:

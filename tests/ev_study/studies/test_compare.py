@@ -304,7 +304,7 @@ def test_a_law_file_stands_beside_methods(tmp_path, capsys):
 
 
 def test_a_law_file_is_swept(tmp_path, capsys):
-    """By its path beside a method; what was driven before is taken again."""
+    """Its path stands beside a method; a second call takes the kept rows."""
     words = [
         "sweep",
         "step_steer",

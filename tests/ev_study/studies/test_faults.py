@@ -56,7 +56,10 @@ def test_all_are_driven_and_the_limp_mode_does_nothing_to_a_sound_car(results):
 @pytest.mark.parametrize("road", ["dry", "wet"])
 @pytest.mark.parametrize("fault", DEAD)
 def test_power_steering_keeps_its_lane_with_a_dead_motor(results, fault, road):
-    """On a column without a lever for the drives; better with the limp mode; on that of the source with it alone."""
+    """A column without a lever for the drives keeps the lane, better in limp mode.
+
+    On that of the source it does so in limp mode alone.
+    """
     off, limp = (
         measured(results, fault, "power_steering", asr, road) for asr in ("off", "limp_home")
     )

@@ -1,4 +1,4 @@
-"""What was driven is taken again as long as nothing that it depends on has changed, and no longer."""
+"""Kept rows are used as long as nothing that they depend on has changed, and no longer."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from ev_study.studies.kept_rows import KeptRows, MeasureAndSave
 from ev_study.studies.result_store import Results
 from ev_study.studies.study import Case, CaseResult, drive_case
 
-LAW = '''"""A law of somebody's own."""
+LAW = '''"""A law of the user's own."""
 
 from dataclasses import dataclass
 
@@ -101,7 +101,7 @@ def folder(tmp_path_factory) -> Iterator[Path]:
     (made / "row_law_gain.py").write_text("GAIN = 1.0\n")
     (made / "row_source").mkdir()
     for name in ("__init__.py", "scale.py", "source.py", "published.csv"):
-        (made / "row_source" / name).write_text("# a source of somebody's own\n")
+        (made / "row_source" / name).write_text("# a source of the user's own\n")
     (made / "row_source" / "report.py").write_text("from row_source.scale import SCALE\n")
     (made / "reported.yaml").write_text(own.replace("vehicle: audi_a2", "report: row_source"))
     with pytest.MonkeyPatch.context() as patch:
@@ -153,7 +153,7 @@ def keys(folder: Path) -> dict[str, str]:
 
 
 def change(file: Path) -> None:
-    """Another content, of which some readers take notice and others do not: a row has to be driven anew for both."""
+    """Write other content, which some readers notice and others do not: both need a new row."""
     if file.suffix == ".npz":
         arrays = dict(np.load(file))
         arrays["driver.command.drive_torque"][0] += 1.0
@@ -183,7 +183,7 @@ def test_a_changed_file_changes_the_rows_that_depend_on_it_and_no_others(folder,
 
 
 def test_what_is_published_counts_where_a_report_judges_by_it(monkeypatch):
-    """A row has metrics of its report, whose words and units stand in published.csv."""
+    """A row has metrics of its report; their words and units stand in published.csv."""
     case = Case("report", "shchur2019")
     before = kept_rows.row_key("sweep", case)
     assert digests._published() != digests._digest("", ())

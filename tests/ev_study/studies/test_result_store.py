@@ -1,4 +1,4 @@
-"""What was computed comes back as long as nothing of it has changed, and what is not as it was written never does."""
+"""Results come back as long as nothing of theirs has changed; damaged ones never do."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def age(folder: Path, days: float) -> None:
 
 
 def test_results_of_other_sources_stay_for_a_month_and_recordings_of_the_last_few(tmp_path: Path):
-    """What is not named as ours stays, whatever its age."""
+    """A folder that is not named as ours stays, whatever its age."""
     days = [1.0, 2.0, 3.0, 4.0, 40.0]
     folders = [tmp_path / f"{number:024x}" for number in range(len(days))]
     for folder, old in zip(folders, days, strict=True):
@@ -88,7 +88,7 @@ def test_the_folder_is_that_of_the_variable(tmp_path: Path, monkeypatch: pytest.
 
 
 def taken(store: ResultStore, key: str) -> int:
-    """How many of three answers an earlier command has computed; all of them are right."""
+    """Check three answers and count those that an earlier command has computed."""
     answers = Answers(store, key)
     for points in POINTS:
         assert np.array_equal(

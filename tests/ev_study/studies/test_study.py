@@ -57,7 +57,7 @@ def last_speed_but_once_the_worker_dies(recording, run) -> dict[str, float]:
 
 
 def signals(results) -> list[tuple[str, str, float]]:
-    """What may not depend on who has driven the cases."""
+    """Names, hashes and speeds, which may not depend on the worker."""
     return [(result.name, result.signal_hash, result.measured["speed"]) for result in results]
 
 

@@ -1,4 +1,4 @@
-"""What verdicts need is driven once, and again only where something has changed."""
+"""Needs of verdicts are driven once, and again only where something has changed."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def mine(request: WheelTorqueRequest) -> WheelTorqueCommand:
 
 
 def store_at(folder: Path) -> ResultStore:
-    """What an earlier command has kept there."""
+    """Store of an earlier command."""
     return ResultStore("0" * 24, folder)
 
 
@@ -217,8 +217,8 @@ def test_command_writes_one_object_for_each_id(
 
 @pytest.mark.parametrize("command", ["verdicts", "figures"])
 def test_unknown_source_is_one_line(command: str):
-    with pytest.raises(SystemExit, match=r"^error: --only nobody"):
-        main([command, "--only", "nobody"])
+    with pytest.raises(SystemExit, match=r"^error: --only unknown"):
+        main([command, "--only", "unknown"])
 
 
 def test_a_misspelt_parameter_is_refused(tmp_path: Path):

@@ -75,7 +75,10 @@ GOOD = {
 
 @pytest.fixture
 def listed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """What is published by rows of cells, or by the text of a file; `length` and `word` are what measures."""
+    """Return a function that lists published rows, of cells or of a file's text.
+
+    `length` and `word` are the measures.
+    """
 
     def of(*rows: dict[str, str] | str):
         module = tmp_path / "own.py"

@@ -174,7 +174,7 @@ class WatchedRun:
             progress(self._reports.time)
             if beginning.is_missed(self._reports):
                 announce(
-                    "the time of day was set back, and the run has not begun since: its nodes are started anew"
+                    "the time of day was set back, and the run has not begun since: its nodes are restarted"
                 )
                 return False
             for word in (*self._reports.new_words(), self._hanging.look()):

@@ -217,7 +217,7 @@ def refuse_unused_values(values: Iterable[tuple[str, str, Any]], runs: Sequence[
         ]
         if not played:
             raise ParameterError(
-                f"{node}.{key} is refused: nobody plays {node}, allowed with --method {node}=NAME"
+                f"{node}.{key} is refused: no node plays {node}, allowed with --method {node}=NAME"
             )
         if not any(key not in each.unused for each in played):
             try:

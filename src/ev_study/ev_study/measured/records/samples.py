@@ -60,7 +60,7 @@ def in_order(
         if bad:
             back = _steps_back(each.time, good)
             cuts |= dict.fromkeys(back)
-            what = f"{bad} of {of} samples passed over, whose times do not increase{_where_cut('steps back', back)}"
+            what = f"{bad} of {of} samples passed over: their times do not increase{_where_cut('steps back', back)}"
             names_of.setdefault(what, []).append(name)
     return kept, tuple(f"{', '.join(names)}: {what}" for what, names in names_of.items()), [*cuts]
 
