@@ -243,18 +243,18 @@ def test_the_reset_begins_without_its_bit_so_that_it_can_rise_and_ends_in_time()
 @pytest.mark.parametrize("state", [FAULT, FAULT_REACTION_ACTIVE])
 @pytest.mark.parametrize("faulty", ["Drive11", "Drive12"])
 def test_beside_a_drive_that_is_in_a_fault_from_before_the_other_one_stays_off(faulty, state):
-    """As behind a gateway that ended without 00h: torque on one side alone would turn the car."""
-    told = Told(auto_enable=True)
-    told.state[faulty] = state
-    told.cycle(20)
-    drives = [told.station.devices[name] for name in DRIVES]
+    """Torque on one side alone would turn the car, as behind a gateway that ended without 00h."""
+    gateway = FedGateway(auto_enable=True)
+    gateway.state[faulty] = state
+    gateway.cycle(20)
+    drives = [gateway.station.devices[name] for name in DRIVES]
     assert [drive.enable for drive in drives] == [False, False]
-    assert told.station.enable(DRIVES) == f"{faulty} has a latched fault: reset it first"
+    assert gateway.station.enable(DRIVES) == f"{faulty} has a latched fault: reset it first"
     assert [drive.enable for drive in drives] == [False, False]
-    told.station.reset()
-    told.state[faulty] = SWITCH_ON_DISABLED
-    told.cycle(12)  # a reset takes two times 5 ms
-    assert told.station.enable(DRIVES) == ""
+    gateway.station.reset()
+    gateway.state[faulty] = SWITCH_ON_DISABLED
+    gateway.cycle(12)  # a reset takes two times 5 ms
+    assert gateway.station.enable(DRIVES) == ""
     assert [drive.enable for drive in drives] == [True, True]
 
 
