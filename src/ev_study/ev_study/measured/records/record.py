@@ -196,6 +196,13 @@ class MeasuredRecord:
         """The instants in the time of the file [s]."""
         return self.begin + self.period * np.arange(len(self.valid))
 
+    @property
+    def stretches(self) -> list[slice]:
+        """The instants in a row that are believed: behind a mask another drive may begin."""
+        is_edge = np.diff(self.valid.astype(int), prepend=0, append=0) != 0
+        edges = np.flatnonzero(is_edge).tolist()
+        return [slice(*edge) for edge in zip(edges[::2], edges[1::2], strict=True)]
+
     def noted(self, notes: tuple[str, ...]) -> MeasuredRecord:
         """The same with further notes."""
         return replace(self, notes=self.notes + notes)

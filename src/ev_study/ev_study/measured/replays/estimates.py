@@ -67,7 +67,7 @@ def estimates_of(
             [n for n in (*each.reads, *each.may_read) if n in given],
         )
         estimated = np.full(len(record.valid), np.nan)
-        for stretch in _unbroken(record.valid):
+        for stretch in record.stretches:
             estimated[stretch] = each.over(
                 p, car, record.period, {n: given[n][stretch] for n in channels}
             )
@@ -84,9 +84,3 @@ def _built(name: str, estimator: Estimator, values: Mapping[str, Any]) -> Any:
         return build(estimator.parameters, values)
     except ParameterError as error:
         raise ParameterError(f"{name}: {error}") from None
-
-
-def _unbroken(valid: np.ndarray) -> list[slice]:
-    """The stretches of a record that are believed."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], valid, [False])).astype(int)))
-    return [slice(begin, end) for begin, end in zip(edges[::2], edges[1::2], strict=True)]

@@ -207,8 +207,11 @@ class OpenLoop:
         held = LATERAL in record.channels
         self._lead = round((HOLD if held else LEAD) / record.period)
         size = self._lead + windows.size
-        # Before the record begins, its first instant.
-        ahead = np.maximum(windows.first[:, None] + np.arange(-self._lead, windows.size), 0)
+        # Before a stretch begins, its first instant: behind a mask another drive may begin.
+        numbers = np.arange(len(record.valid))
+        begun = np.maximum.accumulate(np.where(record.valid, 0, numbers + 1))[windows.first]
+        ahead = windows.first[:, None] + np.arange(-self._lead, windows.size)
+        ahead = np.maximum(ahead, begun[:, None])
         begin = windows.first if held else ahead[:, 0]
         time = [round(n * record.period, 9) for n in range(size)]
         smooth = {

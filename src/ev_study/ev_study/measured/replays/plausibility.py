@@ -19,7 +19,7 @@ from ev_study.measured.records.record import (
     YAW_RATE,
 )
 from ev_study.measured.replays.open_loop import OpenLoop
-from ev_study.measured.replays.smoothing import smoothed, smoothed_values
+from ev_study.measured.replays.smoothing import rate_of, smoothed, smoothed_values
 
 _SLOW = 3.0  # [Hz], up to which channels are compared: all that a car on its tyres does
 _FAST = 3.0  # [m/s], from which on a car shows how it drives
@@ -42,9 +42,8 @@ def contradictions(replay: OpenLoop) -> list[str]:
         return []
     speed, rate = smoothed(record, LONGITUDINAL, _SLOW), smoothed(record, YAW_RATE, _SLOW)
     wheelbase = replay.configurations["plant"].common.vehicle.wheelbase
-    asked = (speed * smoothed_values(replay.road_wheel_angle, record.period, _SLOW) / wheelbase)[
-        moving
-    ]
+    angle = smoothed_values(record, replay.road_wheel_angle, _SLOW)
+    asked = (speed * angle / wheelbase)[moving]
     found = _constant(replay, moving, max(float(np.std(asked)), float(np.std(rate[moving]))))
     if found:
         return found
@@ -58,14 +57,14 @@ def contradictions(replay: OpenLoop) -> list[str]:
     if LATERAL_ACCELERATION in channels:
         turning = speed * rate
         if LATERAL in channels:
-            turning = turning + np.gradient(smoothed(record, LATERAL, _SLOW), record.period)
+            turning = turning + rate_of(record, smoothed(record, LATERAL, _SLOW))
         own = smoothed(record, LATERAL_ACCELERATION, _SLOW)[moving]
         if np.std(turning[moving]) > _ACCELERATES:
             found += _compared(
                 LATERAL_ACCELERATION, own, "speed times yaw rate", turning[moving], 0.5, 2.0
             )
     if LONGITUDINAL_ACCELERATION in channels:
-        faster = np.gradient(speed, record.period)[moving]
+        faster = rate_of(record, speed)[moving]
         own = smoothed(record, LONGITUDINAL_ACCELERATION, _SLOW)[moving]
         if np.std(faster) > _ACCELERATES:
             found += _compared(

@@ -58,31 +58,43 @@ def cut_off_of(record: MeasuredRecord, channel: str) -> float:
 
 def smoothed(record: MeasuredRecord, channel: str, cut_off: float | None = None) -> np.ndarray:
     """A channel without what is faster than `cut_off` [Hz], by its own noise for None, (n,)."""
-    return smoothed_values(
-        record[channel], record.period, cut_off_of(record, channel) if cut_off is None else cut_off
-    )
+    if cut_off is None:
+        cut_off = cut_off_of(record, channel)
+    return smoothed_values(record, record[channel], cut_off)
 
 
-def smoothed_values(values: np.ndarray, period: float, cut_off: float) -> np.ndarray:
-    """A series likewise; as it is for 0, or if the samples are too far apart or too few."""
-    if cut_off == 0.0:
+def smoothed_values(record: MeasuredRecord, values: np.ndarray, cut_off: float) -> np.ndarray:
+    """A series of a record likewise, (n,); as it is for 0, or if the samples are too far apart or too few.
+
+    Each stretch is smoothed by itself: where another drive begins behind a mask, its speed would be
+    mixed with that of the one before, and the car be braked by the difference.
+    """
+    nyquist = 0.5 / record.period
+    if cut_off == 0.0 or nyquist <= cut_off:
         return values
-    nyquist = 0.5 / period
-    padded = round(1.0 / cut_off / period)
-    if nyquist <= cut_off or len(values) <= padded:
+    padded = round(1.0 / cut_off / record.period)
+    long = [each for each in record.stretches if each.stop - each.start > padded]
+    if not long:
         return values
-    found: np.ndarray = sosfiltfilt(
-        butter(2, cut_off / nyquist, output="sos"), values, padlen=padded
-    )
+    by_filter = butter(2, cut_off / nyquist, output="sos")
+    found = values.copy()
+    for stretch in long:
+        found[stretch] = sosfiltfilt(by_filter, values[stretch], padlen=padded)
+    return found
+
+
+def rate_of(record: MeasuredRecord, values: np.ndarray) -> np.ndarray:
+    """How fast a series of a record changes, (n,); not across a mask, behind which another drive may begin."""
+    found = np.zeros(len(values))
+    for stretch in record.stretches:
+        if stretch.stop - stretch.start > 1:
+            found[stretch] = np.gradient(values[stretch], record.period)
     return found
 
 
 def with_acceleration(record: MeasuredRecord, speed: np.ndarray, cut_off: float | None) -> str:
     """The line on what the imposed speed asks for: the RMS of its differences, raw and smoothed."""
-    raw, smooth = (
-        float(np.sqrt(np.mean((np.diff(each) / record.period)[record.valid[1:]] ** 2)))
-        for each in (record[LONGITUDINAL], speed)
-    )
+    raw, smooth = (_rms_of_rate(record, each) for each in (record[LONGITUDINAL], speed))
     if speed is record[LONGITUDINAL]:
         return f"the imposed speed is not smoothed: its acceleration is {raw:.2g} m/s2 RMS, noise included"
     by_noise = cut_off_of(record, LONGITUDINAL) if cut_off is None else cut_off
@@ -91,6 +103,11 @@ def with_acceleration(record: MeasuredRecord, speed: np.ndarray, cut_off: float 
         f"the imposed speed is smoothed ({why}Butterworth, {by_noise:.2g} Hz, forth and back): its acceleration is "
         f"{smooth:.2g} m/s2 RMS, that of the raw samples {raw:.2g}"
     )
+
+
+def _rms_of_rate(record: MeasuredRecord, values: np.ndarray) -> float:
+    believed = record.valid[1:] & record.valid[:-1]
+    return float(np.sqrt(np.mean((np.diff(values)[believed] / record.period) ** 2)))
 
 
 def _step(record: MeasuredRecord, channel: str) -> int:
