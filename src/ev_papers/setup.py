@@ -1,4 +1,4 @@
-"""Build and install ev_papers; a source whose folder has been removed is not offered any more."""
+"""Build and install ev_papers; a source without its folder is not offered."""
 
 from pathlib import Path
 from xml.etree import ElementTree
@@ -48,7 +48,7 @@ STUDIES = [
 
 
 def there(points: list[str]) -> list[str]:
-    """The entry points whose modules are in this folder."""
+    """Entry points with modules in this folder."""
     modules = [HERE / point.partition(" = ")[2].replace(".", "/") for point in points]
     return [
         point

@@ -1,4 +1,4 @@
-"""What setup.py announces is there."""
+"""Entry points of setup.py exist."""
 
 from importlib.metadata import EntryPoint, distribution
 

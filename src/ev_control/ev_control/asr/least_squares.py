@@ -210,9 +210,9 @@ def least_squares_literal(
     the previous torque is the limit of this step (dissertation, eqs 2.34 to 2.36). For comparison
     only, because it does next to nothing: the torque that it holds is the one that spins the wheel,
     so it ends the rise of the torque but never takes any back. And Y is the law's own command: a
-    driver who asks for a constant torque makes a curve that does not depend on the road. What the
-    source does not define is left out: a sample at rest (0/0), with X < 0 (its root), or a window
-    with equations that have no single solution.
+    constant torque of the driver makes a curve that does not depend on the road. What the source
+    does not define is left out: a sample at rest (0/0), with X < 0 (its root), or a window with
+    equations that have no single solution.
     """
     slip = 1.0 - motion.rolling / motion.speed if motion.speed != 0.0 else -1.0
     held = inf

@@ -239,7 +239,7 @@ def steer_by_wire(
 
 @dataclass(frozen=True, slots=True)
 class CourseStabilityParameters(AssistanceParameters):
-    """Priority, the driver's assumed wish, the gain towards it, and the friction of the road."""
+    """Priority, the driver's assumed course, its gain, and the friction of the road."""
 
     first: First = parameter(
         First.STEERING,

@@ -276,7 +276,7 @@ def steering_correction(
     T_left = T (1 - c), T_right = T (1 + c), c = gain delta within +-largest_correction, with the
     equal share T [N m] and the mean road-wheel angle delta [rad], left positive. The sum is the
     driver's; a negative torque is shared in the same proportion, and then turns the car out of the
-    bend (assumption). Tatar & Chudzik, who describe the correction in words only.
+    bend (assumption). Tatar & Chudzik describe the correction in words only.
     """
     equal = split(p.brake, car, driver, 0.0)
     correction = min(

@@ -1,1 +1,1 @@
-"""What the laws have to estimate because no sensor of a car measures it."""
+"""Quantities that laws have to estimate because no sensor of a car measures them."""

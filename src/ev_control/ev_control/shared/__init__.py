@@ -1,1 +1,1 @@
-"""What several laws share."""
+"""Parts that several laws share."""

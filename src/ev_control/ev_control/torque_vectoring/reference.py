@@ -94,7 +94,7 @@ class Wanted(NamedTuple):
 
 
 class Bend(NamedTuple):
-    """Motion of the car by which the driver's wish is read."""
+    """Motion of the car from which the driver's wanted bend is read."""
 
     speed: float  # not zero, negative in reverse [m/s]
     road_wheel_angle: float  # [rad]

@@ -52,7 +52,7 @@ _SLIPPERY: Values = (
     ("plant", "initial_drive_torque", (0.0, 0.0, 600.0, 600.0)),
 )
 _SPLIT: Values = (
-    ("*", "vehicle.tyre.curve", "burckhardt"),  # whose friction is the surface's
+    ("*", "vehicle.tyre.curve", "burckhardt"),  # its friction is the surface's
     ("plant", "road.left", ("ice",)),
     ("plant", "initial_drive_torque", (0.0, 0.0, 50.0, 50.0)),
 )

@@ -51,7 +51,7 @@ ABOUT = (
     "with and without a sideslip loop"
 )
 FACTORS = (0.5, 0.75, 1.0, 1.25, 1.5)  # believed friction over the true one
-LOOP = " + sideslip"  # ends the name of a law whose reference limits the sideslip
+LOOP = " + sideslip"  # ends the name of a law with a reference that limits the sideslip
 LAWS = (
     Law("pi", "pi", "understeer"),
     Law(f"pi{LOOP}", "pi", "sideslip_limit"),

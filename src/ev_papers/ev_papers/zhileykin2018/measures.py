@@ -94,7 +94,7 @@ def rear_slides_out(driven: ScenarioRuns) -> bool:
 
 
 def turn_arounds(driven: ScenarioRuns, share: str) -> float:
-    """How often a share of the torque turns around."""
+    """Count how often a share of the torque turns around."""
     values = shares.SHARES[share](run_named(driven.runs, NOMINAL))
     return shares.turn_arounds(values, shares.SWING)
 

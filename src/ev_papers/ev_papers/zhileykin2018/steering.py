@@ -95,7 +95,7 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
 
 
 def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
-    """How the torque is shared, how the front wheels are steered, and the means."""
+    """Rows on the sharing of torque, the steering of the front wheels, and the means."""
     found = []
     for control in CONTROLS:
         for steering in STEERINGS:

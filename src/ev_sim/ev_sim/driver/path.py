@@ -38,7 +38,7 @@ _ARC_STEP = 0.5  # [m], chord of an arc; 3 mm from an arc of 10 m radius
 _UNBOUNDED_SQUARE = UNBOUNDED * UNBOUNDED  # [m^2/s^2]
 # Share of a leg within the circles at its ends from which on the leg is a chord of a bend.
 _BENT = 0.99
-# [m/s] by which a driver who follows his plan is too fast: more than his speed control lags behind
+# [m/s] by which a driver on the plan is too fast: more than his speed control lags behind
 _MISSED = 1.0
 
 

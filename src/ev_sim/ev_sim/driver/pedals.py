@@ -24,7 +24,7 @@ from ev_core.vehicle.car import GRAVITY, Car, speed_along_path
 from ev_msgs_py.contract.signals import BodyVelocity, DriverCommand, Instant
 from ev_sim.profiles import profile as profiles
 
-# The method of a driver who follows a speed profile, perhaps from a file.
+# The method of a driver that follows a speed profile, perhaps from a file.
 driver_method = partial(
     method, "driver", load_files=profiles.with_speed_profile_from_file, mirrored=True
 )
@@ -115,14 +115,14 @@ def follow_speed(
     wanted_speed: float,
     speed: float,
 ) -> tuple[float, float]:
-    """Drive torque (positive forwards) and brake torque (never negative) [N m]; speeds [m/s].
+    """Drive torque (positive forwards) and brake torque (never negative) [N m].
 
-    A PI controller (Shchur 2019, fig. 3) gives the wanted torque. In the direction of travel it
-    goes to the drives; against it, to the drives up to the regenerative limit, and the rest to the
-    friction brakes. A driver who wants to stand, and does, lets go of the drives and holds the
-    brake, as hard as the steepest slope asks, and however far its tyres slide until they hold. An
-    engine slows nothing down, and what is asked of it against its gear moves the selector: there
-    all goes to the brakes.
+    Speeds [m/s]. A PI controller (Shchur 2019, fig. 3) gives the wanted torque. In the direction of
+    travel it goes to the drives; against it, to the drives up to the regenerative limit, and the
+    rest to the friction brakes. At rest, with rest wanted, the driver lets go of the drives and
+    holds the brake, as hard as the steepest slope asks, and however far its tyres slide until they
+    hold. An engine slows nothing down, and what is asked of it against its gear moves the selector:
+    there all goes to the brakes.
     """
     standing = abs(speed) <= p.standstill_speed
     s.holds = 1.0 if wanted_speed == 0.0 and (standing or s.holds == 1.0) else 0.0

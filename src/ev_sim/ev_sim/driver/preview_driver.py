@@ -1,4 +1,4 @@
-"""A driver who looks ahead, by optimal preview, with a speed for each bend.
+"""A driver with optimal preview of the path, and a speed for each bend.
 
 How it works: the gains of `preview_gains` act on the state of a linear car beside the path and on
 the turns of the path ahead. The real car needs other angles in a bend than the linear one; the

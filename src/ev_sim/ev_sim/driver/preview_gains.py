@@ -1,4 +1,4 @@
-"""Gains of a driver who knows his car: optimal preview control of the single-track model.
+"""Gains of a driver that knows the car: optimal preview control of the single-track model.
 
 How it works: for each of some speeds the linear car beside a straight path is put into steps of
 POINT_STEP, and the Riccati equation gives the feedback of its state. The same matrices give the

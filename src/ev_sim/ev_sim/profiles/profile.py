@@ -22,7 +22,7 @@ _COLUMNS = ({"t_s": 1.0}, {"v_mps": 1.0, "v_kmh": 1 / 3.6})
 # Columns of a hill, which is a road of the plant and not of a cycle.
 _GRADES = ("grade", "slope", "cycGrade")
 LISTED = "trrl_1_1"  # the dissertation lists its windows, and the scenarios with it
-_ROOM = 1.1  # length of the road over that of the cycle: a driver who may be fast is somewhat ahead
+_ROOM = 1.1  # length of the road over that of the cycle: a fast driver is somewhat ahead
 
 
 def interpolation_parameter(default: str) -> str:

@@ -1,4 +1,4 @@
-"""What varies between the runs of a cell: seeded draws, the same for all laws."""
+"""Variations between the runs of a cell: seeded draws, the same for all laws."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def drawn(board: Board, cell: Cell, base: Mapping[str, Configuration]) -> Draws:
 
 
 def value_in(base: Mapping[str, Configuration], name: str) -> float:
-    """What a variation by a factor is on; ParameterError if it is no number."""
+    """Return the value that a variation by a factor is on; ParameterError if it is no number."""
     role, _, parameter = name.partition(".")
     known = (
         base[MASTER if role == EVERY_ROLE else role].values()

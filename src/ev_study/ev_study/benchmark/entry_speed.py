@@ -35,7 +35,7 @@ _LOOK, _LOOK_AT_LAP = 1.0, 5.0
 
 
 def clean(board: Board, run: Run) -> NamedMetric:
-    """Whether a run is: the car is stable, in its lanes or on its road to the end, and touches no cone."""
+    """Return a measure of clean runs: stable, in lanes or on the road, no cone touched."""
 
     def of(driven: DrivenRun) -> float:
         try:
@@ -106,7 +106,7 @@ def drive(
 
 
 def at_speeds(speeds: np.ndarray) -> dict[str, list[Any]]:
-    """What has to vary for the speeds of some runs (n,) [m/s], which their drivers keep."""
+    """Values that vary for the speeds of some runs (n,) [m/s], which their drivers keep."""
     return {
         f"{MASTER}.initial_speed": speeds.tolist(),
         f"{_DRIVER}.speed_profile.time": [[0.0]] * len(speeds),
@@ -115,12 +115,12 @@ def at_speeds(speeds: np.ndarray) -> dict[str, list[Any]]:
 
 
 def at_scales(scales: np.ndarray) -> dict[str, list[Any]]:
-    """What has to vary for the scales of the speed profile of some laps (n,) [1]."""
+    """Values that vary for the scales of the speed profile of some laps (n,) [1]."""
     return {f"{_DRIVER}.limit.scale": scales.tolist()}
 
 
 def searched_at(manoeuvre: Manoeuvre, values: np.ndarray) -> dict[str, list[Any]]:
-    """What has to vary for what a manoeuvre raises, a value for each run (n,); nothing if it raises nothing."""
+    """Values that vary with the raised quantity of a manoeuvre (n,); none if it raises nothing."""
     if manoeuvre.entry_speed:
         return at_speeds(values)
     return at_scales(values) if manoeuvre.speed_scale else {}
@@ -133,12 +133,13 @@ def at_highest_clean(
     vary: Mapping[str, Sequence[Any]],
     threads: int | None,
 ) -> tuple[dict[str, list[Any]], Driven]:
-    """What has to vary for each draw to be driven at its highest clean speed, at the lowest one if none is; and that.
+    """Drive each draw at its highest clean speed, at the lowest one if none is clean.
 
-    Speeds are the lower bound and 2^`halvings` - 1 more, evenly; the upper bound is not driven.
-    Each draw begins at what the run without draws reaches, times the root of its factor on the
-    friction, as speeds in bends go. Where cleanness comes and goes with the speed this finds one of
-    its ends. A manoeuvre that raises nothing is just driven.
+    Return the values that vary for that, and the results. Speeds are the lower bound and
+    2^`halvings` - 1 more, evenly; the upper bound is not driven. Each draw begins at what the run
+    without draws reaches, times the root of its factor on the friction, as speeds in bends go.
+    Where cleanness comes and goes with the speed this finds one of its ends. A manoeuvre that
+    raises nothing is just driven.
     """
     if not manoeuvre.searched:
         return {}, drive(board, manoeuvre, run, vary, threads)
@@ -181,7 +182,7 @@ def at_highest_clean(
 
 
 def _friction_factors(board: Board, run: Run, vary: Mapping[str, Sequence[Any]]) -> np.ndarray:
-    """What the friction of each draw is over that of the run without draws, (draws,)."""
+    """Friction of each draw over that of the run without draws, (draws,)."""
     columns = vary.get(f"{MASTER}.{_FRICTION}")
     if columns is None:
         return np.ones(board.draws)
@@ -194,11 +195,11 @@ def _friction_factors(board: Board, run: Run, vary: Mapping[str, Sequence[Any]])
 def last_true(
     count: int, start: np.ndarray, is_true: Callable[[np.ndarray, np.ndarray], np.ndarray]
 ) -> np.ndarray:
-    """For each of some rows the last of the places 0..count-1 at which something is true, (rows,); 0 if at none.
+    """Find for each row the last of the places 0..count-1 at which something is true, (rows,).
 
-    `is_true` is asked for some rows at a place for each. True is expected up to a place and false
-    behind it, near `start`: from there on in growing steps, and then by halves (Bentley & Yao 1976,
-    Inf. Process. Lett. 5, 82-87).
+    It is 0 if at none. `is_true` is asked for some rows at a place for each. True is expected up to
+    a place and false behind it, near `start`: from there on in growing steps, and then by halves
+    (Bentley & Yao 1976, Inf. Process. Lett. 5, 82-87).
     """
     low, high = np.zeros(len(start), int), np.full(len(start), count)
     at, step = np.clip(start, 1, count - 1), _FIRST_STEP

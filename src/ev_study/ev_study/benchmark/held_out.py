@@ -1,4 +1,4 @@
-"""Cases that are drawn by one seed: cars, roads and draws to tune on, to choose by, or that nobody has tuned for."""
+"""Cases drawn by one seed: cars, roads and draws to tune on, to choose by, or held out."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ class Manoeuvre:
     recorded: list[str] = field(default_factory=list)
 
     def metrics(self, *costs: str) -> list[str | NamedMetric]:
-        """What some costs count: names of the registry, expressions whose lower values are better, the entry speed."""
+        """Metrics in some costs: names, expressions with lower values better, the entry speed."""
         texts = dict.fromkeys(text for cost in costs for text in getattr(self, cost))
         return [ENTRY_SPEED if text == ENTRY_SPEED.name else text for text in texts]
 

@@ -54,7 +54,7 @@ def record(of: type[T], what: str, content: Any) -> T:
 
 
 def is_of(value: Any, kind: str) -> bool:
-    """Whether a value is of a kind; neither a switch nor what is not finite is a number."""
+    """Return True if a value is of a kind; neither a switch nor an infinite one is a number."""
     if kind not in _KINDS:
         return type(value).__name__ == kind.removesuffix(" | None")
     if isinstance(value, float) and not math.isfinite(value):

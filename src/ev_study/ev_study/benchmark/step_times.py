@@ -1,4 +1,4 @@
-"""What a step of a law takes: a reading of this machine's clock, and so no part of any hash."""
+"""Time of a step of a law: a reading of this machine's clock, and so no part of any hash."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `ev-stack run` does with many runs, by name."""
+"""Commands of `ev-stack run` over many runs, by name."""
 
 COMMANDS: dict[str, tuple[str, str]] = {}
 

@@ -1,4 +1,4 @@
-"""What an identification may change: parameters of car, plant and sensors, with their bounds and scales."""
+"""Free parameters of an identification: of car, plant and sensors, with bounds and scales."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class FreeParameter:
 
     @property
     def is_of_vehicle(self) -> bool:
-        """Whether it stands in a vehicle file."""
+        """True for a parameter of a vehicle file."""
         return self.name.startswith("vehicle.")
 
 
@@ -138,7 +138,7 @@ def _free(name: str, known: Mapping[str, Any]) -> FreeParameter:
 def changes(
     free: Sequence[FreeParameter], points: np.ndarray, configurations: Mapping[str, Configuration]
 ) -> list[dict[str, Any]]:
-    """What cars at some points (n, parameters) differ in, by the names that a batch takes."""
+    """Columns in which cars at some points (n, parameters) differ, by the names of a batch."""
     values = {
         **{f"{role}.{n}": v for role, c in configurations.items() for n, v in c.values().items()},
         **configurations["plant"].values(),

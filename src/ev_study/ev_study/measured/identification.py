@@ -15,7 +15,7 @@ from ev_study.studies.result_store import Answers
 
 # of a scale, for forward differences: far above rounding, far below any curvature of the errors
 STEP = 1e-3
-WORST = 50.0  # weighted error of a window whose car has left all numbers behind
+WORST = 50.0  # weighted error of a window in which the car has no finite numbers
 # Least weights where a mapping declares no noise: what good sensors of cars are off by, 0.2 deg/s
 # and 0.1 deg.
 FLOORS = {YAW_RATE: 0.0035, SIDESLIP: 0.0017}
@@ -52,7 +52,7 @@ class Residuals:
         width: float,
         answers: Answers | None = None,
     ) -> None:
-        """Of each `every`-th sample; the prior about the start is `width` scales wide."""
+        """Take each `every`-th sample; the prior about the start is `width` scales wide."""
         self._replay, self._free, self.weights, self._every = replay, free, weights, every
         self._answers = answers
         self.scale = np.array([each.scale for each in free])
@@ -81,7 +81,10 @@ class Residuals:
         return np.clip(np.nan_to_num(np.concatenate(errors, axis=2), nan=WORST), -WORST, WORST)
 
     def derivatives(self, point: np.ndarray) -> np.ndarray:
-        """By forward differences, away from an end that is near; (windows, signals times samples, parameters)."""
+        """Forward differences, away from an end that is near.
+
+        The result is (windows, signals times samples, parameters).
+        """
         steps = np.where(point + STEP > self.ends[1], -STEP, STEP)
         found = self.at(np.vstack([point, point + np.diag(steps)]))
         return np.moveaxis((found[1:] - found[0]) / steps[:, None, None], 0, 2)
@@ -114,7 +117,7 @@ class Residuals:
 
 
 def floors_of(replay: OpenLoop, signals: Sequence[str]) -> dict[str, float]:
-    """By signal the noise that is declared of its sensor, or that of a good one."""
+    """Noise of each signal, as declared of its sensor or that of a good one."""
     deviations = {name: float(np.nanstd(replay.measured(name))) for name in signals}
     return {
         n: replay.record.noise.get(n) or FLOORS.get(n, FLOOR * of) for n, of in deviations.items()
@@ -124,10 +127,10 @@ def floors_of(replay: OpenLoop, signals: Sequence[str]) -> dict[str, float]:
 def moved_by_scales(
     replay: OpenLoop, free: Sequence[FreeParameter], fitted: Fitted, every: int, width: float
 ) -> dict[str, np.ndarray]:
-    """By measured input how far each parameter moves for a per cent that its sensor shows too much, in its unit, (n,).
+    """Moves of each parameter, in its unit, by a per cent too much of a measured input, (n,).
 
-    One step of Gauss and Newton from the optimum. A fit cannot see such an error: other parameters
-    reproduce it.
+    One step of Gauss and Newton from the optimum, by input. A fit cannot see such an error: other
+    parameters reproduce it.
     """
     scale, found = np.array([each.scale for each in free]), {}
     by_parameters = fitted.derivatives.reshape(-1, len(free))
@@ -152,13 +155,13 @@ def identify(
     progress: Callable[[str], None] = lambda line: None,
     answers: Answers | None = None,
 ) -> Fitted:
-    """The best of several starts: that of the file, and others up to 20 % of a scale beside it, drawn by the seed.
+    """Fit from several starts and keep the best: that of the file, and others drawn by the seed.
 
-    Errors are weighed by what is left of them in the median window, the likeliest weights where
-    nobody knows the noise: a first fit weighs each signal by a tenth of its standard deviation, the
-    second by what the first has left. No weight is below the noise that is declared of its sensor,
-    or below `FLOORS`: a signal that happens to fit well would else buy its last hundredth with much
-    of another one.
+    These lie up to 20 % of a scale beside it. Errors are weighed by what is left of them in the
+    median window, the likeliest weights under an unknown noise: a first fit weighs each signal by a
+    tenth of its standard deviation, the second by what the first has left. No weight is below the
+    noise that is declared of its sensor, or below `FLOORS`: a signal that happens to fit well would
+    else buy its last hundredth with much of another one.
     """
     floors = floors_of(replay, signals)
     weights = {

@@ -1,4 +1,4 @@
-"""How well a fit knows its parameters: intervals, and the combinations of parameters that a record cannot tell."""
+"""Certainty of a fit: intervals, and the combinations of parameters that a record cannot tell."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ UNKNOWN = 0.5
 
 @dataclass(frozen=True)
 class Knowledge:
-    """By parameter: standard deviation (Jacobian), 95 % interval (with bootstrap over windows), in its unit.
+    """Standard deviation (Jacobian) and 95 % interval (bootstrap over windows) by parameter.
 
-    `unknown`: each direction that the record cannot tell as shares of scales, (directions,
-    parameters), of length 1, and its standard deviation in scales.
+    Both are in its unit. `unknown`: each direction that the record cannot tell as shares of scales,
+    (directions, parameters), of length 1, and its standard deviation in scales.
     """
 
     deviation: np.ndarray
@@ -38,7 +38,7 @@ def knowledge(
     width: float,
     seed: int,
 ) -> Knowledge:
-    """Of a fit at its optimum.
+    """Knowledge of a fit at its optimum.
 
     Residuals (windows, m) over their standard deviations and derivatives (windows, m, parameters)
     by scaled parameters. Errors within a window go together, so their number counts for less: the

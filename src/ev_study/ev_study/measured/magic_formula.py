@@ -17,7 +17,10 @@ Coefficients = Mapping[str, float]
 
 @dataclass(frozen=True)
 class Points:
-    """What a tyre is given and answers, (n,) each: slip ratio, angles [rad], load [N], pressure [Pa], forces [N]."""
+    """Inputs and answers of a tyre, (n,) each.
+
+    Slip ratio, angles [rad], load [N], pressure [Pa], forces [N].
+    """
 
     slip_ratio: np.ndarray
     slip_angle: np.ndarray

@@ -51,17 +51,17 @@ class Sweeps:
 
     @property
     def count(self) -> int:
-        """How many sweeps there are."""
+        """Number of sweeps."""
         return int(self.number[-1]) + 1
 
     @property
     def is_lateral(self) -> np.ndarray:
-        """By sample whether the wheel rolls freely throughout its sweep."""
+        """Mask of the samples of sweeps in which the wheel rolls freely throughout."""
         return self._everywhere(np.abs(self.points.slip_ratio) < ROLLS_FREELY)
 
     @property
     def is_longitudinal(self) -> np.ndarray:
-        """By sample whether it runs straight throughout its sweep, and is driven or braked."""
+        """Mask of the samples of sweeps straight throughout, driven or braked."""
         return self._everywhere(np.abs(self.points.slip_angle) < ROLLS_FREELY) & ~self.is_lateral
 
     def _everywhere(self, holds: np.ndarray) -> np.ndarray:
@@ -116,7 +116,7 @@ def _begins(columns: Mapping[str, np.ndarray]) -> np.ndarray:
 
 
 def _changes(values: np.ndarray, least: float) -> np.ndarray:
-    """Where the medians of `AROUND` samples before and behind differ most, if by more than `least`, (n - 1,)."""
+    """Find where medians of `AROUND` samples on both sides differ by over `least`, (n - 1,)."""
     changed = np.zeros(len(values) - 1, bool)
     if len(values) < 2 * AROUND:
         return changed

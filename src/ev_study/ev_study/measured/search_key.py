@@ -1,4 +1,4 @@
-"""What the answers of a search depend on beside our sources and the points that it asks for, as a digest."""
+"""Digest of what a search depends on beside our sources and the points that it asks for."""
 
 from __future__ import annotations
 

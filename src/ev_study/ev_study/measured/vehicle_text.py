@@ -98,7 +98,7 @@ def _nested(values: Mapping[str, Any], comments: Mapping[str, Sequence[str]]) ->
 
 
 def _order(values: Mapping[str, Any]) -> Any:
-    """As they were stated, but single values of a group before its groups, so that each group stands once."""
+    """Keep the stated order, but put single values of a group first, so that each group is one."""
     places = {name: n for n, name in enumerate(values)}
     first: dict[str, int] = {}
     for name, place in places.items():

@@ -33,12 +33,12 @@ from ev_stack.scenarios.scenario import NAMESPACE
 
 @dataclass(frozen=True)
 class Recorded:
-    """The signals of a run at its instants, from time zero; a message that is missing holds the one before.
+    """Signals of a run at its instants, from time zero.
 
-    `period` in nanoseconds. By topic, `came` (n,) marks the instants with a message; `arrivals`
-    (n,) is when it was recorded [ns], -1 if it was not; it is empty of a run in lockstep, whose bag
-    knows stamps alone. `parameters` are those of the nodes of `namespace`, if they are known.
-    `notes`: what has been left out.
+    A missing message holds the one before. `period` in nanoseconds. By topic, `came` (n,) marks the
+    instants with a message; `arrivals` (n,) is when it was recorded [ns], -1 if it was not; it is
+    empty of a run in lockstep, since its bag knows stamps alone. `parameters` are those of the
+    nodes of `namespace`, if they are known. `notes`: what has been left out.
     """
 
     source: Path
@@ -56,7 +56,7 @@ class Recorded:
         return tuple(self.came)
 
     def has(self, signal: type) -> bool:
-        """Whether a signal was recorded."""
+        """Return True if a signal was recorded."""
         return TOPICS[signal] in self.came
 
     @property
@@ -247,7 +247,7 @@ def _put(
 def _notes(
     found: Mapping[Topic, _Messages], first: int, last: int, there: Mapping[Topic, np.ndarray]
 ) -> tuple[str, ...]:
-    """What a replay of this bag leaves out or makes up."""
+    """Notes on what a replay of this bag leaves out or makes up."""
     notes = []
     if first >= stamps.RUNS:  # below that it is the first instant of a run behind a reset
         notes.append(
@@ -271,7 +271,7 @@ _METADATA = "metadata.yaml"
 
 
 def find_recorded(path: Path, namespace: str = "") -> Recorded:
-    """What a folder of a run, a bag or a file of signals holds.
+    """Read a folder of a run, a bag or a file of signals.
 
     `namespace` is that of the topics, where a bag has several. ParameterError, in one line, if
     nothing can be read.

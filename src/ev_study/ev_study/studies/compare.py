@@ -51,7 +51,7 @@ CURVES = {  # over time, with their units
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    """Which scenario, which of its runs, which methods."""
+    """Options for the scenario, its runs and the methods."""
     parser.add_argument("--scenario", default="double_lane_change", help="default: %(default)s")
     parser.add_argument(
         "--run", default="", help="of a scenario with several runs; default: the first"
@@ -110,7 +110,7 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
 
 
 def _shown(given: argparse.Namespace, results: Results) -> dict[str, str]:
-    """By name the unit of the metrics that are shown."""
+    """Units of the metrics that are shown, by name."""
     units: dict[str, str] = {}
     for result in results.values():
         units |= result.measured.get("units", {})
@@ -151,7 +151,7 @@ def table(given: argparse.Namespace, results: Results) -> tuple[Sequence[str], l
 
 
 def better(given: argparse.Namespace, results: Results) -> dict[str, str]:
-    """Of the metrics of which more or less is better."""
+    """Metrics of which more or less is better."""
     return better_by_column(_shown(given, results), results)
 
 

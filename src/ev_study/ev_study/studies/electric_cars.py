@@ -26,7 +26,7 @@ POUND, POUND_FORCE, MILE_PER_HOUR, MILE = 0.45359237, 4.4482216, 0.44704, 1609.3
 ENERGY_OF_A_GALLON = 33_705.0  # W h, of gasoline: what the EPA's miles per gallon equivalent count
 REFERENCE_MASS = 2000.0  # kg: idle and copper losses are in proportion to the car's mass over this
 CLASSES, ASSUMPTIONS = "energy/drive_classes.csv", "energy/assumptions.csv"
-# quantity of a row of the assumptions whose class is the code of a vehicle that they were fitted to
+# quantity of a row of the assumptions with the code of a fitted vehicle as its class
 FITTED = "fitted"
 # of cars that no line of the classes names, by their driven axles
 _ONE, _TWO = "one machine", "two machines"
@@ -52,7 +52,7 @@ class ElectricCar:
 
 @dataclass(frozen=True, slots=True)
 class Assumptions:
-    """What is assumed of all cars, and of each class of drives: idle force [N] and recovery [m/s^2].
+    """Assumptions on all cars, and on each class of drives: idle force [N] and recovery [m/s^2].
 
     `copper` is a loss over the squared force at the wheels [W/N^2], `idle` a force that the
     machines take at any speed, both for a car of REFERENCE_MASS; `recovery` is the deceleration up

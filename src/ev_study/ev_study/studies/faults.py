@@ -24,7 +24,7 @@ DURATION = 10.0  # [s]
 SCENARIO = "double_lane_change"
 ROADS = {"dry": "dry_asphalt", "wet": "wet_asphalt_1"}
 BY_WIRE = ("drive_by_wire", "steer_by_wire")
-# behind the name of a law: on the column of Shchur (2019), whose lever is half the track
+# behind the name of a law: on the column of Shchur (2019), with half the track as its lever
 POWERED = " (powered)"
 SOUND = "none"
 
@@ -74,7 +74,7 @@ _ENDS = {"law restarted for 0.5 s": BEGIN + 0.5}
 
 
 def values_of(road: str, law: str, asr: str, fault: str) -> tuple[tuple[str, str, Any], ...]:
-    """What differs from the scenario's own file in one case."""
+    """Values of one case that differ from the scenario's own file."""
     name = law.removesuffix(POWERED)
     column = "by_wire" if law in BY_WIRE else "manual" if law == name else "powered"
     until = f" until {_ENDS[fault]:g}" if fault in _ENDS else ""
@@ -191,13 +191,13 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
 
 
 def is_safe(given: argparse.Namespace, measured: Mapping[str, Any]) -> bool:
-    """Whether the car stays within its lane, and its sideslip within the limit, from the fault on."""
+    """Return True if the car keeps its lane, and its sideslip the limit, from the fault on."""
     half = 0.5 * (given.lane - given.car_width)
     return bool(measured["path_error"] <= half and measured["sideslip"] <= given.sideslip)
 
 
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
-    """For each law the number of faults, dry and wet, with which it is safe without the limp mode."""
+    """Numbers of faults, dry and wet, with which each law is safe without the limp mode."""
     found: dict[str, Metric] = {}
     for law in given.laws or laws():
         names = [

@@ -38,7 +38,7 @@ SEED = "seed"
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    """Which scenario, what varies, and what is shown of it."""
+    """Options for the scenario, what varies, and what is shown of it."""
     parser.add_argument(
         "scenario",
         nargs="?",
@@ -66,7 +66,10 @@ MOST = 100_000  # runs of a sweep
 
 
 def variations(given: argparse.Namespace) -> dict[str, list[Any]]:
-    """By NODE.PARAM, and `seed` if there are several, the values; ParameterError for words without sense."""
+    """Values by NODE.PARAM, and by `seed` if there are several.
+
+    ParameterError for words without sense.
+    """
     if not 1 <= given.seeds <= MOST:
         raise ParameterError(f"--seeds {given.seeds} is refused, expected 1 to {MOST}")
     varied: dict[str, list[Any]] = {}
@@ -162,7 +165,7 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
 
 
 def _shown(given: argparse.Namespace, results: Results) -> dict[str, str]:
-    """By name the unit of the metrics that are shown: those that are asked for, else all that some run has."""
+    """Units of the shown metrics by name: those that are asked for, else all that some run has."""
     units: dict[str, str] = {}
     for result in results.values():
         units |= result.measured.get("units", {})
@@ -172,7 +175,7 @@ def _shown(given: argparse.Namespace, results: Results) -> dict[str, str]:
 
 
 def _values_of(result: CaseResult) -> Mapping[str, float]:
-    """By name the metrics of a run that have a value; none of one that was refused."""
+    """Metrics of a run that have a value, by name; none of one that was refused."""
     return result.measured.get("metrics", {})
 
 
@@ -200,7 +203,7 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
 
 
 def better(given: argparse.Namespace, results: Results) -> dict[str, str]:
-    """Of the metrics of which more or less is better."""
+    """Metrics of which more or less is better."""
     return better_by_column(_shown(given, results), results)
 
 

@@ -30,7 +30,7 @@ class Free:
 
     @property
     def by_factors(self) -> bool:
-        """Whether its logarithm is even."""
+        """True if the logarithm of the parameter is drawn evenly."""
         return self.low > 0.0
 
     def value(self, share: float) -> float:
@@ -51,7 +51,7 @@ class Free:
 def free_parameters(
     law: str, configurations: Mapping[str, Configuration], patterns: Sequence[str]
 ) -> list[Free]:
-    """The numbers of a law whose names fit, as a board names them, except what the board draws for it.
+    """Numbers of a law with fitting names, as a board names them, but none that the board draws.
 
     ParameterError if a pattern fits none, if one that fits has no bounds and no positive start, or
     if fewer than two fit: CMA-ES needs two.

@@ -1,1 +1,1 @@
-"""What each source published, how it is judged, and the verdicts that follow."""
+"""Published numbers of each source, their judgement, and the verdicts that follow."""

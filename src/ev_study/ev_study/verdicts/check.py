@@ -24,10 +24,10 @@ from ev_study.verdicts.need import Need
 
 @dataclass(frozen=True, slots=True)
 class Tolerance:
-    """A band around a published value (a fraction of it or a distance in its unit), or a band with given ends.
+    """A band around a published value (a fraction or a distance), or one with given ends.
 
     `why` is the reason of its width: what the source leaves open, or what sampling costs; never a
-    wish.
+    desired result.
     """
 
     why: str
@@ -111,7 +111,7 @@ class Check:
 
     @property
     def is_judged(self) -> bool:
-        """Whether it is held against a published number, and not only shown beside."""
+        """True if it is held against a published number, and not only shown beside it."""
         return bool(self.tolerance.parts)
 
     def metric(

@@ -1,4 +1,4 @@
-"""What measures a number of a published thing: a function with its words, or an expression over runs."""
+"""Measures of published numbers: a function with its words, or an expression over runs."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class Call:
         return cls(measures[name], given)
 
     def __call__(self, driven: Sequence[Any]) -> Any:
-        """What is measured on what was driven."""
+        """Measure the driven runs."""
         return self.measure(*driven, *self.words)
 
     def renamed(self, words: Mapping[str | float, str | float]) -> Call:
@@ -96,7 +96,7 @@ class Template:
 
     @property
     def is_plain(self) -> bool:
-        """Whether there is nothing to fill in."""
+        """True if there is nothing to fill in."""
         return len(self.parts) < 2
 
     def filled(self, driven: Sequence[Any]) -> str:
@@ -138,7 +138,7 @@ class Expression:
         return cls(tuple(runs), number_of(parsed(expression)))
 
     def __call__(self, driven: Sequence[ScenarioRuns]) -> float:
-        """What is measured on what was driven."""
+        """Measure the driven runs."""
         first, *other = map(self._value, driven, self.runs)
         if not other:
             return first
@@ -160,7 +160,7 @@ class Expression:
 
 
 def measured_by(text: str, measures: Measures, needs: Sequence[Need]) -> Call | Expression:
-    """What measures a number: a measure with its words, or an expression; ParameterError if the text is neither."""
+    """Return a measure with its words, or an expression; ParameterError if the text is neither."""
     name = text.partition(" ")[0]
     if name in measures:
         return Call.of(text, measures, needs)
@@ -174,7 +174,7 @@ def measured_by(text: str, measures: Measures, needs: Sequence[Need]) -> Call | 
 
 
 def compared(text: str) -> tuple[str, str, str]:
-    """What stands before the `<` or `>` of a comparison, the sign, and what stands behind; else the text alone."""
+    """Split a comparison: text before its `<` or `>`, the sign, the rest; else the text alone."""
     depth = 0
     for place, letter in enumerate(text):
         depth += (letter in "([") - (letter in ")]")

@@ -43,7 +43,7 @@ class PublishedPanel:
 
     @property
     def title(self) -> str:
-        """What it is called on the page."""
+        """Title on the page."""
         return f"Fig {self.figure}{' ' if self.letter else ''}{self.letter}"
 
 

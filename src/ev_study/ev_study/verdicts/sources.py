@@ -71,7 +71,7 @@ class Published:
 
     @property
     def is_judged(self) -> bool:
-        """Whether there is a verdict; where there is none, numbers are shown all the same."""
+        """True if there is a verdict; numbers are shown also without one."""
         return self.note not in NO_VERDICT
 
     def noted(self, note: str, driven: Mapping[Need, Driven]) -> str:

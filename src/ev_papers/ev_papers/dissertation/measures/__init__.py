@@ -1,1 +1,1 @@
-"""What is measured of the dissertation's urban cycle: its circuits, windows, efficiencies and slip curves."""
+"""Measures of the dissertation's urban cycle: circuits, windows, efficiencies and slip curves."""

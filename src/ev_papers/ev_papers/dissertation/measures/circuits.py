@@ -43,7 +43,7 @@ class CircuitSums:
 
     @property
     def speed_efficiency(self) -> float:
-        """What slip leaves, sum w_free/sum w_k: eq 2.37 without rolling resistance in M_f [1]."""
+        """Efficiency left by slip, sum w_free/sum w_k: eq 2.37 without rolling resistance [1]."""
         return _ratio(self.free_turned, self.turned, "the wheel did not turn")
 
     @property

@@ -21,7 +21,7 @@ WINDOW = 0.125  # [s]; the source gives no length
 LEAST_SLIP = 0.03  # [1], below it no wheel has passed its peak
 # Standard deviation of the slip in a window that shows a curve and not a point [1].
 LEAST_SPREAD = 0.01
-HITS = 5  # windows in a row whose curve falls in the end
+HITS = 5  # windows in a row with a curve that falls in the end
 LARGEST_ERROR = 1e-3  # [1], sum of the squared errors of a fit that counts; printed below eq 2.36
 SLOWEST = 3.0  # [rad/s], of the free wheel; at rest slip has no meaning
 
@@ -70,7 +70,7 @@ def slip_and_road_torque(
 def first_passed_peak(run: Recording, vehicle: Vehicle, wheel: str) -> SlipCurve:
     """Fit where a driven wheel first passes its peak on one surface while its slip only rises.
 
-    Window after window is fitted; a few in a row whose curves fall in the end are no noise.
+    Window after window is fitted; a few in a row with curves that fall in the end are no noise.
     NotMeasured if that never happens.
     """
     x, y = slip_and_road_torque(run, vehicle, wheel)

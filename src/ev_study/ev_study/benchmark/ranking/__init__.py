@@ -1,1 +1,1 @@
-"""What a board has given: costs, scores with intervals, ranks, tables, pages, figure and files (docs/benchmark.md)."""
+"""Results of a board: costs, scores with intervals, ranks, tables, pages, figure and files."""

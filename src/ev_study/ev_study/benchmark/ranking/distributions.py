@@ -49,7 +49,7 @@ def _mean(of_runs: np.ndarray, seed: int) -> Estimate:
 
 
 def _counts(cells: int, draws: int, seed: int) -> Iterator[np.ndarray]:
-    """How often each run is there in each resampled board, some boards at once, (boards, cells x draws)."""
+    """Count each run in each resampled board, some boards at once, (boards, cells x draws)."""
     for chosen in resampled_draws(cells, draws, seed):
         places = chosen + draws * np.arange(cells)[:, None]
         yield np.stack(

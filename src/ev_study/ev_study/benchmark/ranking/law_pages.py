@@ -64,7 +64,7 @@ def _in_words(result: BoardResult, i: int) -> str:
 
 
 def _on_the_front(result: BoardResult, i: int) -> str:
-    """Which laws are better in both handling and energy; on the front those next to it."""
+    """Name the laws that are better in both handling and energy; on the front those next to it."""
     points = np.array(
         [[result.scores[of][n].value for of in COSTS] for n in range(len(result.laws))]
     )

@@ -45,7 +45,7 @@ def _write_lines(
 
 
 def _write_parquet(path: Path, result: BoardResult) -> None:
-    """With the metrics of all manoeuvres as columns of numbers, empty where a run has none."""
+    """Write the metrics of all manoeuvres as columns of numbers, empty where a run has none."""
     import pyarrow
     import pyarrow.parquet
 

@@ -1,4 +1,4 @@
-"""From metrics to scores: costs against a reference, interquartile means with intervals, and ranks with ties.
+"""Scores from metrics: costs over a reference, interquartile means, ranks with ties.
 
 Agarwal et al. (2021), Deep reinforcement learning at the edge of the statistical precipice, NeurIPS
 34: the mean of the middle half of all runs, with intervals by a bootstrap within each cell
@@ -41,13 +41,13 @@ def costs_of(
     metrics: Mapping[str, Mapping[str, np.ndarray]],
     unstable: np.ndarray,
 ) -> np.ndarray:
-    """What each run of a manoeuvre costs, (laws, draws), by the metrics of its laws over those of the reference.
+    """Costs of the runs of a manoeuvre, (laws, draws), by metrics over those of the reference.
 
-    Its own cost is the mean of 1 + (x - x_0)/max(|x_0|, scale) of each metric, with the sign of what is better, within
-    0 to LARGEST; 1 without metrics. A run that meets the share m of the demand costs m times its
-    own cost and 1 - m times LARGEST, so that no law gains by doing less; LARGEST below LEAST_MET,
-    for runs that are `unstable`, (laws, draws), and for those that lack a number. A metric that
-    only the reference lacks is 1.
+    The own cost of a run is the mean of 1 + (x - x_0)/max(|x_0|, scale) of each metric, with the
+    sign of what is better, within 0 to LARGEST; 1 without metrics. A run that meets the share m of
+    the demand costs m times its own cost and 1 - m times LARGEST, so that no law gains by doing
+    less; LARGEST below LEAST_MET, for runs that are `unstable`, (laws, draws), and for those that
+    lack a number. A metric that only the reference lacks is 1.
     """
     found = [] if manoeuvre.metrics(cost) else [np.ones(unstable.shape)]
     lost = unstable
@@ -102,10 +102,10 @@ def tail_mean(costs: np.ndarray) -> np.ndarray:
 def bootstrap(
     costs: np.ndarray, statistic: Callable[[np.ndarray], np.ndarray], seed: int
 ) -> np.ndarray:
-    """A statistic of the costs of each law, (laws, cells, draws), and then of RESAMPLES boards: (1 + boards, laws).
+    """A statistic of the costs of each law, (laws, cells, draws), and of RESAMPLES boards.
 
-    Draws are drawn anew within each cell, and alike for all laws, for they have driven the same
-    ones.
+    The result is (1 + boards, laws). Draws are drawn again within each cell, and alike for all
+    laws, for they have driven the same ones.
     """
     laws, cells, draws = costs.shape
     found = [
@@ -134,7 +134,7 @@ def ranked(found: np.ndarray) -> list[Score]:
 def difference(
     one: np.ndarray, other: np.ndarray, statistic: Callable[[np.ndarray], np.ndarray], seed: int
 ) -> tuple[float, float, float]:
-    """By how much a statistic of the costs of one law, (cells, draws), is above that of another, and its interval."""
+    """Difference of a statistic of the costs of two laws, (cells, draws), and its interval."""
     both = np.stack([one, other])
     cells, draws = one.shape
     found = [
@@ -148,7 +148,10 @@ def difference(
 
 
 def resampled_draws(cells: int, draws: int, seed: int) -> Iterator[np.ndarray]:
-    """Draws drawn anew within each cell, for RESAMPLES boards, _AT_ONCE at a time, (boards, cells, draws)."""
+    """Draw again within each cell, for RESAMPLES boards.
+
+    They come _AT_ONCE at a time, (boards, cells, draws).
+    """
     random = np.random.Generator(np.random.PCG64(seed))
     for _ in range(0, RESAMPLES, _AT_ONCE):
         yield random.integers(draws, size=(_AT_ONCE, cells, draws))

@@ -1,4 +1,4 @@
-"""What the variations of a board do to its laws: runs with the least of what is drawn against those with the most."""
+"""Effects of a board's variations on its laws: runs with the least against those with the most."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ from ev_study.benchmark.ranking.scores import CONFIDENCE
 
 
 class Difference(NamedTuple):
-    """By how much a number is higher with the most, and half the width of its interval; NaN of too few runs."""
+    """Rise of a number from the least to the most, and half the width of its interval.
+
+    Both are NaN with too few runs.
+    """
 
     value: float
     half: float
@@ -43,7 +46,7 @@ class Varied(NamedTuple):
 def differences_by_variation(
     board: Board, cells: Sequence[Cell], counted: Mapping[str, np.ndarray]
 ) -> dict[str, Varied]:
-    """By variation how what is `counted` of each run, (laws, cells, draws), differs.
+    """Differences of what is `counted` of each run, (laws, cells, draws), by variation.
 
     Compared are the runs with the least and the greatest third of a range, the least and the
     greatest choice, or none and a fault of MOTOR_FAULT. A variation of a single choice is left out.
@@ -82,11 +85,11 @@ def _extremes(variation: Variation, drawn: np.ndarray) -> tuple[tuple[str, Any],
 def mantel_haenszel(
     values: np.ndarray, with_least: np.ndarray, with_most: np.ndarray
 ) -> list[Difference]:
-    """How values, (laws, cells, draws), differ between some runs and others, (cells, draws), within their cells.
+    """Differences of values, (laws, cells, draws), between two kinds of runs, (cells, draws).
 
-    A cell has the weight n_1 n_2/(n_1 + n_2), so that it counts for nothing which cells happen to
-    have more runs with the most. All cells together give a variance for each kind of runs, and
-    Student's t with the freedom of the fewer ones the interval.
+    They are taken within cells. A cell has the weight n_1 n_2/(n_1 + n_2), so that it counts for
+    nothing which cells happen to have more runs with the most. All cells together give a variance
+    for each kind of runs, and Student's t with the freedom of the fewer ones the interval.
     """
     both = with_least.any(axis=-1) & with_most.any(axis=-1)
     values, kinds = values[:, both], np.stack([with_least[both], with_most[both]])

@@ -1,1 +1,1 @@
-"""What is held against measured data and results of others: each comparison with its limit, and what drives it."""
+"""Comparisons with measured data and results of others, each with its limit and its driving."""

@@ -43,7 +43,7 @@ class Comparison:
     command: str
 
     def row(self, value: float) -> tuple[str, ...]:
-        """What stands in a table, by `COLUMNS`."""
+        """Cells of a table, by `COLUMNS`."""
         number = f"{value:.3g} {self.unit}".removesuffix(" 1")
         verdict = "holds" if value <= self.most else "does not hold"
         return (
@@ -66,7 +66,7 @@ def declared() -> list[Comparison]:
 
 
 def compare(folder: Path, progress: Callable[[str], None] = lambda line: None) -> dict[str, float]:
-    """The numbers by id of all comparisons whose data are in a folder; ParameterError if none are."""
+    """The numbers by id of all comparisons with data in a folder; ParameterError without any."""
     there = [name for name in _DRIVERS if (folder / name).exists()]
     if not there:
         raise ParameterError(
@@ -92,5 +92,5 @@ def rows(found: Mapping[str, float]) -> Sequence[tuple[str, ...]]:
 
 
 def table(found: Mapping[str, float]) -> str:
-    """What the terminal shows."""
+    """Table for the terminal."""
     return text_table(COLUMNS[:4], [row[:4] for row in rows(found)], left=COLUMNS[:4])

@@ -83,7 +83,10 @@ SINGLE_TRACK = Car(
 
 
 def planar_mechanics(folder: Path) -> dict[str, float]:
-    """By id how far ours is from the results in planar_mechanics, in per cent; ParameterError if one is missing."""
+    """Distances of ours from the results in planar_mechanics, by id [%].
+
+    ParameterError if one is missing.
+    """
     folder = folder / "planar_mechanics"
     two, one = (
         _reference(folder, name)

@@ -101,7 +101,7 @@ def read_columns(bag: Path, wanted: Sequence[str]) -> Read:
 
 
 def is_foreign(bag: Path) -> bool:
-    """Whether a bag has none of the wheel states that every run of ours has."""
+    """Return True if a bag has none of the wheel states that every run of ours has."""
     if bag.is_dir() and not (bag / "metadata.yaml").exists():
         return False
     with _opened(bag) as reader:
@@ -109,7 +109,7 @@ def is_foreign(bag: Path) -> bool:
 
 
 def standard_channels(bag: Path) -> dict[str, str]:
-    """By channel the column of the standard message that measures it.
+    """Return by channel the column of the standard message that measures it.
 
     A velocity to the side that is zero throughout was not measured. ParameterError if one of those
     that an identification needs is missing, or if several topics give it.

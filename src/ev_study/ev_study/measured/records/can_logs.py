@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 _NAMES = {"can": "python-can"}
 Source = tuple[str, int]  # bus and id of a frame
-_FROM_ZERO = (".asc", ".blf")  # formats whose buses python-can counts from 0, the files from 1
+_FROM_ZERO = (".asc", ".blf")  # formats with buses that python-can counts from 0, the files from 1
 # candump, text of Vector and of PEAK, Vector's binary, ASAM MDF
 SUFFIXES = (".log", ".asc", ".trc", ".blf", ".mf4")
 _RELATIVE = re.compile(r"^base\s+\w+\s+timestamps\s+relative", re.IGNORECASE | re.MULTILINE)
@@ -38,13 +38,14 @@ _TIMED = re.compile(r"^(\s*)(-?\d+\.\d+)(?=\s)", re.MULTILINE)
 
 
 def read_columns(log: Path, database: Path, wanted: Sequence[str], channel: str = "") -> Read:
-    """The signals MESSAGE.SIGNAL over the times of their frames, with the SHA-256 of the log and the units of the DBC.
+    """Read the signals MESSAGE.SIGNAL over the times of their frames.
 
-    `channel` is the bus that is read where several carry the same message. A message of J1939 whose
-    source in the DBC is the null address is read from any source. Frames without the bits of a
-    signal, pages of a multiplexer that the DBC does not have, and values beyond its range are
-    passed over and counted. ParameterError, in one line, if log or database cannot be read, if a
-    message or signal is not in the database, has several sources, or never came.
+    With them come the SHA-256 of the log and the units of the DBC. `channel` is the bus that is
+    read where several carry the same message. A message of J1939 with the null address as its
+    source in the DBC is read from any source. Frames without the bits of a signal, pages of a
+    multiplexer that the DBC does not have, and values beyond its range are passed over and counted.
+    ParameterError, in one line, if log or database cannot be read, if a message or signal is not in
+    the database, has several sources, or never came.
     """
     for package in ("can", "cantools", *(("asammdf",) if log.suffix.lower() == ".mf4" else ())):
         if find_spec(package) is None:
@@ -58,7 +59,7 @@ def read_columns(log: Path, database: Path, wanted: Sequence[str], channel: str 
         if each.message.is_extended_frame and each.message.frame_id & 0xFF == NULL_ADDRESS:
             by_group[group_of(each.message.frame_id)] = each
     decoded: dict[str, dict[Source, Decoded]] = {each.message.name: {} for each in messages}
-    others: set[int] = set()  # extended ids that nobody asked for
+    others: set[int] = set()  # extended ids that are not wanted
     digest = _digest(log)
     for frame in _frames(log):
         found = by_id.get((frame.arbitration_id, frame.is_extended_id))

@@ -30,7 +30,7 @@ class Wanted:
 
 @dataclass
 class Decoded:
-    """What the frames of a message from one source have given, by column, and how many were passed over, by reason."""
+    """Values of a message from one source, by column, and the frames passed over, by reason."""
 
     wanted: Wanted
     times: dict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
@@ -41,7 +41,7 @@ class Decoded:
     outside: Counter[str] = field(default_factory=Counter)
 
     def add(self, time: float, data: bytes) -> None:
-        """Take the signals of a frame: those whose bits it has, within the range that the DBC declares."""
+        """Take the signals of a frame: those with all bits in it, within the range of the DBC."""
         from cantools.database.errors import DecodeError
 
         self.frames += 1
@@ -65,7 +65,7 @@ class Decoded:
                 self.values[column].append(value)
 
     def notes(self) -> tuple[str, ...]:
-        """What was passed over, a line for each reason."""
+        """Frames and values passed over, a line for each reason."""
         name, of = self.wanted.message.name, self.frames
         lines = [
             f"{n} of {of} frames of {name} passed over: {why}" for why, n in self.undecoded.items()
@@ -82,7 +82,7 @@ class Decoded:
 
 
 def _is_outside(signal: Signal, value: float) -> bool:
-    """Whether a value is beyond the declared range, where there is one, by more than half a digit."""
+    """Return True if a value is beyond the declared range, if any, by more than half a digit."""
     low, high = signal.minimum, signal.maximum
     if low is None or high is None or low >= high:
         return False
@@ -109,7 +109,7 @@ def wanted_messages(database: Path, wanted: Sequence[str]) -> list[Wanted]:
 
 
 def _load(database: Path) -> Database:
-    """The messages of a file, checked only one by one: nobody asks for most of them."""
+    """Load the messages of a file, each checked when it is used: few of them are."""
     from cantools.database import load_string
 
     try:
@@ -133,6 +133,6 @@ def id_text(message: Message) -> str:
 
 
 def group_of(frame_id: int) -> int:
-    """What an id of J1939 has beside priority and source, and beside the destination where it names one."""
+    """Mask an id of J1939: without priority, source, and the destination if it has one."""
     destined = (frame_id >> 16) & 0xFF < 240  # PDU1
     return frame_id & (0x03FF0000 if destined else 0x03FFFF00)

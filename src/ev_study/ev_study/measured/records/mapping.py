@@ -1,4 +1,4 @@
-"""What the columns of a record are: the mapping file beside it, or the standard messages of a bag."""
+"""Meaning of a record's columns: the mapping file beside it, or a bag's standard messages."""
 
 from __future__ import annotations
 
@@ -88,7 +88,10 @@ def _given(mapping: Path) -> Mapping[str, Any]:
 
 
 def _reader(path: Path, mapping: Path, given: Mapping[str, Any]) -> Reader:
-    """What reads the columns of a file with their times; the time of a CSV file and the DBC are in the mapping."""
+    """Choose the reader of a file's columns with their times.
+
+    The time of a CSV file and the DBC are in the mapping.
+    """
     suffix = path.suffix.lower()
     if suffix == mdf.SUFFIX and "dbc" not in given and "time" not in given:
         return mdf.read_columns

@@ -1,4 +1,4 @@
-"""Which samples of a record are believed: one with a wrong time, or a spike, costs itself and not what is behind it."""
+"""Believed samples of a record: a wrong time or a spike costs itself and nothing behind it."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ Cut = tuple[float, float]
 def in_order(
     source: str, columns: Mapping[str, Sampled]
 ) -> tuple[dict[str, Sampled], tuple[str, ...], list[Cut]]:
-    """The columns without the samples whose times are not believed, how many these are, and where a clock steps back.
+    """Drop samples with times that are not believed.
 
-    ParameterError if they are most of them.
+    Count them and find set-back clocks. ParameterError if they are most of the samples.
     """
     kept: dict[str, Sampled] = {}
     cuts: dict[Cut, None] = {}  # each once
@@ -66,7 +66,7 @@ def in_order(
 
 
 def _steps_back(time: np.ndarray, good: np.ndarray) -> list[Cut]:
-    """Where samples in a row were passed over for which the believed clock has no room: it was set back there."""
+    """Find where samples in a row have no room in the believed clock: it was set back there."""
     places = np.flatnonzero(good)
     passed_over, steps = np.diff(places) - 1, np.diff(time[places])
     without_room = np.flatnonzero(passed_over * np.median(steps) > 2.0 * steps)
@@ -79,7 +79,7 @@ def _steps_back(time: np.ndarray, good: np.ndarray) -> list[Cut]:
 
 
 def _where_cut(what: str, cuts: Sequence[Cut]) -> str:
-    """What a note says of the places at which a record is cut; empty if there are none."""
+    """Text of a note on the places at which a record is cut; empty if there are none."""
     if not cuts:
         return ""
     times = ", ".join(f"{behind:.2f}" for _, behind in cuts[:_NAMED]) + (
@@ -123,7 +123,7 @@ def without_spikes(
 
 
 class Spacing(NamedTuple):
-    """How far the samples of a series are apart, and how far at most without a gap [s]."""
+    """Distance of the samples of a series, and the largest one without a gap [s]."""
 
     interval: float
     largest: float
@@ -145,7 +145,7 @@ def spacing_of(time: np.ndarray) -> Spacing:
 
 
 def cut(instants: np.ndarray, cuts: Sequence[Cut]) -> np.ndarray:
-    """Which instants [s] lie between the samples of a cut, and one at least for each, (n,) bool."""
+    """Mark the instants [s] between the samples of a cut, at least one for each, (n,) bool."""
     found = np.zeros(len(instants), bool)
     for before, behind in cuts:
         first, last = np.searchsorted(instants, (before + 1e-9, behind + 1e-9), side="right")
@@ -154,10 +154,10 @@ def cut(instants: np.ndarray, cuts: Sequence[Cut]) -> np.ndarray:
 
 
 def believed(time: np.ndarray) -> np.ndarray:
-    """Where the times [s] of a series (n,) are believed, (n,) bool: most of them that increase, within one stretch.
+    """Mark believed times [s] of a series (n,), bool: most that increase, within one stretch.
 
-    Where the clock begins anew, as in a log to which another drive was appended, only one of both
-    is believed.
+    Where the clock restarts, as in a log to which another drive was appended, only one of both is
+    believed.
     """
     found = np.isfinite(time)
     if found.all() and len(time) and (np.diff(time) > 0.0).all() and time[-1] - time[0] < _PAUSE:
@@ -209,12 +209,13 @@ def _longest_rise(values: np.ndarray) -> list[int]:
 def jumps(
     values: np.ndarray, limit: float | np.ndarray, sure: float = 1.0
 ) -> tuple[np.ndarray, list[int]]:
-    """Where a series jumps away, up to where it is back, (n,) bool, and the places before jumps that stay for good.
+    """Mark where a series jumps away, up to where it is back, (n,) bool.
 
-    `limit` is the largest step, of all or (n - 1,). What is back within `_LONGEST_SPIKE` may be
-    back in any way, later on, within half of the samples, only by a jump; then both are larger than
-    `sure` limits. Near the beginning or the end it is the short side that has jumped. Of a jump for
-    good one instant is marked.
+    List lasting jumps. A lasting jump is given by the place before it. `limit` is the largest step,
+    of all or (n - 1,). What is back within `_LONGEST_SPIKE` may be back in any way, later on,
+    within half of the samples, only by a jump; then both are larger than `sure` limits. Near the
+    beginning or the end it is the short side that has jumped. Of a jump for good one instant is
+    marked.
     """
     sizes = np.abs(np.diff(values))
     limits = np.broadcast_to(limit, sizes.shape)

@@ -47,7 +47,7 @@ _NONE = ("", "-", "1")
 
 
 def of_header(columns: Iterable[str]) -> dict[str, str]:
-    """By column the unit that its name ends with, in brackets, as of "speed [km/h]"."""
+    """Units in brackets at the ends of column names, as of "speed [km/h]"."""
     found = {name: match[1] for name in columns if (match := _BRACKETS.search(name))}
     return {name: unit for name, unit in found.items() if unit.strip().lower() in _WRITTEN}
 

@@ -97,13 +97,13 @@ class Corridor:
 
     @cached_property
     def counts(self) -> np.ndarray:
-        """Which instants are judged."""
+        """Mask of the instants that are judged."""
         there: np.ndarray = np.isfinite(self.measured)
         return there
 
     @cached_property
     def inside(self) -> np.ndarray:
-        """Which of them lie in the corridor."""
+        """Mask of the judged instants that lie in the corridor."""
         with np.errstate(invalid="ignore"):
             return self.counts & (
                 np.abs(self.measured - self.simulated) <= self.width(self.simulated)
@@ -111,7 +111,7 @@ class Corridor:
 
     @property
     def share(self) -> float:
-        """Of the instants that lie in it [1]; NaN if there are none."""
+        """Share of the instants that lie in it [1]; NaN if there are none."""
         return _share(self.inside[self.counts])
 
     @property
@@ -150,12 +150,15 @@ class Corridor:
 
     @property
     def share_of_ranges(self) -> float:
-        """Of the ranges whose measured median lies in the corridor around the simulated one [1]; NaN without any."""
+        """Share of ranges with the measured median in the corridor around the simulated one [1].
+
+        NaN without any range.
+        """
         _, simulated, measured = self.curves
         return _share(np.abs(measured - simulated) <= self.width(simulated))
 
     def as_json(self) -> dict[str, Any]:
-        """For summary.json."""
+        """Content for summary.json."""
         shares = {"share": self.share, "share_of_ranges": self.share_of_ranges}
         return {n: v if np.isfinite(v) else None for n, v in shares.items()} | {
             "by_range": self.shares
@@ -201,7 +204,7 @@ def _share(inside: np.ndarray) -> float:
 
 
 def corridor_table(corridors: Mapping[str, Corridor]) -> str:
-    """What the terminal shows: the instants in each corridor by range, and ranges of the cross plot, in per cent."""
+    """Table for the terminal: instants in each corridor by range, ranges of the cross plot [%]."""
     names = range_names()
     rows = []
     for name, each in corridors.items():

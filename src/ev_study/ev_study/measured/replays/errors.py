@@ -1,4 +1,4 @@
-"""How far a signal is from the record: in all, by window and by range of lateral acceleration."""
+"""Errors of a signal against the record: in all, by window and by range of lateral acceleration."""
 
 from __future__ import annotations
 
@@ -37,14 +37,17 @@ class Errors:
     samples: int
 
     def as_json(self) -> dict[str, Any]:
-        """For summary.json, in which no number is infinite."""
+        """Content for summary.json, in which no number is infinite."""
         return {name: value if np.isfinite(value) else None for name, value in asdict(self).items()}
 
 
 def errors_of(
     simulated: np.ndarray, measured: np.ndarray, period: float = 0.0, most: float = 0.3
 ) -> Errors:
-    """Of series (windows, n) or (n,); a lag of at most `most` [s] is looked for if there is a `period` [s]."""
+    """Errors of series (windows, n) or (n,).
+
+    A lag of at most `most` [s] is looked for if there is a `period` [s].
+    """
     error = simulated - measured
     there = np.isfinite(error)
     error, of = error[there], measured[there]
@@ -62,7 +65,7 @@ def errors_of(
 
 
 def _lag(simulated: np.ndarray, measured: np.ndarray, period: float, most: float) -> float:
-    """By a parabola through the largest correlation of all windows that are finite, and its neighbours."""
+    """Lag by a parabola through the largest correlation of all finite windows."""
     whole = (np.isfinite(simulated) & np.isfinite(measured)).all(axis=1)
     reach = round(most / period)
     if not whole.any() or simulated.shape[1] <= 4 * reach:
@@ -119,9 +122,9 @@ def range_names() -> list[str]:
 def spins(
     sideslip: np.ndarray, measured: np.ndarray, limit: float = np.radians(20.0)
 ) -> np.ndarray:
-    """Which windows leave the record: a number that is not finite, or a sideslip angle that far from the measured.
+    """Mark windows that leave the record: not finite, or with a sideslip angle far from it.
 
-    Where none was measured (NaN) none is judged.
+    A window without a measured sideslip angle (NaN) is not judged by it.
     """
     away = np.where(np.isfinite(measured), np.abs(sideslip - measured), 0.0)
     return ~np.isfinite(sideslip).all(axis=1) | (
@@ -155,7 +158,7 @@ class Judged:
         return f"{name} is measured {abs(self.errors.lag):.3f} s {when}: clock or filter of a sensor, or another car"
 
     def metrics(self, name: str) -> dict[str, Metric]:
-        """For summary.json and the page, by names that begin so."""
+        """Metrics for summary.json and the page; their names begin with `name`."""
         numbers = {"rms": self.errors.rms, "largest": self.errors.largest, "bias": self.errors.bias}
         found = {
             f"{name}_{what}": Metric(value, self.unit)
@@ -168,7 +171,7 @@ class Judged:
         return found
 
     def as_json(self) -> dict[str, Any]:
-        """For summary.json."""
+        """Content for summary.json."""
         windows = [value if np.isfinite(value) else None for value in self.of_windows.tolist()]
         ranges = {label: each.as_json() for label, each in self.ranges.items()}
         return {"errors": self.errors.as_json(), "by_range": ranges, "by_window": windows}
@@ -183,7 +186,7 @@ def judged(
 
 
 def error_table(of: Mapping[str, Judged]) -> str:
-    """What the terminal shows: by signal the errors, those of the median window and those by range."""
+    """Table for the terminal: errors by signal, of the median window and by range."""
     rows = []
     for name, each in of.items():
         rows.append(

@@ -80,7 +80,7 @@ class WheelProfiles(NamedTuple):
 
 
 class ImposedTorques(NamedTuple):
-    """What is asked for at the wheels."""
+    """Torques asked for at the wheels."""
 
     drive: WheelProfiles
     brake: WheelProfiles
