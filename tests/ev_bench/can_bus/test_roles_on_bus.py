@@ -204,6 +204,22 @@ def test_a_change_in_any_cycle_of_a_period_leaves_what_is_measured(cycle):
     assert states.lost_11 == 3.0
 
 
+@pytest.mark.parametrize("held", [1, 6, 20, 50])
+def test_a_bench_that_was_held_up_measures_what_its_machines_give(held):
+    """Means of the cycles that it made: those that are lost give nothing, and show nothing."""
+    values = [each for each in VALUES if not each[1].startswith("inject")]
+    values += [("test_bench", f"{of}command_timeout", 1.0) for of in ("", "load.")]
+    ends = Ends(values=tuple(values))
+    ends.instants(0.25)
+    asked = ends.said[-1]["asked"]
+    ends.bench.advance(asked, BATTERY)
+    ends.bench.cycle(held)
+    ends.bench.advance(asked, BATTERY)
+    shafts = ends.bench.outputs()[0]
+    assert shafts.machine_torque[:2] == pytest.approx((10.0, 20.0), abs=0.1)
+    assert shafts.torque[:2] == pytest.approx((10.0, 20.0), abs=0.1)
+
+
 def test_a_command_that_is_held_from_before_gets_too_old():
     """Torques stop after `command_timeout`, 0.1 s, though time and load machines go on."""
     ends = Ends()

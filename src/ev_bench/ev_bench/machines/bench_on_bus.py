@@ -64,6 +64,7 @@ class BenchStation(ChannelStation):
         }
         self._motions = tuple(deque[int](maxlen=MOST_TICKS) for _ in own)
         self._tick = 0.0
+        self._made = 0  # cycles since the last instant; those that were lost show nothing
         self.has_begun = False  # whether ticks count from the first instant, as those of faults do
 
     def receive(self, frame: Frame) -> None:
@@ -80,6 +81,7 @@ class BenchStation(ChannelStation):
 
     def advance(self, tick: float) -> tuple[float, float]:
         """Both inverters, their machines and the shaft."""
+        self._made += 1
         kind = self._fault(tick)
         put_in(self._p.inject, self.s.machine.injected, kind)
         make_cycle(self._p, self._c, self._number, self.s, tick, kind == BusFault.LOAD_LIMIT)
@@ -105,27 +107,32 @@ class BenchStation(ChannelStation):
 
     def end_period(self, ticks: float, bit_rate: float) -> None:
         """End a control period in which there were some ticks: means, heat, and what went over the bus."""
-        share = self._c.ticks / ticks
+        mean = self._c.ticks / self._made
         for name in _MEANS:
-            setattr(self.s, name, share * getattr(self.s, name))
+            setattr(self.s, name, mean * getattr(self.s, name))
         end_period(self._p, self._c.circuits, self.s, ticks * TICK)
         for device, motions in enumerate(self._motions):
             for tick, payload in enumerate(motions):
                 place = FEEDBACK_WORDS * device + 2 * tick
                 self.line.feedback[place : place + 2] = words(payload)
         channel = self.line.channel
-        channel.busy, channel.latency = share * self.meter.bits, self.meter.latency * bit_rate
+        channel.busy = self._c.ticks / ticks * self.meter.bits
+        channel.latency = self.meter.latency * bit_rate
         channel.lost = sum(inverter.lost for inverter in self.inverters)
 
     def go_on_from(self, other: BenchStation) -> None:
         """Take over what another one keeps of the period, besides its state."""
-        self._tick, self.has_begun, self._motions = other._tick, other.has_begun, other._motions
+        self._tick = other._tick
+        self._made = other._made
+        self._motions = other._motions
+        self.has_begun = other.has_begun
         for inverter, before in zip(self.inverters, other.inverters, strict=True):
             inverter.lost = before.lost
 
     def begin_period(self) -> None:
         """Begin means and counts anew."""
         begin_period(self.s)
+        self._made = 0
         self.meter.clear()
         self.line.feedback[:] = [NO_FRAME] * len(self.line.feedback)
         for motions in self._motions:
