@@ -132,6 +132,20 @@ def test_a_command_is_not_given_up_within_two_periods(timeout, period):
     )
 
 
+@pytest.mark.parametrize("factor", [0.5, 2.0, 1000.0])
+def test_real_time_takes_no_other_pace(factor):
+    """It would go by the wall clock all the same; lockstep takes each."""
+    clock = {"mode": "realtime", "control_period": 0.01}
+    said = f"^parameter real_time_factor: {factor:g} is refused, expected 1 in real time, or mode lockstep$"
+    with pytest.raises(ParameterError, match=said):
+        configure(MASTER, {**clock, "real_time_factor": factor}, MasterParameters)
+    for taken in (0.0, 1.0):
+        begun = configure(MASTER, {**clock, "real_time_factor": taken}, MasterParameters)
+        with pytest.raises(ParameterError, match=said):
+            begun.changed({"real_time_factor": factor})
+    assert configure(MASTER, {"real_time_factor": factor}, MasterParameters)
+
+
 @given(st.integers(1, 100).map(lambda n: n / 1000), st.floats(0.0, 1.0), st.floats(0.001, 1.0))
 @example(0.01, 0.02, 0.04)
 @example(0.01, 0.02, 0.039)

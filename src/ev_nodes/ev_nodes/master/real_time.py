@@ -32,7 +32,7 @@ class MasterParameters:
         unit="1",
         low=0.0,
         high=1000.0,
-        about="simulated over wall time in lockstep, at most; 0: no limit",
+        about="simulated over wall time in lockstep, at most; 0: no limit; in real time it is 1",
     )
     duration: float = setting(
         0.0,
@@ -91,6 +91,12 @@ class MasterParameters:
         """ParameterError if they do not fit to those that every node has."""
         if common.mode != "realtime":
             return
+        if self.real_time_factor not in (0.0, 1.0):
+            name = "real_time_factor"
+            raise ParameterError(
+                f"parameter {name}: {self.real_time_factor:g} is refused, expected 1 in real time, or mode lockstep",
+                name,
+            )
         periods = 2.0 * common.control_period
         if self.command_timeout <= periods:
             allowed = f"more than two control periods, {periods:g} s"
