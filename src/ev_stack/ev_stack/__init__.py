@@ -1,4 +1,4 @@
-"""What a user starts; from Python `run`, `Simulation` and `batch` (docs/python.md)."""
+"""Runs from Python and from the shell: `run`, `Simulation` and `batch` (docs/python.md)."""
 
 _MODULES = {
     "BatchResult": "ev_stack.batches.batch",
@@ -14,7 +14,7 @@ __all__ = [*_MODULES]  # their types are in __init__.pyi
 
 
 def __getattr__(name: str) -> object:
-    """What takes long to import is imported when it is asked for."""
+    """Import names that take long to import when they are first used."""
     if name == "__version__":
         from importlib.metadata import version
 
@@ -27,5 +27,5 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    """What is there, whether it has been imported yet or not."""
+    """List all names, imported yet or not."""
     return sorted({*globals(), *_MODULES, "__version__"})

@@ -50,11 +50,11 @@ class RecorderInput:
     ) -> None:
         self._recorder, self._reports = recorder, reports
         self._clock_stamp = -1
-        # of /clock, for a run whose first state has yet to be taken
+        # of /clock, for a run before its first state is taken
         self._early: list[tuple[int, bytes, int]] = []
         self._next_poll = 0.0
         self.refused = 0
-        # The master's first: nobody answers an instant before the master sends it, so nothing seems
+        # The master's first: no node answers an instant before the master sends it, so nothing seems
         # to be ahead of it.
         masters_first = sorted(
             enumerate(topics), key=lambda place: place[1].signal not in ROLES[MASTER].writes
@@ -134,7 +134,7 @@ class RecorderNode(Spinnable, Node):
         self._recorder = RunRecorder(p, topics, names, self._views(p))
         try:
             self._begin(p, topics)
-        # nobody has this node, to close it: its bag would be written on after the last word
+        # no caller can close this node: its bag would be written on after the last word
         except BaseException:
             self._recorder.close()
             raise

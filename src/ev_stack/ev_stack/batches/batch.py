@@ -329,7 +329,7 @@ def _driven(runs: Runs, portions: Sequence[range], threads: int) -> dict[int, st
                 number, portion = waiting.popleft()
                 try:
                     done.put((number, runs.drive_some(portion)))
-                except BaseException as error:  # for who waits
+                except BaseException as error:  # for the waiting thread
                     done.put((number, error))
 
     for _ in range(min(threads, len(portions))):

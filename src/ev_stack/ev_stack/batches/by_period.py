@@ -1,4 +1,4 @@
-"""Many runs whose control periods may differ: a batch for each period."""
+"""Batches of runs with different control periods: one batch for each period."""
 
 from __future__ import annotations
 

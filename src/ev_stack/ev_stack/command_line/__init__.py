@@ -1,1 +1,1 @@
-"""What commands share: how their words are read, and how they end."""
+"""Words and ends that commands share."""

@@ -34,7 +34,7 @@ class Command(NamedTuple):
 
 
 class Offered(NamedTuple):
-    """Commands and reviews by name, what drives a study, and a line for each package whose tables cannot be taken."""
+    """Commands and reviews by name, the driver of studies, a line for each package not loaded."""
 
     commands: Mapping[str, Command]
     reviews: Mapping[str, Command]
@@ -59,7 +59,7 @@ def offered_commands() -> Offered:
             own_reviews = {
                 name: Command(*each) for name, each in getattr(module, "REVIEWS", {}).items()
             }
-        except Exception as error:  # whatever somebody's module raises: all other commands go on
+        except Exception as error:  # any error of a user's module: all other commands go on
             not_loaded.append(f"commands of {package}: {type(error).__name__}: {error}")
             continue
         if taken := [*(own_commands.keys() & commands), *(own_reviews.keys() & reviews)]:

@@ -1,4 +1,4 @@
-"""How a command ends that cannot do what it was asked for: one line and status 1, or 2 for wrong words."""
+"""End of a command that is refused: one line and status 1, or 2 for wrong words."""
 
 from __future__ import annotations
 

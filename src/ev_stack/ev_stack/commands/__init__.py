@@ -1,4 +1,4 @@
-"""What the command line does: one module for each group of commands."""
+"""Commands of the command line: one module for each group."""
 
 COMMANDS = {  # name -> module and function that takes words, and what it does
     "run": (

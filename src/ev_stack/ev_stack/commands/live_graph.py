@@ -50,7 +50,10 @@ def _positive(text: str) -> float:
 
 
 def _rates(node: Node, topics: dict[str, str], seconds: float) -> dict[str, float]:
-    """Messages per second [Hz] by topic, in one time for all; without topics whose message type is not installed."""
+    """Messages per second [Hz] by topic, in one time for all.
+
+    Topics without an installed message type are left out.
+    """
     subscriptions = {}
     for name, kind in topics.items():
         with suppress(ImportError):
@@ -72,7 +75,7 @@ def _rates(node: Node, topics: dict[str, str], seconds: float) -> dict[str, floa
 
 
 def _taken(subscription: Subscription) -> int:
-    """How many messages have come since the last look."""
+    """Count the messages since the last look."""
     count = 0
     while subscription.handle.take_message(subscription.msg_type, True) is not None:
         count += 1
@@ -89,7 +92,7 @@ def _graph(node: Node, seconds: float) -> list[str]:
         rate = f"{rates[name]:.1f} Hz" if name in rates else "message type is not installed"
         lines.append(f"  {name}  {', '.join(kinds)}  {rate}")
         lines.append(
-            f"    {', '.join(writers[name]) or 'nobody'} -> {', '.join(readers[name]) or 'nobody'}"
+            f"    {', '.join(writers[name]) or 'none'} -> {', '.join(readers[name]) or 'none'}"
         )
     return lines
 

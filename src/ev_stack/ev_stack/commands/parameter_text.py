@@ -1,4 +1,4 @@
-"""Parameters of running nodes from what somebody has typed: a value, or YAML in a text."""
+"""Parameters of running nodes from typed text: a value, or YAML."""
 
 from __future__ import annotations
 

@@ -89,9 +89,10 @@ def _found(node: Node) -> bool:
 
 
 def awaited(node: Node, look: Callable[[], Found]) -> Found:
-    """What a look into the graph finds; its LookupError where no node has come or gone for as long as one may take.
+    """Look into the graph until something is found.
 
-    On a busy machine some nodes are found long before the rest, which may be what is looked for.
+    Its LookupError is raised once no node has come or gone for as long as one may take. On a busy
+    machine some nodes are found long before the rest, which may be what is looked for.
     """
     changed, before = time.monotonic(), None
     while True:

@@ -22,7 +22,7 @@ from ev_stack.recording.outcome import RunFailed
 from ev_stack.scenarios.about import describe_scenario, is_path
 from ev_stack.scenarios.scenario import scenario_names
 
-_NOT_READ = 141  # the status of a command whose output nobody reads any more
+_NOT_READ = 141  # the status of a command with a closed output
 # bytes, of the largest one, the compiler's, with what it needs while it is loaded
 _OF_A_LIBRARY = 300e6
 

@@ -1,4 +1,4 @@
-"""What a shell does with the running graph, without the ros2 command: time, parameters, messages."""
+"""Commands on the running graph without the ros2 command: time, parameters, messages."""
 
 from __future__ import annotations
 
@@ -55,14 +55,14 @@ class Shell:
         return master_namespace(self.node, self._wanted)
 
     def close(self) -> None:
-        """Ask nobody any more."""
+        """Stop asking."""
         self._executor.shutdown()
 
-    def answer(self, who: str, future: Future) -> Any:
-        """What a node answers."""
+    def answer(self, name: str, future: Future) -> Any:
+        """Wait for the answer of a node."""
         self._executor.spin_until_future_complete(future, _PATIENCE)
         if not future.done():
-            raise LookupError(f"{who} does not answer")
+            raise LookupError(f"{name} does not answer")
         return future.result()
 
     def call(self, service: str) -> str:
@@ -75,11 +75,11 @@ class Shell:
         return text
 
     def full_name(self, name: str) -> str:
-        """Of a node or topic; a relative name is in the namespace of the graph."""
+        """Full name of a node or topic; a relative one is in the namespace of the graph."""
         return name if name.startswith("/") else f"{self.namespace.rstrip('/')}/{name}"
 
     def has_parameters(self, node: str) -> bool:
-        """Whether a node of the graph, by its full name, can be asked for parameters: a runner cannot."""
+        """Return True if a node, by its full name, has parameters: a runner has none."""
         namespace, _, name = node.rpartition("/")
         if namespace != self.namespace.rstrip("/"):
             return False
@@ -100,7 +100,7 @@ class Shell:
     def parameters_of(
         self, name: str, also: str | None = None
     ) -> tuple[AsyncParameterClient, dict[str, Parameter]]:
-        """How to ask a node, and its parameters by name; of ROS's own only that one."""
+        """Client of a node, and its parameters by name; of ROS's own only that one."""
         name = self.present(name)
         client = AsyncParameterClient(self.node, name)
         if not client.wait_for_services(_PATIENCE):
@@ -333,5 +333,5 @@ def plain_message(message: Any) -> Any:
 
 
 def as_yaml(content: Any) -> str:
-    """As YAML, lists of numbers on one line."""
+    """Write YAML, with lists of numbers on one line."""
     return yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=LINE)

@@ -26,7 +26,7 @@ HUES = (
 )
 DASHES = ("-", "--", ":", "-.")
 PUBLISHED: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.4, "zorder": 3}
-_ROLES = ("electronic_differential", "asr")  # whose laws are drawn over each other
+_ROLES = ("electronic_differential", "asr")  # their laws are drawn over each other
 
 
 class Stroke(NamedTuple):

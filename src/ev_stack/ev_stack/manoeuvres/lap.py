@@ -25,7 +25,7 @@ _OF_A_LAP = (
 
 
 def course_of(parameters: Parameters) -> CourseParameters | None:
-    """The closed course of a driver who has one."""
+    """Closed course of a driver that has one."""
     own = {
         name: value
         for name, value in parameters.get("driver", {}).items()

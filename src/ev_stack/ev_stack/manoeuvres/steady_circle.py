@@ -2,7 +2,7 @@
 
 Runs: `linear`, tyres with constant cornering stiffness, judged by the closed form, and `friction`,
 real tyres up to their limit, both with a fixed steering wheel, and the same as
-`constant_radius_linear` and `constant_radius_friction`, with a driver who stays on a circle.
+`constant_radius_linear` and `constant_radius_friction`, with a driver that stays on a circle.
 Curvature is the acceleration across the path over the squared speed, the reference for the angle is
 that of rolling at this curvature; so both methods give one understeer gradient. All angles,
 accelerations and radii count inwards: the circle may lead to either side.
@@ -133,10 +133,9 @@ def _panels(runs: Runs, vehicle: Vehicle) -> list[Panel]:
 def steady(run: Recording) -> slice:
     """Samples from the end of steering in to the largest lateral acceleration.
 
-    Behind it the car loses the circle.
-
-    A driver who stays on a circle never ends steering; with him the car is on it, at this slowly
-    rising speed, long before the lowest acceleration that gradients are taken from.
+    Behind it the car loses the circle. A driver that stays on a circle never ends steering; then
+    the car is on it, at this slowly rising speed, long before the lowest acceleration that
+    gradients are taken from.
     """
     angle, acceleration = channel(run, motion.STEERING_WHEEL_ANGLE), _inward_acceleration(run)
     settled = run.time >= run.time[-1] - SETTLING

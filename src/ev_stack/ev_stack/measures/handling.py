@@ -242,8 +242,7 @@ def time_over_limit(run: Recording, vehicle: Vehicle, surfaces: Iterable[Surface
     """Time in which any wheel of the moving car slips beyond the peak of its friction curve [s].
 
     The slip is the resultant of slip ratio and sine of the slip angle; `surfaces` are those of the
-    road, of which that one lies under a wheel whose friction is closest to the one that is
-    available there.
+    road: under a wheel lies the one with the friction closest to the one that is available there.
     """
     friction = of_wheels(run, "tire_forces.friction_coefficient")
     known = _peak_slips(vehicle, surfaces)
@@ -313,7 +312,7 @@ def time_since_turning_in(run: Recording) -> np.ndarray:
 
 
 def surfaces_under(run: Recording, vehicle: Vehicle, wheel: str) -> np.ndarray:
-    """Surface of the table whose friction is closest to that under the wheel, (n,) str.
+    """Surface of the table with the friction closest to that under the wheel, (n,) str.
 
     The closest one, for a sensor may add noise. Surfaces with the same friction for the tyre are
     not distinguished, and those of one's own are not known here.
@@ -324,7 +323,7 @@ def surfaces_under(run: Recording, vehicle: Vehicle, wheel: str) -> np.ndarray:
 
 
 def share_of(run: Recording, vehicle: Vehicle, wheel: str, prefix: str) -> float:
-    """Share of the driven distance on surfaces whose name begins so, under the wheel [1]."""
+    """Share of the driven distance on surfaces with this prefix under the wheel [1]."""
     distance = distance_on_path(run)
     if distance[-1] <= 0.0:
         raise NotMeasured("the car has not moved")

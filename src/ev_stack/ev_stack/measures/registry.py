@@ -238,7 +238,7 @@ _OF_ANY_RUN = (
 
 
 def _offered() -> dict[str, NamedMetric]:
-    """Those of other packages; a warning for a package whose metrics cannot be taken."""
+    """Metrics of other packages; a warning for a package with metrics that cannot be taken."""
     taken = {each.name for each in _OF_ANY_RUN}
     found: dict[str, NamedMetric] = {}
     for package in sorted(offered(OFFERED)):
@@ -262,7 +262,7 @@ METRICS: Mapping[str, NamedMetric] = {each.name: each for each in _OF_ANY_RUN} |
 
 
 def metrics_of_others(run: DrivenRun) -> dict[str, Metric]:
-    """Those that other packages offer and whose channels a run has, such as of a CAN bus."""
+    """Metrics of other packages for which a run has the channels, such as of a CAN bus."""
     return {
         name: each.measured(run)
         for name, each in _OF_OTHERS.items()

@@ -1,1 +1,1 @@
-"""What a run leaves behind: its signals, in memory, as arrays on disk and as a bag."""
+"""Results of a run: its signals, in memory, as arrays on disk and as a bag."""

@@ -119,7 +119,7 @@ class TwinWriter(Writer):
 
 @cache
 def ros_types() -> Typestore:
-    """The definitions of messages, also of those whose package is not installed."""
+    """The definitions of messages, also of packages that are not installed."""
     return get_typestore(Stores.ROS2_KILTED)
 
 

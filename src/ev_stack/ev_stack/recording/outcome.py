@@ -1,4 +1,4 @@
-"""What driving one run of a scenario gives, and the progress bar meanwhile: simulated time and real-time factor."""
+"""Outcome of driving one run, and its progress bar: simulated time and real-time factor."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ _ALL_TOPICS = tuple(TOPICS[signal].name for signal in RECORDED)
 
 @dataclass(frozen=True, slots=True)
 class RecorderParameters:
-    """What is recorded and where it goes."""
+    """Topics that are recorded, and the folder for them."""
 
     directory: str = setting(
         "recording", about="folder for bag/ and signals.npz, made if need be", read_only=True
@@ -82,8 +82,8 @@ class RunRecorder:
     `close`: other nodes of the process may end later.
 
     When the master begins the next run (reset), or is another one that counts from zero, the arrays
-    begin anew, and so does the bag; the one before is kept beside it. What comes of another run
-    than the present one is not kept.
+    and the bag are restarted; the bag before is kept beside the new one. Messages of another run
+    than the present one are not kept.
     """
 
     def __init__(
@@ -182,7 +182,7 @@ class RunRecorder:
             self.asked = self.asked or index in self._masters
             return
         if self._may_skip and index not in self._masters and step > self._paced() + 1:
-            return  # nobody can be ahead of the master by more than one step: a stranger's stamp
+            return  # no node is ahead of the master by more than one step: a stranger's stamp
         if step > kept.count:
             if self._may_skip:
                 for _ in range(kept.count, step):
@@ -200,7 +200,7 @@ class RunRecorder:
                 self._views.take(step, frame.PLACES[self._topics[index].signal], numbers, at)
 
     def _begins_run(self, run: int, kept: SpooledTopic, message: bytes) -> bool:
-        """Whether the first state is that of a later run, or of another master."""
+        """Return True if the first state is that of a later run, or of another master."""
         if run == self._run:
             return kept.count > 1 or (kept.count == 1 and message != kept.first)
         return self._run < run < stamps.RUNS or (run == 0 and self._before is None)
@@ -221,7 +221,10 @@ class RunRecorder:
             self._begin_bag()
 
     def took_all(self) -> None:
-        """To be called when every message that had arrived was added: those of the run before a reset are gone."""
+        """Forget the run before a reset.
+
+        Call this when every message that had arrived was added.
+        """
         self._before = None
         if self._views is not None:  # in real time what is of the newest instant may still come
             self._views.write(self._paced() - self._may_skip)
@@ -278,7 +281,7 @@ class RunRecorder:
 
     @property
     def is_complete(self) -> bool:
-        """Whether everything up to the end of the run is held."""
+        """True once everything up to the end of the run is held."""
         return self._paced() >= self._steps
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""What a bag has for viewers beside the signals: topics of their own, some times a second."""
+"""Views in a bag beside the signals: topics of their own for viewers, some times a second."""
 
 from __future__ import annotations
 
@@ -22,7 +22,10 @@ _AT_ONCE = 25  # instants, which cost hardly more than one
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """A topic for viewers, relative ones in the namespace of the graph; one that lasts is kept for those who join."""
+    """A topic for viewers, relative ones in the namespace of the graph.
+
+    One that lasts is kept for viewers that join later.
+    """
 
     name: str
     message_type: str
@@ -45,13 +48,13 @@ class Message(NamedTuple):
 
 
 class Shown(Protocol):
-    """What is shown of a run."""
+    """Views of a run."""
 
     def lasting(self) -> Iterable[Message]:
         """Once, at the beginning."""
 
     def moving(self, stamps_ns: np.ndarray, run: Recording) -> Iterable[tuple[View, list[bytes]]]:
-        """At instants with these stamps [ns] (n,), from the recording of them."""
+        """Views at instants with these stamps [ns] (n,), from the recording of them."""
 
 
 class ViewsInBag:

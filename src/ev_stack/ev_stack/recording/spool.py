@@ -1,4 +1,4 @@
-"""What a recorder keeps of a run while it lasts: numbers on the disk, so that its memory does not grow.
+"""Numbers that a recorder keeps of a run on the disk, so that its memory does not grow.
 
 Many messages of one topic at once: serialized from a stack of frames, and back.
 What a message format does message by message, numpy does here for a whole run.
@@ -90,10 +90,10 @@ BLOCK = 1024  # steps
 
 
 class Spool:
-    """A file without a name, gone with its process, in which the numbers of a run stand in blocks of some steps.
+    """A nameless file with the numbers of a run in blocks of some steps; it ends with its process.
 
     Within a block each number of the frame has its place for all steps: a topic writes its own in
-    one piece, and a channel is read in one piece per block. What nobody writes takes no room on the
+    one piece, and a channel is read in one piece per block. Unwritten parts take no room on the
     disk.
     """
 

@@ -27,8 +27,8 @@ def latex_table(
 ) -> str:
     """Build a tabular of siunitx 3: numbers aligned at their points, all else as text.
 
-    `best` has `metric.LOWER` or `metric.HIGHER` of the columns whose best value is set in bold;
-    None is an empty cell.
+    `best` has `metric.LOWER` or `metric.HIGHER` of the columns with the best value in bold; None is
+    an empty cell.
     """
     series = [[row[n] for row in rows] for n in range(len(columns))]
     cells, kinds = [], []

@@ -143,7 +143,7 @@ def known_metrics(runs: Sequence[Run]) -> dict[str, Metric]:
     nothing = Recording(np.zeros(0), {})
     try:
         return metrics_of_runs({run.name: nothing for run in runs}, runs)
-    except Exception as error:  # whatever somebody's report raises
+    except Exception as error:  # any error of a user's report
         last = traceback.extract_tb(error.__traceback__)[-1]
         raise ParameterError(
             f"report {runs[0].report} fails with a run without samples, where metrics raise"

@@ -16,7 +16,7 @@ _SET_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of Linux
 
 
 def ends_with_us() -> Callable[[], None] | None:
-    """What a child calls before it becomes the node: it is killed when we end, whatever ends us.
+    """Return what a child calls before it becomes the node: it is killed when we end.
 
     None where the system does not offer that. The signal follows the thread that starts the child:
     that must be one that lasts, such as the main thread.
@@ -85,7 +85,7 @@ class Worker:
         its_end.close()  # so that the pipe ends with the process
 
     def fileno(self) -> int:
-        """What `multiprocessing.connection.wait` waits for: the result, or the end of the process."""
+        """Descriptor for `multiprocessing.connection.wait`: a result, or the end of the process."""
         return self._connection.fileno()
 
     def begin(self, number: int) -> None:
@@ -95,7 +95,7 @@ class Worker:
             self._connection.send(number)
 
     def result(self) -> Any:
-        """What came of it; raises WorkerLost, and what `perform` has raised."""
+        """Result of the work; raises WorkerLost, or the error that `perform` has raised."""
         try:
             answer = self._connection.recv()
         except (EOFError, OSError):

@@ -95,7 +95,7 @@ def free_domain() -> Iterator[int]:
 def own_namespace(domain: int, namespace: str) -> Iterator[None]:
     """For the time of the block no other run of this user has nodes of the same names; RunFailed if one has them.
 
-    Nobody would believe either of two nodes of one name, and both runs would stand still.
+    Two nodes of one name are not believed, and both runs would stand still.
     """
     with _reservation(f"{domain}_{os.getuid()}{namespace.replace('/', '_')}") as reserved:
         if not reserved:
@@ -137,7 +137,7 @@ def _reservation(what: object) -> Iterator[bool]:
 def _opened_in_place(path: str, flags: int) -> int:
     """Everybody may write into the folder of the locks: a link there is not followed.
 
-    Nor does a pipe there hold us up. Nobody else may open the file: to open it is enough to lock
+    Nor does a pipe there hold us up. No other user may open the file: to open it is enough to lock
     it.
     """
     return os.open(path, (flags | os.O_NOFOLLOW | os.O_NONBLOCK) & ~os.O_TRUNC, 0o600)

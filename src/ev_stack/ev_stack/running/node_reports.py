@@ -106,7 +106,7 @@ class NodeReports:
         # by node: when it reported so, and for whom
         self._waits: dict[str, tuple[float, Sequence[str] | None]] = {}
         self._why: dict[str, Sequence[str]] = {}  # by node: why it waited when it last reported so
-        self._adding: set[str] = set()  # nodes whose sums are due at the end
+        self._adding: set[str] = set()  # nodes with sums due at the end
         self._tallies: dict[str, Mapping[str, Any]] = {}
 
     def line(self, node: str, adds_up: bool = False) -> tuple[str, int]:

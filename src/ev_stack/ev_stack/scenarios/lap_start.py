@@ -1,4 +1,4 @@
-"""Where a car starts for laps of a closed course, and how long they take: both belong to the course that is given."""
+"""Start of a car for laps of a closed course, and their duration: both follow from the course."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class LapStart(NamedTuple):
 
 
 def lap_start(driver: Configuration) -> LapStart | None:
-    """The start on the course of a driver who laps one; None for another driver."""
+    """Start on the course of a driver that laps one; None for another driver."""
     course: Any = getattr(driver.parameters, "course", None)
     if not isinstance(course, CourseParameters):
         return None

@@ -131,7 +131,7 @@ class ParameterFile:
         return {name for section in self.sections.values() for name in section}
 
     def without(self, prefix: str, patterns: Collection[str]) -> ParameterFile:
-        """The same file without the parameters whose names begin so in the sections of these names."""
+        """Copy of the file without the parameters with this prefix in these sections."""
         made = copy(self)
         made.sections = {
             pattern: {
@@ -160,7 +160,7 @@ _ARE_FILES = re.compile(r"(.*\.)?(\w+_)?(file|database|vehicle|method)")
 
 
 def marked(name: str, value: Any, file: Path) -> Any:
-    """A value whose texts know that they come from a file, and first mean files beside it."""
+    """Mark the texts of a value as those of a file: paths first mean files beside it."""
     if isinstance(value, dict):
         return {key: marked(str(key), each, file) for key, each in value.items()}
     if isinstance(value, list):

@@ -1,4 +1,4 @@
-"""Which channels are plotted together on a page."""
+"""Channels that are plotted together on a page."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From the results of one or several commands to a page as one file: templates, scripts, signals and figures."""
+"""Page as one file from the results of commands: templates, scripts, signals and figures."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ class Signals:
 
 @dataclass
 class SignalData:
-    """What the page's script draws: `index` names blocks, `blocks` are the texts of packed series.
+    """Series for the page's script: `index` names blocks, `blocks` are packed series as texts.
 
     `precision` has in words what packing has taken from the signals.
     """
@@ -213,7 +213,7 @@ def by_result(summaries: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]
 def measured_signals(
     measured: Mapping[str, Mapping[str, Any]], units: Mapping[str, str], spun: Collection[str]
 ) -> tuple[Signals, ...]:
-    """What was measured over `time` on each case, in these units, if there is such a thing on any."""
+    """Signals measured over `time` on the cases that have them, in these units."""
     series = {name: _series(values) for name, values in measured.items()}
     runs = {name: found for name, found in series.items() if found is not None}
     return (Signals("", runs, None, units, spun),) if runs else ()
@@ -246,7 +246,7 @@ class Image:
 
 @dataclass(frozen=True)
 class Page:
-    """What a page shows: `summaries` are contents of summary.json by label, `table` is text of a study."""
+    """Content of a page: `summaries` by label as in summary.json, `table` is text of a study."""
 
     title: str
     summaries: Mapping[str, Mapping[str, Any]]
