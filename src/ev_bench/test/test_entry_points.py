@@ -1,4 +1,4 @@
-"""What setup.py announces is there."""
+"""Entry points that setup.py announces exist."""
 
 from importlib.metadata import EntryPoint, distribution
 

@@ -1,1 +1,1 @@
-"""The sources: what each of them published, measured, drawn and held against our runs. One folder each."""
+"""The sources, one folder each: published numbers, their measures, and figures beside ours."""

@@ -1,1 +1,1 @@
-"""A CAN bus as nodes and models use it: channels, hub, log, arbitration, and the checks of a receiver."""
+"""A CAN bus for nodes and models: channels, hub, log, arbitration, and checks of a receiver."""

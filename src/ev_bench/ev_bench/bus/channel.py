@@ -19,7 +19,7 @@ SUFFIXES = (".log", ".blf", ".mf4")
 
 
 def bus_log(file: str) -> can.Listener:
-    """What writes the frames that it is called with to a new file, until its `stop`.
+    """Log of frames: each call writes one to a new file, until `stop`.
 
     ValueError, in one line, if that cannot be or a file is there.
     """
@@ -47,7 +47,7 @@ _header = cache(header)
 
 
 class BusMeter:
-    """Counts bits, and times the frames with the identifiers that its end awaits, since it was last cleared.
+    """Meter of a channel since it was last cleared: bits, and times of the awaited frames.
 
     The latency of a frame is the time [s] from when operating system, hub or hardware had it until
     the node took it. Bits are those of the wire, stuff bits and the pause counted, whatever carries
@@ -76,7 +76,10 @@ _OLDEST = 0.1
 
 
 class Channel:
-    """Sends and receives without waiting; what is no such frame, and what cannot be sent, is counted."""
+    """Channel that sends and receives without waiting.
+
+    Messages that are no such frame, or that cannot be sent, are counted.
+    """
 
     def __init__(
         self,
@@ -162,7 +165,10 @@ class Channel:
             self._meter.note(message.arbitration_id, bytes(message.data), age)
 
     def fileno(self) -> int:
-        """What `select` can wait for, of udp_multicast and socketcan; NotImplementedError for the others."""
+        """Descriptor for `select`, of udp_multicast and socketcan.
+
+        Raises NotImplementedError for other interfaces.
+        """
         return self._bus.fileno()
 
     def close(self) -> None:
@@ -182,7 +188,10 @@ _MOST = 500
 
 
 class Channels:
-    """Opens the channels of the parameters; BusError or ValueError in one line, with nothing open, if it cannot."""
+    """Open the channels of the parameters.
+
+    Raises BusError or ValueError, in one line, with nothing left open.
+    """
 
     def __init__(
         self, p: BusInterface, log: str = "", meters: Mapping[str, BusMeter] | None = None
@@ -203,7 +212,7 @@ class Channels:
         self._channels[circuit].send(frame)
 
     def received(self) -> Iterator[tuple[str, Frame]]:
-        """What has come, with its circuit."""
+        """Frames that have arrived, each with its circuit."""
         for circuit, channel in self._channels.items():
             for _ in range(_MOST):
                 frame = channel.receive()
@@ -212,7 +221,7 @@ class Channels:
                 yield circuit, frame
 
     def troubles(self) -> list[str]:
-        """What has gone wrong since the last look."""
+        """Troubles since the last look."""
         found = [channel.trouble for channel in self._channels.values() if channel.trouble]
         for channel in self._channels.values():
             channel.trouble = ""

@@ -30,7 +30,7 @@ _LARGEST_COUNT = 14
 
 
 class CheckSettings(NamedTuple):
-    """How much a receiver tolerates."""
+    """Tolerances of a receiver."""
 
     # step of the counter from frame to frame: up to two frames may be lost
     max_delta_counter_init: float = 3.0
@@ -44,7 +44,7 @@ TOLERANCES = CheckSettings()
 
 @dataclass(slots=True)
 class CheckState:
-    """What a receiver knows of the frames with one identifier."""
+    """State of a receiver for the frames with one identifier."""
 
     wait_for_first_data: float = entry(1.0, unit="1")
     last_valid_counter: float = entry(unit="1")

@@ -1,4 +1,6 @@
-"""A channel of the bus without hardware: who sends when, how long it takes, what is lost; the same in each run.
+"""A channel of the bus without hardware: who sends when, how long it takes, what is lost.
+
+The same in each run.
 
 The waiting frame with the lowest identifier goes as soon as the bus is free; a frame on the wire is
 not interrupted. Times are in bits, counted from the beginning of the present tick. A place holds
@@ -63,13 +65,13 @@ class BusModelParameters(BusInterface):
 
     @property
     def is_random(self) -> bool:
-        """Whether the seed matters."""
+        """Mark of a bus whose behaviour depends on the seed."""
         return self.loss > 0.0
 
 
 @dataclass(frozen=True, slots=True)
 class ChannelFrames:
-    """By place, in the order of identifiers: header (see `frame_length.Header`) and bytes of data."""
+    """Header (`frame_length.Header`) and bytes of data by place, in the order of identifiers."""
 
     bits: list[float]
     state: list[float]
@@ -79,7 +81,7 @@ class ChannelFrames:
 
 @dataclass(slots=True)
 class ChannelState:
-    """What lasts between two ticks."""
+    """State of the bus between two ticks."""
 
     pending: float = entry(unit="1", about="how many frames wait")
     waiting: list[float] = series(PLACES, unit="1", about="whether a frame waits")
@@ -126,7 +128,7 @@ def channel_frames(frames: Sequence[FrameLayout]) -> ChannelFrames:
 
 @compilable
 def release(s: ChannelState, place: int, at: float, low: float, high: float) -> None:
-    """A frame is to be sent from `at` [bit] on; it takes the place of one that still waits there."""
+    """Queue a frame from `at` [bit] on, in the place of an unsent one with its identifier."""
     s.lost += s.waiting[place]
     s.pending += 1.0 - s.waiting[place]
     s.waiting[place], s.released[place] = 1.0, at
@@ -157,7 +159,7 @@ def advance_channel(
 
 @compilable
 def _arrive(s: ChannelState) -> None:
-    """The frame on the wire has ended: its receivers have it, in the place of one that was not read."""
+    """End the frame on the wire; its receivers get it in the place of one that was not read."""
     if s.on_wire == NO_PLACE:
         return
     place = int(s.on_wire)
@@ -219,7 +221,7 @@ def _is_lost(p: BusModelParameters, count: float, channel: int) -> bool:
 
 @compilable
 def take(s: ChannelState, place: int) -> tuple[float, float]:
-    """The words of the newest frame that has arrived and was not taken yet; NO_FRAME if there is none."""
+    """Take the words of the newest frame that has arrived; NO_FRAME if there is none."""
     if s.came[place] == 0.0:
         return NO_FRAME, NO_FRAME
     s.came[place] = 0.0
@@ -245,5 +247,5 @@ def next_tick(p: BusModelParameters, s: ChannelState) -> None:
 
 @compilable
 def bits_per_tick(p: BusModelParameters) -> float:
-    """How many bits a tick has."""
+    """Number of bits in a tick."""
     return p.bit_rate * TICK

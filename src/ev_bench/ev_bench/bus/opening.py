@@ -1,4 +1,4 @@
-"""Opening a channel of python-can, also by multicast on one address; what is wrong is one clear line.
+"""Opening a channel of python-can, also by multicast on one address, with errors in one line.
 
 Frames by multicast, as udp_multicast of python-can writes them, on the network of one address of
 this machine. python-can's own bus listens at all addresses. This one receives what was sent to its
@@ -29,7 +29,10 @@ _TIME = struct.Struct("@ll")  # s, ns
 
 
 class MulticastBus(can.BusABC):
-    """A bus of python-can that receives its own frames, too; ValueError or OSError if it cannot be had."""
+    """Open a bus of python-can that also receives its own frames.
+
+    ValueError or OSError otherwise.
+    """
 
     def __init__(self, group: str, port: int, address: str) -> None:
         super().__init__(channel=group)
@@ -75,7 +78,7 @@ class MulticastBus(can.BusABC):
         self._socket.sendto(pack_message(msg), self._to)
 
     def fileno(self) -> int:
-        """What `select` can wait for."""
+        """Descriptor for `select`."""
         return self._socket.fileno()
 
     def shutdown(self) -> None:
@@ -92,7 +95,7 @@ class BusError(RuntimeError):
 
 
 def open_channel(interface: str, channel: str, address: str = LOOPBACK) -> can.BusABC:
-    """A bus of python-can that does not receive its own frames, but for udp_multicast; BusError if it cannot be had.
+    """Open a bus of python-can that does not receive its own frames, except by udp_multicast.
 
     `address` is that of this machine in the network of a multicast group; on loopback a hub is on
     this machine, too.

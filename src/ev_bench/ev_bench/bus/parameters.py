@@ -47,7 +47,7 @@ DEFAULT_CHANNELS = MappingProxyType(
 
 @dataclass(frozen=True, slots=True)
 class BusInterface:
-    """What frames there are and what carries them in real time: one channel for each circuit."""
+    """Frames of the bus, and their carrier in real time: one channel for each circuit."""
 
     interface: str = setting(
         "udp_multicast",
@@ -79,7 +79,7 @@ class BusInterface:
     database: str = setting("can/ev_bench.dbc", about="DBC file of the frames", read_only=True)
 
     def __post_init__(self) -> None:
-        """What a file may not open is refused: a socket on a network, and what is further away than it may lead."""
+        """Refuse what a file may not open: sockets on a network, and addresses beyond its reach."""
         if isinstance(self.address, TextOfFile) and self.address != LOOPBACK:
             raise ParameterError(
                 f"address: {quoted(str(self.address))} is refused, expected from a file {LOOPBACK};"

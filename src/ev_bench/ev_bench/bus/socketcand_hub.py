@@ -1,4 +1,4 @@
-"""A hub for frames between processes of one machine, by the raw mode of socketcand's protocol over TCP.
+"""A hub for frames between processes of one machine, by socketcand's raw mode over TCP.
 
 For machines without multicast. Text in angle brackets: `open NAME`, `rawmode`, then `send ID LENGTH
 BYTES` from a client, and `frame ID SECONDS DATA` to all others with the same name.
@@ -81,7 +81,7 @@ class _Client(asyncio.Protocol):
             self._refuse(command)
 
     def settle(self) -> None:
-        """From now on it is sent frames."""
+        """Start to send frames to this client."""
         early, self._early = self._early, None
         if early and not self.transport.is_closing():
             self.transport.write(early)
@@ -104,7 +104,7 @@ class _Client(asyncio.Protocol):
 
 
 class SocketcandHub:
-    """Accepts clients and passes frames on; `port` 0 takes any free one. OSError if the port is taken.
+    """Hub that accepts clients and passes frames on; `port` 0 takes any free one.
 
     `warn` is called once for each kind of trouble; a client that sends anything else gets an error
     and is sent away.
@@ -142,7 +142,10 @@ class SocketcandHub:
             self._warn(text)
 
     def _on_error(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-        """For the clients that wait there is no descriptor left; asyncio looks again after a second."""
+        """Report that no descriptor is left for waiting clients.
+
+        Asyncio looks again after a second.
+        """
         error = context.get("exception")
         if not isinstance(error, OSError):
             loop.default_exception_handler(context)

@@ -1,4 +1,7 @@
-"""The cycles of an inverter, and one circuit on its channel. No bus, no clock: time is counted from outside."""
+"""The cycles of an inverter, and one circuit on its channel.
+
+Neither bus nor clock is used here: the caller counts time.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +24,7 @@ _CODES = tuple(float(fault.code) for fault in frames.FAULTS)
 
 @compilable
 def advance_inverter(p: InverterParameters, s: Inverter, speed: float, period: float) -> None:
-    """Advance over `period` [s] at a shaft speed [rad/s], after the frames of this cycle were received.
+    """Advance by `period` [s] at a shaft speed [rad/s], after the frames of this cycle.
 
     A fault takes the torque away in the cycle in which it is found.
     """
@@ -53,7 +56,7 @@ def lead_inverter(p: InverterParameters, s: Inverter, speed: float, period: floa
 
 @compilable
 def end_inverter_cycle(p: InverterParameters, s: Inverter, period: float) -> None:
-    """The last part of a cycle, behind torque and temperatures: warnings, and everything gets older."""
+    """End a cycle, after torque and temperatures: warnings, and ages of all frames."""
     s.warnings = float(_warnings(p, s))
     on_channel.grow_older(s, period)
     s.command.reset = 0.0
@@ -112,7 +115,7 @@ def _warnings(p: InverterParameters, s: Inverter) -> int:
 
 @compilable
 def advance_circuit(p: CircuitParameters, s: Circuit, period: float) -> None:
-    """Advance both inverters, then the shaft, which is rigid: (J_drive + J_load) w' = T_drive + T_load - b w."""
+    """Advance both inverters, then the shaft: (J_drive + J_load) w' = T_drive + T_load - b w."""
     advance_inverter(p.drive, s.drive, s.speed, period)
     advance_inverter(p.load, s.load, s.speed, period)
     inertia = p.drive.machine.rotor_inertia + p.load.machine.rotor_inertia
@@ -137,7 +140,7 @@ class InverterStation:
         self._lengths = [int(getattr(frames, kind.lower()).length) for kind in SENT]
 
     def receive(self, frame: Frame) -> None:
-        """Take a frame if it is a set-point of this inverter; one with another length counts as damaged."""
+        """Take a frame if it is a set-point of this inverter; a wrong length counts as damage."""
         if frame.identifier != self._own.set_point:
             return
         length = self._frames.set_point.length
@@ -221,7 +224,7 @@ class CircuitStation(ChannelStation):
         return self.s.speed, self.s.speed
 
     def step(self, ticks: int = 1) -> list[Frame]:
-        """Advance by some cycles of 1 ms, after the frames of this cycle; what is to be sent then."""
+        """Advance by some cycles of 1 ms after this cycle's frames; return frames to send."""
         before = self.s.tick
         self.s.tick += ticks
         return self.make_cycles(before, ticks)

@@ -1,4 +1,4 @@
-"""The devices of the bench: their parameters, what lasts between two cycles, and faults that are put in by name."""
+"""The devices of the bench: their parameters, their states, and faults that are set by name."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Command:
 
 @dataclass(slots=True)
 class Supervision:
-    """What has come since the newest valid set-point."""
+    """Times and counts since the newest valid set-point."""
 
     age: float = entry(LONG_AGO, unit="s", about="of the newest valid set-point")
     wrong_crc: float = entry(unit="1", about="frames with a wrong CRC since then")
@@ -210,7 +210,7 @@ class Machine:
 
 
 def _as_in(of: type, name: str, **changed: Any) -> Any:
-    """Declare a parameter as that of this name of another dataclass, but for its default or what is known of it."""
+    """Declare a parameter of another dataclass anew, with another default or other knowledge."""
     (known,) = (each for each in entries(of) if each.name == name)
     return parameter(**{"default": known.default, **asdict(known.spec), **changed})
 
@@ -223,7 +223,7 @@ _LOST = (
 
 @dataclass(frozen=True, slots=True)
 class LoadMachine(Machine):
-    """The load machine, an asynchronous one; its limits by voltage are taken for those of a synchronous one."""
+    """The asynchronous load machine; its limits by voltage are those of a synchronous one."""
 
     peak_torque: float = _as_in(Machine, "peak_torque", default=400.0, source=_LOST)
     nominal_torque: float = _as_in(Machine, "nominal_torque", source=_LOST)
@@ -296,7 +296,7 @@ class DcLinkParameters:
 
 @dataclass(frozen=True, slots=True)
 class LoadDcLinkParameters(DcLinkParameters):
-    """The same of a load machine's inverter, which the source feeds from the mains; it states nothing else."""
+    """The inverter of a load machine, fed from the mains; the source states nothing else."""
 
     supply_voltage: float = _as_in(
         DcLinkParameters, "supply_voltage", source="assumption: as for the other inverters"
@@ -310,7 +310,7 @@ class LoadDcLinkParameters(DcLinkParameters):
 
 @dataclass(frozen=True, slots=True)
 class InverterParameters:
-    """One inverter and its machine; torque control only, as those of the machines under test in the source."""
+    """One inverter and its machine, in torque control only, as the source's machines under test."""
 
     command_timeout: float = setting(
         0.01,

@@ -1,4 +1,4 @@
-"""An inverter on its CAN channel: set-points are judged and taken over, and the payloads of its own frames are made."""
+"""An inverter on its CAN channel: it judges set-points and builds the payloads of its frames."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ev_msgs_py.can.payload import extracted, inserted, last_counter, next_count
 def receive_set_point(
     layout: frames.SetPointLayout, own: frames.DeviceFrames, s: Inverter, payload: int
 ) -> int:
-    """Judge a set-point frame, and take its content over if it is valid; the status of the check."""
+    """Judge a set-point frame, take its content if it is valid, and return the status."""
     s.supervision.heard = 1.0
     status = checking.check(
         checking.TOLERANCES, s.check, payload, int(layout.length), int(own.set_point_data_id)
@@ -36,7 +36,7 @@ def receive_set_point(
 
 @compilable
 def _take_over(layout: frames.SetPointLayout, s: Inverter, payload: int) -> None:
-    """A reset counts where its bit rises, without a torque set-point and with operation disabled."""
+    """Take a reset: its bit rises, without a torque set-point and with operation disabled."""
     before = int(s.command.controlword)
     control = int(extracted(payload, layout.controlword))
     torque = extracted(payload, layout.torque)
@@ -61,7 +61,7 @@ def grow_older(s: Inverter, duration: float) -> None:
 
 @compilable
 def missing_set_point(s: Inverter, timeout: float, period: float) -> int:
-    """The bit of the fault that names why there has been no valid set-point for `timeout` [s]; 0 if there has been.
+    """Fault bit for the lack of a valid set-point in the last `timeout` [s]; 0 if there was one.
 
     To half a period, so that it does not depend on how the age was rounded.
     """

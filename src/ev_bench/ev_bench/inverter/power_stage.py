@@ -1,4 +1,4 @@
-"""The power side of an inverter: DC link, temperatures, and the torque that limits leave of what is asked for."""
+"""The power side of an inverter: DC link, temperatures, and torque within limits."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def advance_dc_link(p: DcLinkParameters, s: Inverter, period: float) -> None:
 
 @compilable
 def dc_link_faults(p: DcLinkParameters, s: Inverter) -> int:
-    """The bits of what is wrong with the DC link; its contactor is watched as well as its voltage."""
+    """Fault bits of the DC link, from its contactor and its voltage."""
     state, voltage = int(s.state), s.dc_link.voltage + s.injected.voltage_rise
     bits = 0
     if SWITCHED_ON <= state <= QUICK_STOP_ACTIVE:
@@ -87,13 +87,13 @@ def advance_temperatures(
 
 @compilable
 def winding_temperature(p: ThermalParameters, s: Inverter) -> float:
-    """As its sensor measures it [degC]."""
+    """Temperature that its sensor measures [degC]."""
     return p.coolant + s.temperatures.winding + s.injected.winding_rise
 
 
 @compilable
 def inverter_temperature(p: ThermalParameters, s: Inverter) -> float:
-    """As its sensor measures it [degC]."""
+    """Temperature that its sensor measures [degC]."""
     return p.coolant + s.temperatures.inverter + s.injected.inverter_rise
 
 
@@ -118,7 +118,7 @@ _HALF_STEP = 1.0 / 64.0  # N m
 
 @compilable
 def advance_torque(p: InverterParameters, s: Inverter, speed: float, period: float) -> None:
-    """Let the torque follow its reference over `period` [s], and find what that takes electrically."""
+    """Let the torque follow its reference over `period` [s], and compute its electrical cost."""
     follow_reference(
         p, s, speed, period, share_of_lag(p.machine.torque_lag, period), largest_torque(p, s, speed)
     )
@@ -127,13 +127,13 @@ def advance_torque(p: InverterParameters, s: Inverter, speed: float, period: flo
 
 @compilable
 def share_of_lag(lag: float, period: float) -> float:
-    """Share of a difference of torque [1] that is closed in a period [s], first order with a time constant [s]."""
+    """Share of a step [1] that a first-order lag with a time constant [s] closes in a period."""
     return 1.0 - exp(-period / lag)
 
 
 @compilable
 def largest_torque(p: InverterParameters, s: Inverter, speed: float) -> float:
-    """The torque [N m] that set-point, machine, temperatures and voltage allow; an inverter asks once in a cycle."""
+    """Torque [N m] within set-point, machine, temperatures and voltage; once in a cycle."""
     most = min(s.command.torque_limit, p.machine.peak_torque) * derating(p.thermal, s)
     winding, voltage = p.machine.winding, s.dc_link.voltage
     if synchronous_motor.is_weakened(winding, voltage, speed):
@@ -146,7 +146,9 @@ def largest_torque(p: InverterParameters, s: Inverter, speed: float) -> float:
 def follow_reference(
     p: InverterParameters, s: Inverter, speed: float, period: float, share: float, most: float
 ) -> None:
-    """Let the torque follow its reference over `period` [s]; without an active power stage it is zero at once.
+    """Let the torque follow its reference over `period` [s].
+
+    Without an active power stage it is zero at once.
 
     First order, T' = (T_ref - T)/tau: `share` is `share_of_lag`, `most` is `largest_torque`.
     """
@@ -187,7 +189,9 @@ def _asked(p: InverterParameters, s: Inverter, speed: float, period: float, most
 
 @compilable
 def advance_electrical(p: InverterParameters, s: Inverter, speed: float) -> None:
-    """Currents, voltage and loss of this torque; a power stage that is off takes nothing and sees the magnets alone.
+    """Currents, voltage and loss of this torque.
+
+    A power stage that is off takes nothing and sees the magnets alone.
 
     Once in a cycle is enough, at its end: sensors, faults and the heat of field weakening ask for
     them no oftener.

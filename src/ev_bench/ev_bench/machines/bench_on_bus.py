@@ -1,4 +1,4 @@
-"""The bench as a role of the graph in real time: its inverters on a CAN bus, in cycles of 1 ms by the wall clock."""
+"""The bench as a role of the graph in real time: its inverters on a CAN bus, in cycles of 1 ms."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _MEANS = ("mean_torque", "mean_load_torque", "mean_shaft_torque", "power", "load
 
 
 def meters_of(database: str) -> dict[str, BusMeter]:
-    """What measures both channels for the inverters, which await the set-points."""
+    """Meters of both channels for the inverters, which await the set-points."""
     frames = bench_frames(load_database(database))
     devices = ((frames.drive_11, frames.load_11), (frames.drive_12, frames.load_12))
     return {
@@ -106,7 +106,7 @@ class BenchStation(ChannelStation):
         return frames
 
     def end_period(self, ticks: float, bit_rate: float) -> None:
-        """End a control period in which there were some ticks: means, heat, and what went over the bus."""
+        """End a control period of some ticks: means, heat, and counts of the bus."""
         mean = self._c.ticks / self._made
         for name in _MEANS:
             setattr(self.s, name, mean * getattr(self.s, name))
@@ -140,7 +140,7 @@ class BenchStation(ChannelStation):
 
 
 class BenchOnBus(LawObject):
-    """Plays the role by the method `circuits_on_can`, with frames on the bus in the place of frames as signals.
+    """Player of the role by the method `circuits_on_can`, with frames on a bus.
 
     Its signals are means over, and frames since, the instant before; an instant without a cycle
     repeats the one before.
@@ -176,7 +176,10 @@ class BenchOnBus(LawObject):
         ]
 
     def _take(self, _set_points: SetPointFrames, battery: BatteryCondition) -> None:
-        """An instant: what has happened since the last one; with the first one time begins for faults."""
+        """Take an instant: what has happened since the last one.
+
+        The first one starts time for faults.
+        """
         s, c, ticks = self.given["s"], self.given["c"], self._tick - self._last_tick
         s.voltage = battery.voltage
         if ticks == 0.0:
@@ -192,7 +195,7 @@ class BenchOnBus(LawObject):
             circuit.begin_period()
 
     def go_on_from(self, other: BenchOnBus) -> None:
-        """Take over what another one, whose state it has, keeps between two instants: means are those of all cycles."""
+        """Take over sums of another bench with the same state, so that means cover all cycles."""
         self._tick, self._last_tick = other._tick, other._last_tick
         self._has_begun, self._last_outputs = other._has_begun, other._last_outputs
         for name, circuit in self._circuits.items():
@@ -204,5 +207,5 @@ class BenchOnBus(LawObject):
             circuit.has_begun = True
 
     def outputs(self) -> tuple[Any, ...]:
-        """As at the last instant."""
+        """Outputs of the last instant."""
         return self._last_outputs

@@ -56,7 +56,7 @@ def _first_tick(time: float) -> int:
 
 @dataclass(frozen=True, slots=True)
 class BusFaultParameters:
-    """What is put into which circuit, and when."""
+    """A fault of the bus: its kind, its circuit, and its time."""
 
     kind: str = setting(
         "none", choices=tuple(each.name.lower() for each in BusFault), about="what goes wrong"
@@ -65,10 +65,15 @@ class BusFaultParameters:
     begin: float = setting(0.0, unit="s", low=0.0, high=1e5, about="from then on")
     end: float = setting(1e5, unit="s", low=0.0, high=1e5, about="until then")
     value: float = setting(
-        0.0, unit="SI", low=-1e3, high=1e3,
-        about="how much: K of hot_*, V, A, N m of transducer_offset and load_limit, share of transducer_gain, the bit "
-        "of wrong_crc",
-    )  # fmt: skip
+        0.0,
+        unit="SI",
+        low=-1e3,
+        high=1e3,
+        about=(
+            "how much: K of hot_*, V, A, N m of transducer_offset and load_limit, share of"
+            " transducer_gain, the bit of wrong_crc"
+        ),
+    )
 
     def __post_init__(self) -> None:
         """ParameterError for a fault that would never strike, or change nothing."""
@@ -92,7 +97,7 @@ class BusFaultParameters:
 
 @dataclass(slots=True)
 class BusFaultState:
-    """What lasts of it."""
+    """State of a fault between ticks."""
 
     low: float = entry(
         NO_FRAME, unit="1", about="words of the set-point that comes again and again"
@@ -136,7 +141,7 @@ def put_in(p: BusFaultParameters, injected: Injected, kind: int) -> None:
 def on_the_way(
     p: BusFaultParameters, s: BusFaultState, kind: int, low: float, high: float
 ) -> Words:
-    """What arrives of a set-point: the same, another one, or none."""
+    """Set-point that arrives under a fault: the same, another one, or none."""
     if kind != BusFault.WRONG_COUNTER:
         s.low = s.high = NO_FRAME
     if low == NO_FRAME or kind == BusFault.LOST_FRAMES:
@@ -155,7 +160,7 @@ def on_the_way(
 
 @compilable
 def measured(p: BusFaultParameters, kind: int, torque: float) -> float:
-    """What the transducer measures of a torque [N m]."""
+    """Torque [N m] that the transducer measures."""
     if kind == BusFault.TRANSDUCER_OFFSET:
         return torque + p.value
     return torque * p.value if kind == BusFault.TRANSDUCER_GAIN else torque

@@ -1,4 +1,4 @@
-"""One circuit of the bench behind its CAN bus: set-points arrive, the inverters make their cycles, feedback leaves.
+"""One circuit of the bench behind its CAN bus: set-points arrive, inverters act, feedback leaves.
 
 State and constants are in records, which compiled code passes as one address each.
 """
@@ -23,7 +23,7 @@ from ev_msgs_py.contract.optional_signals import MOST_TICKS
 
 
 class CanConstants(NamedTuple):
-    """What is computed once."""
+    """Constants of a circuit that are computed once."""
 
     circuits: circuit.CircuitsConstants
     ticks: float  # of 1 ms in a control period
@@ -44,7 +44,7 @@ def make_cycle(
     now: float,
     limited: bool,
 ) -> None:
-    """The cycle of both inverters after their set-points have come: states, machines and shaft, warnings.
+    """Run the cycle of both inverters after their set-points: states, machines, shaft, warnings.
 
     The operator's enabling of a circuit is a line of its own beside the bus: without it nothing is
     switched on.
@@ -65,11 +65,14 @@ def make_cycle(
 def _follow(
     p: CanCircuitsParameters, c: CanConstants, s: CircuitState, now: float, limited: bool
 ) -> None:
-    """The machines and the shaft over a tick; the inverters take what has arrived as they would without a bus."""
+    """Advance machines and shaft over a tick; inverters take what arrived as without a bus."""
     machine, load, path, steps = s.machine, s.load, s.torque_path, int(c.steps)
     asked, asked_load, asked_speed, limit = (
-        machine.command.torque, load.command.torque, load.command.speed, load.command.torque_limit
-    )  # fmt: skip
+        machine.command.torque,
+        load.command.torque,
+        load.command.speed,
+        load.command.torque_limit,
+    )
     change = c.circuits.h * p.set_point.torque_rate
     circuit.send(
         path, now, asked, c.circuits.machine.machine.peak_torque, p.set_point.torque_resolution
@@ -104,7 +107,7 @@ FEEDBACK_WORDS = SET_POINT_WORDS + 6  # words of its feedback
 
 @dataclass(slots=True)
 class Line:
-    """A channel between controller and inverters, what is on it in a control period, and a fault there."""
+    """A channel between controller and inverters, its frames of a control period, and a fault."""
 
     channel: bus.ChannelState = part(bus.ChannelState)
     fault: BusFaultState = part(BusFaultState)
@@ -117,7 +120,7 @@ class Line:
 
 
 class ChannelPlace(NamedTuple):
-    """Which circuit it is: 0 for the right one and 1 for the left."""
+    """Number of the circuit: 0 for the right one, 1 for the left."""
 
     number: int
     drive: DeviceFrames
@@ -154,7 +157,7 @@ def _tick(
     tick: int,
     now: float,
 ) -> None:
-    """Set-points are released, those that have arrived by the inverters' phase act, feedback is released, arrives."""
+    """Release set-points, let arrived ones act at the inverters' phase, and release feedback."""
     end, phase = bus.bits_per_tick(p.bus), p.bus.phase * p.bus.bit_rate
     channel, machine = line.channel, c.circuits.machine
     kind = present(p.inject, now, on.number)
@@ -178,7 +181,7 @@ def _tick(
 
 @compilable
 def _release_set_points(line: Line, tick: int) -> None:
-    """Of both devices, and in the first tick the heartbeat."""
+    """Release frames of both devices, and in the first tick the heartbeat."""
     for device in range(2):
         place = SET_POINT_WORDS * device + 2 * tick
         if are_words(line.set_points[place], line.set_points[place + 1]):
@@ -202,9 +205,16 @@ def _receive(c: CanConstants, own: DeviceFrames, s: Inverter, low: float, high: 
 
 @compilable
 def _release_feedback(
-    c: CanConstants, own: DeviceFrames, p: InverterParameters, s: Inverter, channel: bus.ChannelState, kind: int,
-    device: int, speed: float, at: float,
-) -> None:  # fmt: skip
+    c: CanConstants,
+    own: DeviceFrames,
+    p: InverterParameters,
+    s: Inverter,
+    channel: bus.ChannelState,
+    kind: int,
+    device: int,
+    speed: float,
+    at: float,
+) -> None:
     if s.injected.silent == 0.0:
         low, high = words(made(c.frames, own, p, s, kind, speed))
         bus.release(channel, PLACES_SENT[kind] + device, at, low, high)
@@ -212,7 +222,7 @@ def _release_feedback(
 
 @compilable
 def _hear(line: Line, tick: int) -> None:
-    """Keep the words of what has arrived; of the frames that come less often a control period has the newest."""
+    """Keep the words that have arrived; of rarer frames, a control period has the newest."""
     bus.take(line.channel, HEARTBEAT)  # whoever reads it
     for device in range(2):
         for kind in range(MOTION, FAULTS + 1):

@@ -44,7 +44,10 @@ def turn(
 ) -> Motion:
     """Turn two rotors by torques that are held over h [s], forwards positive.
 
-        J_1 w_1' = M_1 - M,    J_2 w_2' = M + M_2 - b w_2,    M = k theta + d (w_1 - w_2),    theta' = w_1 - w_2
+        J_1 w_1' = M_1 - M
+        J_2 w_2' = M + M_2 - b w_2
+        M = k theta + d (w_1 - w_2)
+        theta' = w_1 - w_2
 
     Implicit midpoint rule: stable for any stiffness, and work = heat + what is stored, up to
     rounding.
@@ -80,7 +83,7 @@ def send(
 def follow(
     path: SetPointState, periods: float, steps: int, step: int, delay: float, change: float
 ) -> float:
-    """What an inverter follows in a step of a period, `delay` in steps; it changes by `change` at most.
+    """Set-point that an inverter follows in a step: `delay` in steps, `change` at most.
 
     The step in which a set-point arrives gets its share of the old and of the new one.
     """
@@ -95,7 +98,7 @@ def follow(
 
 @compilable
 def _sent(path: SetPointState, periods: float, steps: int, step: int) -> float:
-    """The set-point of the period in which a step lies, which is counted from the beginning of the present one."""
+    """Set-point of the period in which a step lies, counted from the beginning of this one."""
     back = 0 if step >= 0 else (steps - 1 - step) // steps
     period = int(periods) - back
     return path.line[period % KEPT_SET_POINTS] if period >= 0 else 0.0
@@ -105,7 +108,7 @@ _NO_LIMIT = 2.0  # times its largest speed: the machine's own limit comes first
 
 
 class CircuitsConstants(NamedTuple):
-    """What is computed once."""
+    """Constants of a circuit that are computed once."""
 
     h: float  # width of a step [s]
     steps: float  # in a control period
@@ -117,14 +120,14 @@ class CircuitsConstants(NamedTuple):
 
 
 class LargestTorques(NamedTuple):
-    """What both machines of a circuit can give while temperatures and limits stay [N m]; see `largest_torque`."""
+    """Largest torques of both machines [N m] while temperatures and limits stay."""
 
     machine: float
     load: float
 
 
 class CircuitSetPoint(NamedTuple):
-    """What the two inverters of a circuit are given in a period: the one way into the bench.
+    """Inputs of the two inverters of a circuit for a period: the one way into the bench.
 
     Here, between controller and inverters, is the place of a bus. The way out is
     `circuits.outputs`.
@@ -138,7 +141,7 @@ class CircuitSetPoint(NamedTuple):
 
 @compilable
 def power(s: CircuitState, enabled: bool, voltage: float, load_voltage: float) -> None:
-    """Supply both inverters [V] and enable or disable them: without a bus nothing else keeps them from it."""
+    """Supply both inverters [V] and enable or disable them; without a bus nothing else does."""
     s.machine.state = s.load.state = float(OPERATION_ENABLED if enabled else SWITCH_ON_DISABLED)
     s.machine.dc_link.voltage, s.load.dc_link.voltage = voltage, load_voltage
 
@@ -176,7 +179,7 @@ def begin_period(s: CircuitState) -> None:
 
 @compilable
 def end_period(p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, period: float) -> None:
-    """What once in a control period is enough for: electrical quantities and heat of both machines."""
+    """Compute once in a control period: electrical quantities and heat of both machines."""
     advance_electrical(c.machine, s.machine, s.speed)
     advance_electrical(p.load, s.load, s.load_speed)
     advance_temperatures(c.machine.thermal, c.machine.machine, s.machine, period)
@@ -187,7 +190,7 @@ def end_period(p: CircuitsParameters, c: CircuitsConstants, s: CircuitState, per
 def send_to_load(
     p: CircuitsParameters, s: CircuitState, cycle: float, torque: float, speed: float
 ) -> None:
-    """Let the set-points of a load machine set out: torque against forwards [N m] and speed [rad/s]."""
+    """Release the set-points of a load machine: torque against forwards [N m], speed [rad/s]."""
     load = p.load.machine
     send(s.load_torque_path, cycle, torque, load.peak_torque, p.load_set_point.torque_resolution)
     send(s.load_speed_path, cycle, speed, load.maximum_speed, p.load_set_point.speed_resolution)
@@ -203,7 +206,7 @@ def follow_of_load(
     n: int,
     limit: float,
 ) -> None:
-    """What the load inverter follows in step n of the `steps` of a cycle; torques end at a speed `limit` [rad/s]."""
+    """Torque that the load inverter follows in step n of a cycle; it ends at a `limit` [rad/s]."""
     rate, acceleration = c.h * p.load_set_point.torque_rate, c.h * p.load_set_point.speed_rate
     command = s.load.command
     command.torque = -follow(s.load_torque_path, cycle, steps, n, c.load_delay, rate)
@@ -214,7 +217,7 @@ def follow_of_load(
 
 @compilable
 def largest_torques(p: CircuitsParameters, c: CircuitsConstants, s: CircuitState) -> LargestTorques:
-    """Of both machines now."""
+    """Torques of both machines now."""
     return LargestTorques(
         largest_torque(c.machine, s.machine, s.speed), largest_torque(p.load, s.load, s.load_speed)
     )

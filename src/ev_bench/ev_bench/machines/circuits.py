@@ -1,4 +1,4 @@
-"""The test bench as a method of the role `test_bench`: a circuit of two machines for each driven wheel."""
+"""The test bench as a method of the role `test_bench`: two machines for each driven wheel."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _LEAST_VOLTAGE = 1.0  # V, below it a supply is none
 def prepare(
     parameters: CircuitsParameters, vehicle: Vehicle, period: float
 ) -> circuit.CircuitsConstants:
-    """Steps, delays and the machine under test; ParameterError for a delay of more periods than are kept."""
+    """Compute steps, delays and the machine under test; ParameterError for too long a delay."""
     p = parameters
     steps = max(math.ceil(period / p.step * (1.0 - _ROUNDING)), 1)
     h = period / steps
@@ -64,7 +64,7 @@ def prepare(
 def constants(
     p: CircuitsParameters, machine: InverterParameters, h: float, steps: int
 ) -> circuit.CircuitsConstants:
-    """What steps of a width [s], so many in a control period, need of a machine under test."""
+    """Constants of a machine under test for steps of a width [s], so many in a control period."""
     delay, load_delay = p.set_point.delay / h, p.load_set_point.delay / h
     lags = (share_of_lag(each.machine.torque_lag, h) for each in (machine, p.load))
     return circuit.CircuitsConstants(h, float(steps), delay, load_delay, *lags, machine)
@@ -116,7 +116,7 @@ def outputs(
 def _temperatures(
     p: CircuitsParameters, c: circuit.CircuitsConstants, s: CircuitsState, driven: Wheels
 ) -> BenchTemperatures:
-    """Coolant of both machines and the rotor (figure 4.9), which is no model of its own, but as warm as the winding.
+    """Coolant of both machines and the rotor (figure 4.9), which is as warm as the winding.
 
     Places without a circuit are at 0 degC.
     """
@@ -189,7 +189,7 @@ def circuits(
     load: LoadCommand,
     battery: BatteryCondition,
 ) -> None:
-    """Each motor of the car on a shaft with a load machine, a transducer between them (dissertation, chapter 4).
+    """Motors of the car on shafts with load machine and transducer (dissertation, chapter 4).
 
     The machine under test follows the torque that the laws ask for, the load machine what the
     virtual car asks for.
@@ -211,7 +211,7 @@ def circuits(
 def outputs_with_flow(
     p: CircuitsParameters, car: Car, c: circuit.CircuitsConstants, s: CircuitsState
 ) -> tuple[BenchShafts, BenchElectrical, BenchTemperatures, BenchEnergy, BenchCoolant]:
-    """Those of `circuits`, and the flow in the coolant loops [l/min]: none where there is no circuit or no cooling."""
+    """Channels of `circuits`, and the flow in the coolant loops [l/min], zero without cooling."""
     shafts, electrical, temperatures, energy = outputs(p, car, c, s)
     flow, load_flow = (
         p.cooling * c.machine.thermal.coolant_flow,
@@ -243,5 +243,5 @@ def circuits_with_flow(
     load: LoadCommand,
     battery: BatteryCondition,
 ) -> None:
-    """The same circuits, with the flow sensors of their coolant loops (section 4.2) among the channels."""
+    """Circuits with the flow sensors of their coolant loops (section 4.2) among the channels."""
     circuits(p, car, c, s, period, command, load, battery)

@@ -1,4 +1,4 @@
-"""The test bench with a CAN bus between controller and inverters, as a method of the role `test_bench`."""
+"""The test bench with a CAN bus between controller and inverters, as a method of `test_bench`."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class CanCircuitsState(CircuitsState):
 
 
 def prepare(parameters: CanCircuitsParameters, vehicle: Vehicle, period: float) -> CanConstants:
-    """Steps and frames; ParameterError for a delay of more ticks than are kept, and for other frames."""
+    """Compute steps and frames; ParameterError for too long a delay, and for other frames."""
     p = parameters
     for name, path in (("set_point", p.set_point), ("load_set_point", p.load_set_point)):
         if path.delay > (KEPT_SET_POINTS - 2) * TICK:
@@ -154,7 +154,7 @@ def outputs(
 def _said(
     p: CanCircuitsParameters, c: CanConstants, s: CanCircuitsState, wheel: int, torque: float
 ) -> float:
-    """What the transducer of a wheel measures of a torque [N m], with the last fault."""
+    """Torque [N m] that the transducer of a wheel measures, under the last fault."""
     channel = int(p.inject.drive)
     if wheel != int(c.right if channel == 0 else c.left):
         return torque
@@ -202,7 +202,10 @@ def circuits_on_can(
 
 @compilable
 def _say(s: CanCircuitsState, set_points: SetPointFrames) -> None:
-    """Keep the words of both circuits in records; compiled, a tuple of so many would be copied with each call."""
+    """Keep the words of both circuits in records.
+
+    A compiled function would copy a tuple of so many words with each call.
+    """
     s.set_points[:] = set_points
     for place in range(SET_POINT_WORDS):
         s.line_11.set_points[place], s.line_12.set_points[place] = (

@@ -18,7 +18,7 @@ NONE, RIGHT, LEFT, BOTH = range(len(ENABLED_CIRCUITS))
 
 @dataclass(frozen=True, slots=True)
 class SetPointParameters:
-    """How an inverter takes its set-points; by default at once and as they are."""
+    """Response of an inverter to its set-points; by default at once and unchanged."""
 
     delay: float = parameter(
         0.0, unit="s", low=0.0, high=1.0, about="until a set-point acts", source=_ASSUMED
@@ -84,7 +84,7 @@ class ShaftParameters:
 
 @dataclass(frozen=True, slots=True)
 class CircuitsParameters:
-    """One circuit for each driven wheel; its machine under test is the motor of the vehicle description."""
+    """One circuit for each driven wheel, with the motor of the vehicle description under test."""
 
     enabled: str = setting(
         "both",

@@ -1,4 +1,4 @@
-"""The test sequence of the bench (dissertation, section 4.3): six steps in order, and the emergency switch."""
+"""The test sequence of the bench (dissertation, 4.3): six steps, and the emergency switch."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ OBJECTS = ("both", "right", "left")
 
 
 class Stage(IntEnum):
-    """How far the sequence is: the next step is the one of this place in SEQUENCE_STEPS."""
+    """Progress of the sequence: the place of the next step in SEQUENCE_STEPS."""
 
     IDLE = 0
     CHOSEN = 1
@@ -22,7 +22,7 @@ class Stage(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Sequence:
-    """Where a test is; `chosen` is the object of control, one circuit or both."""
+    """State of a test; `chosen` is the object of control, one circuit or both."""
 
     stage: Stage = Stage.IDLE
     chosen: str = "both"
@@ -30,7 +30,7 @@ class Sequence:
 
     @property
     def enabled(self) -> str:
-        """The circuits whose inverters are enabled: those of the object, from start until the load machines go off."""
+        """Circuits with enabled inverters: those of the object, until the load machines go off."""
         return self.chosen if self.stage is Stage.RUNNING and not self.emergency else "none"
 
     def after(self, step: str, cooling: bool, chosen: str = "both") -> Sequence:
@@ -58,5 +58,5 @@ class Sequence:
 
 
 def begun(enabled: str) -> Sequence:
-    """The sequence of a bench whose parameters have enabled circuits already, as in runs without an operator."""
+    """Sequence of a bench that its parameters have enabled, as in runs without an operator."""
     return Sequence() if enabled == "none" else Sequence(Stage.RUNNING, enabled)

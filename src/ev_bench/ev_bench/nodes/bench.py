@@ -19,7 +19,7 @@ _ROLE, _ENABLED = "test_bench", "enabled"
 
 
 class TestBenchNode(SteppedNode):
-    """Steps the bench; a service for each step gives the reason of a refusal, and one is the emergency switch."""
+    """Node of the bench, with a service for each step and one for the emergency switch."""
 
     __test__ = False
     sequence = Sequence()
@@ -34,7 +34,7 @@ class TestBenchNode(SteppedNode):
         self._serve("emergency_stop", lambda: self.sequence.stopped())
 
     def successor(self, configuration: Configuration, changed: Iterable[str] = ()) -> Part:
-        """What goes on with other parameters; ValueError if they enable what the emergency switch has disabled."""
+        """Go on with other parameters; ValueError if they enable what the switch has disabled."""
         if self.sequence.emergency and configuration.values()[_ENABLED] != "none":
             raise ValueError(
                 f"{_ENABLED} is refused after an emergency stop, expected none until disconnect"
@@ -42,7 +42,7 @@ class TestBenchNode(SteppedNode):
         return super().successor(configuration, changed)
 
     def reconfigured(self) -> None:
-        """Enabling circuits by the parameter leads to the place in the sequence where they are enabled."""
+        """Follow the parameter that enables circuits to its place in the sequence."""
         enabled = self.configuration.values()[_ENABLED]
         if enabled != self.sequence.enabled:
             self.sequence = begun(enabled)

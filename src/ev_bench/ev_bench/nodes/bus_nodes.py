@@ -1,4 +1,4 @@
-"""Nodes on a CAN bus in real time: frames as they come, and a cycle every millisecond by the wall clock.
+"""Nodes on a CAN bus in real time: frames as they come, and a cycle every millisecond.
 
 `BusNode` has nothing but its bus, `RoleOnBus` plays a role of the graph besides.
 """
@@ -150,7 +150,7 @@ class BusNode(WithBus, Node):
 
 
 class RoleOnBus(WithBus, SteppedNode):
-    """Steps as every node does, and besides makes cycles of 1 ms by the wall clock, with frames in and out.
+    """Node that makes cycles of 1 ms by the wall clock, besides the steps of every node.
 
     A subclass makes what plays its role (`played_by`): an object that steps or advances, with
     `receive(circuit, frame)` and `cycle(ticks)` for the bus, and `go_on_from(other)` where
@@ -162,7 +162,7 @@ class RoleOnBus(WithBus, SteppedNode):
         self.begin(self.open_channels())
 
     def played_by(self, configuration: Configuration) -> Any:
-        """What plays the role, at rest."""
+        """Player of the role, at rest."""
         raise NotImplementedError
 
     def open_channels(self) -> Channels:
@@ -170,13 +170,13 @@ class RoleOnBus(WithBus, SteppedNode):
         raise NotImplementedError
 
     def new_part(self, configuration: Configuration, may_wait: bool = True) -> Part:
-        """What plays the role, behind its sensors."""
+        """Player of the role, behind its sensors."""
         return behind_sensors(
             configuration, PythonPart(configuration.method, self.played_by(configuration))
         )
 
     def successor(self, configuration: Configuration, changed: Iterable[str] = ()) -> Part:
-        """What goes on with other parameters, in the midst of a period, and with what has come over the bus in it."""
+        """Go on with other parameters in the midst of a period, with what has come over the bus."""
         part = super().successor(configuration, changed)
         if self.stepper.answer is not None:
             bare(part).made.go_on_from(self.player)
@@ -184,7 +184,7 @@ class RoleOnBus(WithBus, SteppedNode):
 
     @property
     def player(self) -> Any:
-        """What plays the role now."""
+        """Present player of the role."""
         return bare(self.stepper.part).made
 
     def take(self, circuit: str, frame: Frame) -> None:

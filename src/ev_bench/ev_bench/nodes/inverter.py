@@ -1,4 +1,4 @@
-"""The inverters of both circuits with their machines, on a CAN bus: as a node, and in that of the test bench."""
+"""The inverters of both circuits with their machines, on a CAN bus or in the bench's node."""
 
 from __future__ import annotations
 

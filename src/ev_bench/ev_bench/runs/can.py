@@ -1,4 +1,4 @@
-"""The CAN bus of a run: in real time channels that no other run uses, in lockstep the log of its frames."""
+"""The CAN bus of a run: channels of its own in real time, the log of its frames in lockstep."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _ECHO_PATIENCE = 0.5  # s for a frame to come back
 
 @contextmanager
 def real_bus(run: Run, domain: int, directory: Path) -> Iterator[dict[str, dict[str, Any]]]:
-    """Further parameters of the nodes at both ends of a bus, by name; nothing in lockstep and where there is none.
+    """Further parameters, by name, of the nodes at both ends of a bus in real time.
 
     Channels without a name get one of this run alone. RunFailed if a hub is needed and does not
     start.
@@ -68,7 +68,7 @@ def _channels(bus: BusInterface, domain: int) -> Iterator[tuple[str, list[str]]]
 
 
 def _works(channel: str) -> bool:
-    """Whether what is sent to a multicast group comes back."""
+    """Check that messages to a multicast group come back."""
     from ev_bench.bus.channel import Channel
     from ev_bench.bus.opening import BusError
     from ev_msgs_py.can.frame_length import Frame

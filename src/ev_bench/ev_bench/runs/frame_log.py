@@ -1,4 +1,4 @@
-"""The frames that a run in lockstep has had on its bus, stepped again from its recording, as a log."""
+"""The frames of a run in lockstep, stepped again from its recording, as a log."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class FrameLog:
         self._log, self._bench = log, bench
 
     def write(self, recording: Recording) -> str:
-        """Write all frames of a run and close the log; a line with the reason if it ends before the run does."""
+        """Write all frames of a run and close the log; return the reason if it ends early."""
         import can
 
         frames, until = logged_frames(recording, self._bench)
@@ -59,7 +59,7 @@ class FrameLog:
 
 
 def logged_frames(recording: Recording, bench: Configuration) -> tuple[list[LoggedFrame], float]:
-    """The frames on the wire, one after the other as they end, and until when [s] the bench is the recorded one."""
+    """Frames in the order in which they end, and the time [s] up to which the run is the same."""
     from ev_core.lockstep.parts import compiled_parts
     from ev_core.lockstep.run import call
 

@@ -28,9 +28,13 @@ def _of_a_bus(circuit: str) -> Iterable[NamedMetric]:
         f"{name}load", "1", f"mean load of the {circuit} bus", mean_load, (load,), LOWER
     )
     yield NamedMetric(
-        f"{name}longest_latency", "s", f"max latency on the {circuit} bus",
-        lambda run: channel(run.signals, latency).max(), (latency,), LOWER,
-    )  # fmt: skip
+        f"{name}longest_latency",
+        "s",
+        f"max latency on the {circuit} bus",
+        lambda run: channel(run.signals, latency).max(),
+        (latency,),
+        LOWER,
+    )
     yield NamedMetric(
         f"{name}latency_jitter",
         "s",
@@ -40,9 +44,13 @@ def _of_a_bus(circuit: str) -> Iterable[NamedMetric]:
         LOWER,
     )
     yield NamedMetric(
-        f"{name}lost_frames", "1", f"frames lost on the {circuit} bus", lambda run: channel(run.signals, lost)[-1],
-        (lost,), LOWER,
-    )  # fmt: skip
+        f"{name}lost_frames",
+        "1",
+        f"frames lost on the {circuit} bus",
+        lambda run: channel(run.signals, lost)[-1],
+        (lost,),
+        LOWER,
+    )
 
 
 METRICS = tuple(each for circuit in CIRCUITS for each in _of_a_bus(circuit))

@@ -1,10 +1,13 @@
-"""Nodes that speak the messages of other ROS projects, each where its packages are sourced (docs/bridges.md)."""
+"""Nodes for messages of other ROS projects, where their packages exist (docs/bridges.md)."""
 
 from ev_msgs_py.wire import message_class
 
 
 def needed(kind: str) -> type:
-    """The class of a message, service or action; ImportError, in one line, if its package is not sourced."""
+    """Load the class of a message, service or action.
+
+    Raises ImportError, in one line, if its package is not sourced.
+    """
     try:
         return message_class(kind)
     except ImportError:

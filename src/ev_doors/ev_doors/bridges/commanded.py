@@ -1,4 +1,4 @@
-"""A driver who does what commands from outside ask for: the node writes the newest one into the state."""
+"""A driver that follows commands from outside; the node writes the newest one into its state."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ev_sim.driver.pedals import SpeedControlParameters, SpeedControlState, foll
 
 @dataclass(frozen=True, slots=True)
 class CommandedParameters:
-    """How feet and hands follow a command, and what holds when none comes."""
+    """Parameters of pedals and steering behind a command, and of the stop without one."""
 
     speed_control: SpeedControlParameters = group(SpeedControlParameters)
     angle_control: AngleControlParameters = group(AngleControlParameters)
@@ -70,7 +70,10 @@ def commanded(
     body: BodyVelocity,
     column: SteeringColumnState,
 ) -> DriverCommand:
-    """Follow speed and road-wheel angle of the command; come to rest, with the angle as it is, when it is too old."""
+    """Follow speed and road-wheel angle of the command.
+
+    A car whose command is too old comes to rest with the angle as it is.
+    """
     speed = speed_along_path(body)
     holds = 1.0 if s.left > 0.0 else 0.0
     if holds != s.held:

@@ -1,4 +1,4 @@
-"""Services of simulation_interfaces 2.1 for a running graph, on its own pause, resume, step and reset."""
+"""Services of simulation_interfaces 2.1 for a running graph: pause, resume, step and reset."""
 
 from __future__ import annotations
 
@@ -40,7 +40,9 @@ _AT_ONCE = 8
 
 
 class SimulationInterfaces:
-    """Serves the interfaces by a node, for the graph of a namespace; ImportError if the package is not sourced.
+    """Server of the interfaces in a node, for the graph of a namespace.
+
+    Raises ImportError if the package is not sourced.
 
     The state of the graph is what its master reports, whoever has stopped it; before the first
     report the clock tells.
@@ -106,7 +108,7 @@ class SimulationInterfaces:
         executor.shutdown()
 
     def features(self, _request: Any, response: Any) -> Any:
-        """GetSimulatorFeatures: time and state are reset together, so that neither is claimed on its own."""
+        """GetSimulatorFeatures: time and state are reset together, so neither is offered alone."""
         response.features.features = [getattr(self._features, name) for name in _FEATURES]
         response.features.custom_info = "EV Control Stack: docs/bridges.md"
         return response
@@ -146,7 +148,7 @@ class SimulationInterfaces:
         return self._answered(response, *await self._take_steps(request.steps))
 
     async def simulate_steps(self, goal: Any) -> Any:
-        """SimulateSteps: feedback behind each step; a goal that is cancelled stops behind a whole one."""
+        """SimulateSteps: feedback after each step; a cancelled goal stops after a whole one."""
         wanted, result = goal.request.steps, self._action.Result()
         code, text, done = self._result.RESULT_OK, "", 0
         while done < wanted and code == self._result.RESULT_OK and not goal.is_cancel_requested:
@@ -234,7 +236,10 @@ class SimulationInterfaces:
             raise LookupError(f"{self._master} does not answer")
 
     def _future(self, ticks: float = float("inf")) -> Future:
-        """True when so many ticks of the clock have been seen, or when somebody sets it; False when that lasts."""
+        """Wait for so many ticks of the clock.
+
+        Returns True once they were seen or time was set, False when that takes too long.
+        """
         future: Future = Future(executor=self._node.executor)
         self._waiting.append((ticks, future, time.monotonic() + _PATIENCE))
         return future
@@ -249,7 +254,7 @@ class SimulationInterfaces:
                 future.set_result(True)
 
     def _note(self, message: Any) -> None:
-        """What the master reports of time, whoever has asked it."""
+        """Read the master's reports of time, whichever client asked for them."""
         if Time.from_msg(message.header.stamp).nanoseconds < self._asked_at:
             return
         for status in message.status:

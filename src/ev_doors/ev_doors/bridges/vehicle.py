@@ -25,7 +25,7 @@ _AT_ONCE = 1e9  # m/s^2 or rad/s, where a command names no limit
 
 
 class Language(Protocol):
-    """What commands and reports are; made with the node that has them."""
+    """The messages of commands and reports; they are loaded together with their node."""
 
     def report(self, stamp: Any, state: dict[str, float]) -> None:
         """Publish what the car does, at a stamp (sec, nanosec)."""
@@ -57,7 +57,7 @@ class CommandedDriver(SteppedNode):
         )
 
     def take_steps(self, until: float, guard: int) -> bool:
-        """As every node, but not for long: commands are waiting."""
+        """Wait as every node does, but not for long: commands are waiting."""
         return super().take_steps(min(until, time.monotonic() + _EXCHANGE_PERIOD), guard)
 
     def sweep(self) -> None:
@@ -94,7 +94,7 @@ class CommandedDriver(SteppedNode):
 
     @property
     def command_lasts(self) -> float:
-        """For so long a command holds [s]."""
+        """Time for which a command holds [s]."""
         lasts: float = self.configuration.parameters.commands_last
         return lasts
 
@@ -129,7 +129,11 @@ _COMMANDS, _STATUS = "/control/command", "/vehicle/status"
 
 
 class Autoware:
-    """Control and GearCommand in; VelocityReport, SteeringReport, GearReport and ControlModeReport out."""
+    """Bridge to Autoware.
+
+    It reads Control and GearCommand, and writes VelocityReport, SteeringReport, GearReport and
+    ControlModeReport.
+    """
 
     def __init__(self, node: CommandedDriver) -> None:
         self._node = node
@@ -178,7 +182,7 @@ class Autoware:
         }
 
     def report(self, stamp: Any, state: dict[str, float]) -> None:
-        """Velocities are those of the middle of the rear axle, where Autoware has the origin of a vehicle."""
+        """Report velocities of the middle of the rear axle, Autoware's origin of a vehicle."""
         modes = self._modes
         mode = modes.AUTONOMOUS if state["held"] == 1.0 else modes.NOT_READY
         if mode == modes.NOT_READY and self._was_commanded:

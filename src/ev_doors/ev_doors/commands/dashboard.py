@@ -84,7 +84,10 @@ def _arguments(argv: list[str] | None) -> tuple[argparse.Namespace, list[str]]:
 
 @contextmanager
 def _domain(own: bool) -> Iterator[int]:
-    """The domain for a run of our own, or that of the run under way; RunFailed if there are none or several."""
+    """Find the domain for a run of our own, or that of the run under way.
+
+    Raises RunFailed if no run or several runs are under way.
+    """
     if own or os.environ.get("ROS_DOMAIN_ID"):
         with free_domain() as domain:
             yield domain

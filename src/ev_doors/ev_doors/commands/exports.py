@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def export_library(argv: list[str]) -> None:
-    """ev-stack export SCENARIO --target TARGET --out DIR [--only ROLE,ROLE | --without ROLE,ROLE] [options]"""
+    """ev-stack export SCENARIO --target TARGET --out DIR [--only ROLE,ROLE] [options]"""
     from ev_doors.export.library import write_library
     from ev_doors.export.targets import TARGETS, target_of
 

@@ -23,7 +23,7 @@ _VIEW_PERIOD = 0.05  # s of wall time between two looks
 
 
 def visualize(argv: list[str]) -> None:
-    """ev-stack visualization [--ros-args ...]; the namespace is /ev unless -r __ns:=/NAME gives another one."""
+    """ev-stack visualization [--ros-args ...], of namespace /ev unless -r __ns:=/NAME is given."""
     with StopRequest() as stop:
         try:
             words, domain = [*argv, "--ros-args", NO_LOG_FILE], given_domain(os.environ)

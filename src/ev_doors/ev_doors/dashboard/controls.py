@@ -38,7 +38,7 @@ def line(text: str, refused: bool) -> dict[str, Any]:
 
 
 class Controls:
-    """Knows the nodes with roles and asks them; `tell` gets their parameters, answers and refusals as they come."""
+    """Client of the nodes with roles; `tell` takes their parameters, answers and refusals."""
 
     def __init__(self, context: Context, namespace: str, name: str, tell: Tell) -> None:
         # A node of its own: the executor, which only services need, would take the messages of
@@ -68,7 +68,7 @@ class Controls:
 
     @property
     def has_master(self) -> bool:
-        """Whether the graph has a master of time, as far as was looked."""
+        """Mark of a graph that has a master of time, as far as was looked."""
         return MASTER in self._present
 
     def look(self) -> None:
@@ -89,7 +89,7 @@ class Controls:
             self._find_nodes()
 
     def obey(self, wish: Mapping[str, Any]) -> None:
-        """Do what a page asks for: set a parameter, or call a service of time; ValueError for anything else."""
+        """Set a parameter, or call a service of time, for a page; ValueError for anything else."""
         try:
             if wish["kind"] == "time":
                 self._call(wish["service"])
@@ -191,14 +191,17 @@ class Controls:
     def _ask(
         self, future: Future, then: Callable[[Any], None], otherwise: Callable[[], None]
     ) -> None:
-        """Call `then` with the answer, or `otherwise` without one: what a graph has just found is lost at times."""
+        """Call `then` with the answer, or `otherwise` without one.
+
+        A service that a graph has just found is lost at times.
+        """
         self._waiting.append((future, then, otherwise, time.monotonic() + _PATIENCE))
 
 
 def node_message(
     name: str, descriptors: Iterable[ParameterDescriptor], values: Iterable[Any]
 ) -> dict[str, Any]:
-    """The message that has a page show a node: all its parameters, as they are described, and their values."""
+    """Build the message that shows a node on a page: its parameters, described, with values."""
     described = zip(descriptors, values, strict=True)
     parameters = [{**_about(descriptor), "value": _plain(value)} for descriptor, value in described]
     return {"kind": "node", "node": name, "parameters": parameters}

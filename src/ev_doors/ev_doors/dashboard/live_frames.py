@@ -1,4 +1,4 @@
-"""What comes from a running graph: the newest numbers of all topics as one row, and what nodes report in /diagnostics.
+"""The newest numbers of all topics of a running graph as one row, and reports of /diagnostics.
 
 The graph knows the node of a report, and any node may take that name.
 """
@@ -45,14 +45,14 @@ class Reported:
         self._reader = Reader(node, DiagnosticArray, "/diagnostics", self._note, self)
 
     def look(self) -> list[tuple[str, bool]]:
-        """What was reported since the last look, and whether it was about time alone; anything else is given once."""
+        """Take the reports since the last look, with a mark of those about time alone."""
         while (message := self._reader.take(HELD)) is not None:
             self._reader.receive(message)
         new, self._new = self._new, []
         return new
 
     def admits(self, info: Mapping[str, Any]) -> bool:
-        """Whether a report is one of a node with the name of a role, by what the graph knows."""
+        """Mark of a report by a node that the graph knows under the name of a role."""
         gid = (info.get("publisher_gid") or {}).get("data")
         if gid not in self._names:
             self._names = {
@@ -96,7 +96,7 @@ _TELLS_TIME = BodyVelocity
 
 
 class LiveFrames:
-    """Takes all topics; `refuse` is called, with a key that names the cause, for messages that are not taken.
+    """Reader of all topics; it calls `refuse` with the cause of a message that is not taken.
 
     With the `vehicle` of the plant the rows also hold what the car seen from above needs.
     """
@@ -173,7 +173,7 @@ class LiveFrames:
         return {name: float(value[0]) for name, value in self._shown.items()}
 
     def row(self) -> bytes:
-        """Time and channels as float64 in the order of this machine, which is that of its browsers."""
+        """Time and channels as float64 in the byte order of this machine and its browsers."""
         return array("d", [self.time, *self.values.values()]).tobytes()
 
     def _channels(self) -> dict[str, np.ndarray]:
@@ -187,7 +187,7 @@ class LiveFrames:
 
 
 def layout_message(columns: Sequence[str], vehicle: Vehicle | None) -> dict[str, Any]:
-    """The message with the channels of a row after its time, how they are plotted together, and the car."""
+    """Build the message of the channels of a row, how they are plotted together, and the car."""
     plotted = [name for name in columns if not name.startswith(PREFIX)]
     car = None if vehicle is None else car_of(vehicle)
     return {"kind": "layout", "channels": [*columns], "groups": groups_of(plotted), "car": car}

@@ -1,4 +1,4 @@
-"""What viewers of ROS want beside the topics of the contract, each as far as its message package is installed."""
+"""Messages for viewers of ROS beside the topics of the contract, where their packages exist."""
 
 from __future__ import annotations
 
@@ -20,7 +20,10 @@ _HELD = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class RosViews:
-    """Publishes a car in the namespace of a node; `say` gets a line on each message package that is missing."""
+    """Publisher of a car in the namespace of a node.
+
+    `say` gets a line for each message package that is missing.
+    """
 
     def __init__(self, node: Node, say: Callable[[str], None]) -> None:
         self._publishers: dict[View, Publisher] = {}

@@ -1,4 +1,4 @@
-"""The server of the dashboard: one page, and a socket on which signals, parameters and wishes go to and fro.
+"""The server of the dashboard: one page, and a socket for signals, parameters and requests.
 
 The graph goes to the pages some times a second, until the run has ended.
 """
@@ -52,7 +52,10 @@ def listening(port: int) -> list[socket]:
 
 
 class Pages:
-    """All open pages; `obey` does what one asks for, ValueError refuses it; `present()` is what a new one gets."""
+    """All open pages.
+
+    `obey` carries out a request or raises ValueError, `present()` greets a page.
+    """
 
     def __init__(
         self,
@@ -82,7 +85,7 @@ class Pages:
 
     @property
     def url(self) -> str:
-        """Where a browser finds the page."""
+        """Address of the page for a browser."""
         return f"http://{ADDRESS}:{self.port}/"
 
     def tell(self, message: Mapping[str, Any]) -> None:
@@ -108,7 +111,10 @@ class Pages:
 
 
 class _Local(tornado.web.RequestHandler):
-    """Refuses a browser that was led here under another name: a page of somebody else's could ask in its own."""
+    """Refuse a browser that came under another host name.
+
+    A page of another site could send requests under its own name.
+    """
 
     def initialize(self, hosts: set[str], **others: Any) -> None:
         self.hosts = hosts
@@ -164,7 +170,7 @@ class _Socket(_Local, tornado.websocket.WebSocketHandler):
             self._sent = self._write(row)
 
     def _write(self, message: str | bytes) -> Any:
-        """A future that ends when the message has left; None if the page has gone, which it may do at any moment."""
+        """Send a message; the future ends when it has left, and is None if the page has gone."""
         try:
             return asyncio.ensure_future(
                 self._left(self.write_message(message, isinstance(message, bytes)))
@@ -186,7 +192,9 @@ _PATIENCE = 10.0  # s for a graph to be found to which we are to attach
 async def attached(
     namespace: str | None, domain: int, sockets: list[socket], run: subprocess.Popen | None
 ) -> str | None:
-    """Serve pages until the run has ended, and return the reason in words; None if Ctrl-C or SIGTERM came first.
+    """Serve pages until the run has ended, and return the reason in words.
+
+    None if Ctrl-C or SIGTERM came first.
 
     Without a `namespace` the pages show the graph that has a master of time, and another one after
     it. Without a `run` of our own the graph has ended when its master has left. RunFailed if there
@@ -220,7 +228,7 @@ async def attached(
 
 
 class _Graph:
-    """What comes from the graph of a namespace, and what can be asked there."""
+    """Signals from the graph of a namespace, and the requests that it answers."""
 
     def __init__(
         self, context: Context, namespace: str, tell: Callable[[dict[str, Any]], None]
@@ -267,7 +275,7 @@ class _Dashboard:
 
     @property
     def has_master(self) -> bool:
-        """Whether the graph that is shown has a master of time."""
+        """Mark of a shown graph that has a master of time."""
         return self._graph is not None and self._graph.controls.has_master
 
     def look(self) -> None:

@@ -1,1 +1,4 @@
-"""Cars and laws in C, for machines without Python: libraries and FMUs with the same bits (docs/native.md)."""
+"""Cars and laws in C for machines without Python: libraries and FMUs with the same bits.
+
+See docs/native.md.
+"""

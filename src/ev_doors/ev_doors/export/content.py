@@ -1,4 +1,4 @@
-"""What an export holds: the roles that are kept of a run, as parts in order, and everything about them by name."""
+"""Content of an export: the roles that are kept of a run, as parts in order."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Channel(NamedTuple):
 
 
 class Tunable(NamedTuple):
-    """A parameter that its law reads itself, so that it may change from one step to the next; its place in the row."""
+    """A parameter that may change from step to step, as its law reads it; its place in the row."""
 
     name: str
     unit: str
@@ -48,7 +48,7 @@ class Tunable(NamedTuple):
 
 
 class Part(NamedTuple):
-    """One function that is called in each control period: the law of a role, its sensors, or its faults.
+    """One function of each control period: the law of a role, its sensors, or its faults.
 
     `begin` and `end` say where it writes in the frame, `seeds` where the seed stands in its
     constants. Its state is put back to its start at the instants `restarts`.
@@ -66,7 +66,7 @@ class Part(NamedTuple):
 
     @property
     def is_changed(self) -> bool:
-        """Whether its constants change, so that each object has its own."""
+        """Mark of a function whose constants change, so that each object has its own."""
         return bool(self.seeds or self.tunables)
 
 
@@ -123,7 +123,7 @@ class Content:
 
     @cached_property
     def inputs(self) -> list[Channel]:
-        """What the kept roles read of those that are left out."""
+        """Signals that the kept roles read of those that are left out."""
         written = {signal for each in self._kept.values() for signal in each.method.writes}
         return _channels(
             s for each in self._kept.values() for s in each.method.inputs if s not in written
@@ -183,7 +183,10 @@ def _parts(configuration: Configuration, required: Collection[str], bare: bool) 
 
 
 def _tunables(configuration: Configuration, given: Given) -> list[Tunable]:
-    """The numbers among the parameters of which nothing is made before the first step, tied to others by no rule."""
+    """Parameters that may change live.
+
+    They are numbers that set nothing up and that no rule ties to others.
+    """
     law, used = law_of(configuration.method), set[str]()
     parameters, common = _watched(configuration.given, used), configuration.common
     if law.prepare:
@@ -226,7 +229,7 @@ def _names(tree: Mapping[str, Any], prefix: str = "") -> list[str]:
 
 
 def _watched(parameters: Any, used: set[str], prefix: str = "") -> Any:
-    """The same parameters, as an object of a class below theirs that notes the names of those that are read.
+    """Copy the parameters as an object of a subclass that records the names that are read.
 
     Those that a rule of their dataclass reads are noted at once: an export, which does not know the
     rule, fixes them.

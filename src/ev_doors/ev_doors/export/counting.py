@@ -1,4 +1,4 @@
-"""Instructions of an emulated program: qemu-user counts them by a plugin, which is built for its own interface."""
+"""Instruction counts of an emulated program by a plugin of qemu-user."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _DESCRIPTOR = 100  # through which the program reads the count
 
 
 def counted(command: Sequence[str], folder: Path) -> list[str]:
-    """The words that start an emulated program which knows its instructions, with the plugin in a folder.
+    """Command that starts an emulated program with the counting plugin in a folder.
 
     The last word of the command is the program. ParameterError, in one line, if its emulator cannot
     count.

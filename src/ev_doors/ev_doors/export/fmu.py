@@ -1,4 +1,4 @@
-"""An export as a Functional Mock-up Unit: its library behind the functions of FMI, for several systems in one file."""
+"""An export as a Functional Mock-up Unit: libraries for several systems in one file."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ class Variable(NamedTuple):
 
 
 def write_fmu(content: Content, fmi: int, targets: Sequence[Target], file: Path) -> None:
-    """Write an FMU of FMI 2 or 3, whose model is named after the file, in the place of one of ours at most.
+    """Write an FMU of FMI 2 or 3, whose model is named after the file.
 
     ParameterError, in one line, for another name, a file of others there, and a target that has no
     FMUs.
@@ -110,7 +110,7 @@ def write_fmu(content: Content, fmi: int, targets: Sequence[Target], file: Path)
 
 
 def place(name: str, fmi: int, target: str) -> str:
-    """Where the library for a target stands in an FMU of a name."""
+    """Path of the library for a target in an FMU of a name."""
     return f"binaries/{_PLACES[target][VERSIONS.index(fmi)].format(name)}"
 
 
@@ -126,7 +126,7 @@ def _binary(library: Library, fmi: int, target: Target, folder: Path) -> Path:
 
 
 def _token(library: Library) -> str:
-    """What description and library agree about, in the form of a GUID."""
+    """Identifier, in the form of a GUID, that binds the description to the library."""
     digest = library.content.digest
     return (
         f"{{{'-'.join(digest[a:b] for a, b in ((0, 8), (8, 12), (12, 16), (16, 20), (20, 32)))}}}"

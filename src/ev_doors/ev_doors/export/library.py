@@ -32,7 +32,7 @@ _OF_LINKER = "_GLOBAL_OFFSET_TABLE_"  # no function: the linker makes it
 
 
 class Place(NamedTuple):
-    """Where state and constants of a part stand in an object; -1 for constants that all objects share."""
+    """Place of state and constants of a part in an object; -1 for constants that objects share."""
 
     part: Part
     state: int
@@ -50,7 +50,7 @@ class Entry(NamedTuple):
 
 
 class Library:
-    """The C text of an export under a given name, which gets a prefix in C; ParameterError if it is none in C."""
+    """Write the C text of an export under a name with a prefix; ParameterError if C refuses it."""
 
     def __init__(self, content: Content, name: str) -> None:
         if not re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII):
@@ -70,8 +70,9 @@ class Library:
         return f"{self.name}_{key_of(*part.code)}"
 
     def sizes(self, objects: Sequence[Path]) -> dict[str, Any]:
-        """For the templates: `sizes`, of each file its roles, bytes of code, and numbers of constants and states.
+        """Values for the templates.
 
+        `sizes` gives for each file its roles, bytes of code, and numbers of constants and states;
         `code` and `constants` are the bytes of all.
         """
         rows = []
@@ -89,7 +90,7 @@ class Library:
 
     @property
     def about(self) -> str:
-        """What it is, in some words."""
+        """Description of the export in some words."""
         kept = ", ".join(self.content.roles)
         is_whole = set(self.content.roles) == {*self.content.run.configurations}
         return (
@@ -99,7 +100,7 @@ class Library:
         )
 
     def objects(self, target: Target, folder: Path) -> list[Path]:
-        """The object files of all parts, in a folder; those that are there already are not made again."""
+        """Compile the object files of all parts in a folder, except those that exist."""
         made = {symbol: folder / f"{symbol}.o" for symbol in self.codes}
         for symbol, file in made.items():
             if not file.exists():

@@ -1,4 +1,4 @@
-"""Processor in the loop: a law of a run as a program on another processor, in lockstep with the rest of the graph."""
+"""Processor in the loop: a law as a program on another processor, in lockstep with the graph."""
 
 from __future__ import annotations
 
@@ -33,7 +33,9 @@ EMULATED = {
 
 
 class OnProcessor:
-    """Makes the parts of a role that runs as a program: on a processor of `EMULATED`, or by a command.
+    """Factory of the parts of a role that runs as a program.
+
+    It runs on a processor of `EMULATED`, or by a command.
 
     Sensors and faults of the role stay here, behind the program. ParameterError, in one line, for a
     role that integrates, one that a fault restarts, a processor that cannot be emulated, and a
@@ -83,13 +85,13 @@ class OnProcessor:
         """There is no object here."""
 
     def part(self, method: Method, made: None) -> ProcessorPart:
-        """What plays the role; the program starts with its first step."""
+        """Make the part that plays the role; the program starts with its first step."""
         self._part = ProcessorPart(self)
         return self._part
 
     @property
     def report(self) -> str:
-        """What the steps of the last part have taken, in words."""
+        """Cost of the steps of the last part, in words."""
         begin = f"{self.content.run.name}: {self.role} on {self.where}"
         try:
             took = self._part.program.measured
@@ -108,7 +110,7 @@ class OnProcessor:
 
 
 def _words(command: str) -> list[str]:
-    """Of a command; ParameterError for an empty one and an open quotation mark."""
+    """Split a command; ParameterError for an empty one and an open quotation mark."""
     try:
         words = shlex.split(command)
     except ValueError as error:

@@ -43,7 +43,7 @@ _NOT_COUNTED = {
 
 
 class Measured(NamedTuple):
-    """What the steps of a program have taken, and the size of its parts.
+    """Cost of the steps of a program, and the size of its parts.
 
     Time [ns]; instructions, which mean nothing unless `error`, a number of Linux, is 0; bytes of
     the stack, of code, and of constants with states.
@@ -69,7 +69,10 @@ class Measured(NamedTuple):
 
 
 def build_program(content: Content, target: Target, folder: Path) -> list[str]:
-    """Build the program in a folder; the words that start it here, with an emulator for another processor."""
+    """Build the program in a folder, and return the command that starts it here.
+
+    A program for another processor is started by an emulator.
+    """
     library = Library(content, _NAME)
     objects = library.objects(target, folder)
     templates = ["model.h", "constants.h", "model.c", "program.c"]
@@ -85,7 +88,7 @@ def build_program(content: Content, target: Target, folder: Path) -> list[str]:
 
 
 class Program:
-    """A running program of an export; ParameterError if it does not start, or is that of another one.
+    """A running program of an export; ParameterError if it does not start or is another export.
 
     Answers are a status, 0 where all is well, and the outputs.
     """
@@ -116,11 +119,11 @@ class Program:
             unless_ours.pop_all()
 
     def create(self) -> tuple[int, list[float]]:
-        """At rest; status and outputs, as of all that follow."""
+        """Set everything to rest, and return status and outputs."""
         return self._answered(b"c")
 
     def reset(self, seed: int) -> tuple[int, list[float]]:
-        """At rest with another seed."""
+        """Set everything to rest with another seed."""
         return self._answered(b"r" + struct.pack("<I", seed))
 
     def step(self, inputs: Sequence[float]) -> tuple[int, list[float]]:
@@ -145,11 +148,14 @@ class Program:
 
     @property
     def measured(self) -> Measured:
-        """What all steps so far have taken."""
+        """Cost of all steps so far."""
         return Measured(*_MEASURED.unpack(self._asked(b"m", _MEASURED.size)))
 
     def drive(self, steps: int) -> np.ndarray:
-        """The outputs of a run without inputs from its start on, (steps + 1, outputs); ParameterError if one stops."""
+        """Outputs of a run without inputs from its start on, (steps + 1, outputs).
+
+        Raises ParameterError if a step stops.
+        """
         kind = np.dtype([("status", "<i4"), ("outputs", "<f8", (len(self._content.outputs),))])
         answers = np.frombuffer(self._asked(b"c" + b"s" * steps, (steps + 1) * kind.itemsize), kind)
         for n in np.flatnonzero(answers["status"]):

@@ -1,4 +1,4 @@
-"""For what an export can be made, and the C compiler of each target."""
+"""Targets of exports, and the C compiler of each."""
 
 from __future__ import annotations
 

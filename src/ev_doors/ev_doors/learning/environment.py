@@ -1,4 +1,4 @@
-"""A Gymnasium environment around `ev_stack.Simulation`: any scenario, one role of it played by a learner.
+"""A Gymnasium environment around `ev_stack.Simulation`: a learner plays one role of a scenario.
 
 An action names the role whose place the learner takes, and how its numbers become what that role
 writes.
@@ -34,7 +34,7 @@ Frame = Mapping[str, float]
 
 @dataclass(frozen=True)
 class Action:
-    """A kind of action, in the place of a `role`: it gives some `channels` of what that role writes.
+    """A kind of action: it writes some `channels` in the place of a `role`.
 
     `bounds` gives lowest and highest values for a plant, (number of channels,) each, and `means`
     what is written for an action at an instant. `of_law` is the action that stands for what the law
@@ -54,13 +54,13 @@ def _drive(signal: type) -> Callable[[Vehicle], tuple[str, ...]]:
 
 
 def _wheel_torques(plant: Configuration) -> tuple[np.ndarray, np.ndarray]:
-    """What the motors of a wheel can do there [N m], by clutches and differentials those of other wheels, too."""
+    """Range of the torque at each driven wheel [N m] from the motors that reach it."""
     least, most = motor_torques(plant)
     return -_at_wheels(plant.common.vehicle, least), _at_wheels(plant.common.vehicle, most)
 
 
 def _at_wheels(vehicle: Vehicle, motor_torque: float) -> np.ndarray:
-    """The largest torques of the driven wheels [N m] that the guard of a plant lets through, by that of a motor."""
+    """Largest torques of the driven wheels [N m] that the guard of a plant lets through."""
     drive = guard_limits(vehicle, motor_torque, math.inf).drive
     return np.array([drive[WHEEL_NAMES.index(wheel)] for wheel in vehicle.driven_wheels])
 
@@ -79,7 +79,10 @@ def _as_it_is(here: Frame, channels: tuple[str, ...], action: np.ndarray) -> dic
 
 
 def _limited(here: Frame, channels: tuple[str, ...], action: np.ndarray) -> dict[str, float]:
-    """The torques that are asked for at this instant, none larger than its limit, either way; none for one below 0."""
+    """Torques that the law commands at this instant, limited by the action.
+
+    A negative limit counts as zero.
+    """
     command, request = TOPICS[WheelTorqueCommand].name, TOPICS[WheelTorqueRequest].name
     asked = [here[request + channel.removeprefix(command)] for channel in channels]
     limits = [max(limit, 0.0) for limit in action.tolist()]
@@ -96,10 +99,13 @@ ACTIONS = {
     "traction_control": Action("asr", _drive(WheelTorqueCommand), _torque_limits, _limited, np.abs),
     # torque of the hands on the steering wheel [N m]; the pedals stay with the driver
     "steering": Action(
-        "driver", lambda _: (f"{TOPICS[DriverCommand].name.replace('/', '.')}.hand_torque",), _hand_torque, _as_it_is,
+        "driver",
+        lambda _: (f"{TOPICS[DriverCommand].name.replace('/', '.')}.hand_torque",),
+        _hand_torque,
+        _as_it_is,
         np.asarray,
     ),
-}  # fmt: skip
+}
 
 
 _LARGEST_SEED = 2**31 - 1
@@ -107,21 +113,21 @@ OBSERVED = ("driver.command", "steering_column.state", "twist", "imu", "wheel_st
 
 
 def never(frame: Mapping[str, float]) -> bool:
-    """Whether an episode is over: none is."""
+    """Mark of the end of an episode: none ends early."""
     return False
 
 
 class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
-    """A scenario in which the action takes the place of a law, or of the driver's hands (`actions.ACTIONS`).
+    """A scenario with an action in the place of a law or of the driver's hands (`actions.ACTIONS`).
 
-    - `action`: torque_split, traction_control or steering; in SI units, by driven wheel where it is one of wheels,
-    - `observe`: channels such as imu.yaw_rate, or topics for all their channels; in SI units, float64,
-    - `reward`: of the frame after the step, the action and what the scenario's own law would have done,
-    - `ends`: of the frame, whether the episode is over; without it, it lasts as long as the scenario, `duration`,
-    - `render_mode`: "rgb_array" for pictures of the car from above by `render`, (480, 480, 3) of uint8.
+    - `action`: torque_split, traction_control or steering, in SI units, by driven wheel
+    - `observe`: channels such as imu.yaw_rate, or topics for all their channels, SI, float64
+    - `reward`: function of the frame after the step, the action, and the output of the own law
+    - `ends`: function of the frame, whether the episode is over; else `duration` ends it
+    - `render_mode`: "rgb_array" for pictures of the car by `render`, (480, 480, 3) of uint8
 
-    What is observed ends at its limit, as a sensor does: `limits` has it by channel, with its
-    reason. `run` and the arguments from `method` on are those of `ev_stack.Simulation`. The
+    Observations end at their limits, as sensors do: `limits` has them by channel, with reasons.
+    `run` and the arguments from `method` on are those of `ev_stack.Simulation`. The
     scenario's own law goes along: `info["own"]` is the action that stands for its output, and what
     no action gives (brakes, pedals) is its output. `info["frame"]` has all channels of the instant.
     Everything random follows from the seed of `reset`; without one each episode has another, the
@@ -131,7 +137,8 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
     finite.
     """
 
-    metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}  # noqa: RUF012, as the base class has it
+    # The base class declares it as an attribute of the class.
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}  # noqa: RUF012
 
     def __init__(
         self,
@@ -158,9 +165,18 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
             raise unknown_name("render_mode", render_mode, self.metadata["render_modes"])
         self._kind, self._ends, self.render_mode = action, ends, render_mode
         self.simulation = Simulation(
-            scenario, (self._action.role,), run, record,
-            method=method, set=set, seed=seed, duration=duration, vehicle=vehicle, params=params, cycle=cycle,
-        )  # fmt: skip
+            scenario,
+            (self._action.role,),
+            run,
+            record,
+            method=method,
+            set=set,
+            seed=seed,
+            duration=duration,
+            vehicle=vehicle,
+            params=params,
+            cycle=cycle,
+        )
         self.metadata = {**self.metadata, "render_fps": stamps.NANOSECONDS / self.simulation.period}
         self._car = car = self.simulation.configurations[MASTER].common.vehicle
         self._frame = self.simulation.frame
@@ -196,7 +212,9 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Begin again at rest; `seed` is that of the scenario, too: with it the signals are those of `ev_stack.run`.
+        """Begin again at rest.
+
+        With the scenario's `seed` the signals are those of `ev_stack.run`.
 
         A scenario has seeds below 2^31: for a larger one its seed is drawn. ParameterError for
         `options`: there are none, an episode begins as the environment was made.
@@ -248,7 +266,7 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
         return seen, float(self._reward(frame, values, own)), self._ends(frame), over, info
 
     def render(self) -> Any:
-        """The car from above at this instant and the way that it has come, None without `render_mode`."""
+        """Draw the car from above and the way it has come; None without `render_mode`."""
         return (
             picture(self._car, self._frame, self.simulation.time, self._way)
             if self.render_mode

@@ -1,4 +1,4 @@
-"""How large what is observed can be: by channel a limit of car, motors, tyres or driver, and its reason."""
+"""Bounds of observations: by channel a limit of car, motors, tyres or driver, and its reason."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Limit(NamedTuple):
 
 
 class _Episode(NamedTuple):
-    """The car, how long it drives at most [s], what it shows at the start, and what follows from the car.
+    """The car, its longest drive [s], its first frame, and the limits that follow from it.
 
     Largest `torque` [N m] and `spin` [rad/s] of a wheel, `shaft` speed of a motor [rad/s], `power`
     of all drives [W].
@@ -47,7 +47,7 @@ class _Episode(NamedTuple):
 
 
 def motor_torques(plant: Configuration) -> tuple[float, float]:
-    """The largest torques at the shaft of a motor, when it brakes and when it drives [N m], as the plant has them."""
+    """Largest torques at the shaft of a motor, braking and driving [N m], as the plant has them."""
     values = plant.values()
     if values.get("drive") in DRIVE_MODELS:
         return values["motor.torque_limit"], values["motor.torque_limit"]
@@ -154,7 +154,7 @@ def limits(
     start: Mapping[str, float],
     motor_torque: float,
 ) -> dict[str, Limit]:
-    """The limits of some channels of a car in an episode of at most `duration` [s] that begins with a frame.
+    """Bounds of some channels in an episode of at most `duration` [s] that begins with a frame.
 
     `motor_torque` is the largest one at the shaft of a motor [N m].
     """

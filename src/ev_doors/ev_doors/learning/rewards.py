@@ -1,4 +1,4 @@
-"""The rewards that environments have of their own: simple, bounded below by what a car can do badly.
+"""Rewards of the environments: simple, and bounded below by the worst that a car can do.
 
 A reward is a function of the frame after the step, the action, and the action that stands for what
 the scenario's own law wrote at the same instant.
@@ -23,7 +23,7 @@ LARGE_DIFFERENCE = 1.0  # [N m], of hand torques
 
 @dataclass(frozen=True)
 class CalmYaw:
-    """Minus the squares of yaw rate beside that of a neutral car, times the speed, and of the largest slip ratio.
+    """Minus the squared yaw rate error against a neutral car, times speed, and the squared slip.
 
     A neutral car turns by V/L tan(delta) = V delta/L for the angles of driving.
     """

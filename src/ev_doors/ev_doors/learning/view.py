@@ -1,4 +1,4 @@
-"""The car from above with its wheels as they are steered, and its way so far, as an array of pixels."""
+"""The car from above with its steered wheels, and its way so far, as an array of pixels."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _TYRE_WIDTH = 0.2  # [m]
 def picture(
     car: Vehicle, here: Mapping[str, float], time: float, way: Sequence[tuple[float, float]]
 ) -> np.ndarray:
-    """A car at an instant [s] that shows a frame, after a way of points x, y [m]: (SIZE, SIZE, 3) of uint8."""
+    """Draw a car at an instant [s] after a way of points x, y [m]: (SIZE, SIZE, 3) of uint8."""
     figure = Figure(figsize=(SIZE / _DPI, SIZE / _DPI), dpi=_DPI)
     axes = figure.add_axes((0.13, 0.11, 0.84, 0.82))
     x, y = here["pose.x"], here["pose.y"]

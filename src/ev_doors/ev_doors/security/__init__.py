@@ -1,1 +1,1 @@
-"""Which node may publish what: what each node needs, as DDS security policies and held against the running graph."""
+"""Permissions of nodes as DDS security policies, and their check against a running graph."""

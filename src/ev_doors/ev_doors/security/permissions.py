@@ -1,4 +1,4 @@
-"""What each node of the graph needs, and nothing else: least privilege, from the declaration of the roles."""
+"""Permissions of each node: least privilege, from the declaration of the roles."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Permissions:
     serves: frozenset[str]
 
     def lacks(self, other: Permissions) -> tuple[str, ...]:
-        """What the other one has beyond this one, one line each."""
+        """List what the other set has beyond this one, one line each."""
         return tuple(
             f"{self.node} {verb} {name}"
             for verb, allowed, used in (
@@ -51,7 +51,10 @@ class Permissions:
 
 
 def permissions(namespace: str) -> dict[str, Permissions]:
-    """The permissions of every role and of the recorder in a namespace such as /ev; the runner is not in the graph."""
+    """Permissions of every role and of the recorder in a namespace such as /ev.
+
+    The runner is not in the graph.
+    """
     found = [_of_role(role, namespace) for role in ROLES.values()]
     into_the_bag = _topics(RECORDED, namespace) | _REPORTS | _CLOCK
     found.append(
@@ -128,7 +131,10 @@ def permissions_in_use(observer: Node, namespace: str) -> dict[str, Permissions]
 
 
 def violations(allowed: Mapping[str, Permissions], used: Iterable[Permissions]) -> tuple[str, ...]:
-    """One line for each thing that a node does without being allowed to; an unknown node may do nothing."""
+    """List each act of a node that it is not permitted, one line each.
+
+    Unknown nodes may do nothing.
+    """
     nothing = frozenset[str]()
     return tuple(
         line

@@ -1,1 +1,1 @@
-"""The dissertation: traction control, five torque control methods in an urban cycle, and a test bench."""
+"""The dissertation: traction control, five torque control methods, and a test bench."""

@@ -130,7 +130,7 @@ def fit_error(driven: ScenarioRuns, power: float) -> float:
 
 
 def slope_coefficient(surface: str) -> float:
-    """C_3 over the largest friction less that of a wheel that spins, its meaning in the text [1]."""
+    """C_3 by its meaning in the text, over largest friction less that of a spinning wheel [1]."""
     of = SURFACES[surface]
     spinning = of.c1 * (1.0 - np.exp(-of.c2)) - of.c3
     return of.c3 / (of.peak_friction - spinning)

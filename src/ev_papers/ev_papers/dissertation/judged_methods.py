@@ -45,7 +45,10 @@ def _means(driven: StudyCases, quantity: str, driver: str) -> dict[int, float]:
 
 
 def total(driven: StudyCases, wheel: str, method: float) -> float:
-    """Mean over the roads of wheel efficiency, by one of its quantities, times drive efficiency [%]."""
+    """Mean over the roads of wheel efficiency times drive efficiency [%].
+
+    `wheel` is one of the quantities of the wheel efficiency.
+    """
     of_wheel = _by_road(driven, wheel, method, _IMPOSED)
     of_drive = _by_road(driven, "drive_efficiency", method, _IMPOSED)
     return 100.0 * statistics.fmean(map(operator.mul, of_wheel, of_drive))

@@ -1,4 +1,4 @@
-"""The place of the dissertation among the sources, what measures the numbers of published.csv, and the figures."""
+"""The dissertation as a source: measures of the numbers of published.csv, and figures."""
 
 from __future__ import annotations
 

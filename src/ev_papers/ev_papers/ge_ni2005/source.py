@@ -38,7 +38,7 @@ ORDER = 1  # among the sources, in tables
 MEASURES = measures_of(measures)
 SOURCE = "ge_ni2005"
 READINGS = ("rate", "offset", "increment")
-# Ends of the names of runs: the car with forces that follow the loads, and a speed that is not held.
+# Ends of the names of runs: a car with forces that follow the loads, a speed that is not held.
 FULL_CAR = "_full_car"
 FREE_SPEED = "_free_speed"
 CASES = ("", FREE_SPEED, FULL_CAR, FULL_CAR + FREE_SPEED)

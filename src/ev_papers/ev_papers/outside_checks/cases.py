@@ -126,7 +126,7 @@ def law(name: str, known: str = TRUTH, factor: float = 1.0, **parts: str) -> Val
 
 @cache
 def drawn() -> Mapping[str, np.ndarray]:
-    """Numbers of each draw by name, even within their bounds."""
+    """A number for each draw by name, uniform within its bounds."""
     random = np.random.Generator(np.random.PCG64(SEED))
     # In the order of the bounds: another order would draw other numbers.
     return {

@@ -1,4 +1,4 @@
-"""Measures of Tatar & Chudzik: forces in the axes of the car, their sums, and what is claimed of them.
+"""Measures of Tatar & Chudzik: forces in the axes of the car, their sums, and the claims.
 
 Each public function measures one number of published.csv. A run is LAYOUT_CONTROL, such as
 front_corrected, and `speed` [m/s] that at which it is looked at in the bend: at the same time the

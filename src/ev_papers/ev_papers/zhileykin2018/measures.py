@@ -94,7 +94,7 @@ def rear_slides_out(driven: ScenarioRuns) -> bool:
 
 
 def turn_arounds(driven: ScenarioRuns, share: str) -> float:
-    """Count how often a share of the torque turns around."""
+    """Number of reversals of a share of the torque."""
     values = shares.SHARES[share](run_named(driven.runs, NOMINAL))
     return shares.turn_arounds(values, shares.SWING)
 

@@ -35,7 +35,7 @@ SHARES = {"h_n": front_share, "h_2": rear_left_share, "h_4": rear_right_share}
 
 
 def turn_arounds(values: np.ndarray, swing: float) -> int:
-    """Count how often a series turns around after a way of more than `swing`, in its unit.
+    """Number of reversals of a series after a way of more than `swing`, in its unit.
 
     It goes with the series from one turning point to the next: `low` and `high` are the ends of the
     way since the last one, and a step back from an end by more than `swing` turns it around.

@@ -95,7 +95,7 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
 
 
 def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
-    """Rows on the sharing of torque, the steering of the front wheels, and the means."""
+    """Rows of torque sharing and front wheel steering with the means of those that hold."""
     found = []
     for control in CONTROLS:
         for steering in STEERINGS:

@@ -1,4 +1,4 @@
-"""Slip curve by least squares (figure 2.8): samples, fit, its two zones and the curve of the road."""
+"""Slip curve by least squares (figure 2.8): samples, fit, two zones, and curve of the road."""
 
 from __future__ import annotations
 

@@ -87,7 +87,7 @@ def electrical(
     side: str = "",
     columns: int = 1,
 ) -> Sheet:
-    """Some of OF_A_CIRCUIT over the cycle, of both sides or of one (3.1, 3.3 to 3.9, 5.1 to 5.25)."""
+    """Panels of OF_A_CIRCUIT over the cycle, both sides or one (3.1, 3.3 to 3.9, 5.1 to 5.25)."""
     of = panels(run, vehicle, driver)
     shown = []
     for name in chosen:

@@ -1,4 +1,4 @@
-"""Sheets over a whole urban cycle, left and right wheels side by side; the cycle itself (figure 2.13)."""
+"""Sheets over an urban cycle, left and right wheels side by side, and the cycle (figure 2.13)."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def stretches(time: np.ndarray, names: np.ndarray) -> list[tuple[float, float, s
 def over_cycle(
     panels: Sequence[Panel], run: Recording, driver: Mapping[str, Any], columns: int = 1
 ) -> Sheet:
-    """Panels over the cycle, those of curves alone with a faint ground behind the traction windows."""
+    """Panels over the cycle, with a faint ground behind the traction windows of lone curves."""
     try:
         pieces = stretches(run.time, cycle.modes_over_time(run, driver))
     except NotMeasured:

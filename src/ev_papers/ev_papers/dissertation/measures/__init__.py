@@ -1,1 +1,1 @@
-"""Measures of the dissertation's urban cycle: circuits, windows, efficiencies and slip curves."""
+"""Measures of the urban cycle: circuits, windows, efficiencies and slip curves."""

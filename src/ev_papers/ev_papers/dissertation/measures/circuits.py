@@ -22,7 +22,7 @@ _FREE = {"front": "rear", "rear": "front"}  # by driven axle the one with the wh
 
 @dataclass(frozen=True, slots=True)
 class CircuitSums:
-    """Sums over the samples that count, each times the period: what the equations divide by each other.
+    """Sums over the samples that count, each times the period; the equations divide one by another.
 
     torque, resistance: drive torque M_k of the wheel and moment of its rolling resistance M_f [N m
     s] turned, free_turned: angles that it and the free wheel on its side turned [rad] wheel_work,
@@ -43,12 +43,12 @@ class CircuitSums:
 
     @property
     def speed_efficiency(self) -> float:
-        """Efficiency left by slip, sum w_free/sum w_k: eq 2.37 without rolling resistance [1]."""
+        """Efficiency of slip, sum w_free/sum w_k: eq 2.37 without rolling resistance in M_f [1]."""
         return _ratio(self.free_turned, self.turned, "the wheel did not turn")
 
     @property
     def efficiency(self) -> float:
-        """Wheel efficiency, (sum M_k - sum M_f)/sum M_k * sum w_free/sum w_k (eq 2.37, a product of ratios) [1]."""
+        """Wheel efficiency, (sum M_k - sum M_f)/sum M_k * sum w_free/sum w_k [1]; eq 2.37."""
         force = _ratio(self.torque - self.resistance, self.torque, "the wheel was not driven")
         return force * self.speed_efficiency
 
@@ -102,7 +102,7 @@ class CircuitShares:
         return CircuitSums(**found)
 
     def running_efficiency(self, counted: np.ndarray) -> np.ndarray:
-        """Wheel efficiency (eq 2.37) up to each sample, (n,) [1]; NaN before the wheel is driven."""
+        """Wheel efficiency up to each sample, (n,) [1]; NaN before the wheel is driven; eq 2.37."""
         torque = _summed(self.torque, counted)
         force = _quotient(torque - _summed(self.resistance, counted), torque)
         free = _summed(self.free_turned, counted)

@@ -1,4 +1,4 @@
-"""The slip curve of a wheel that passes its peak, fitted by least squares to recorded signals (dissertation, eq 2.36).
+"""Slip curve of a wheel that passes its peak, by least squares; dissertation, eq. 2.36.
 
 The same curve that traction control fits as it drives, here from the signals alone and with no
 noise to guard against.

@@ -1,4 +1,4 @@
-"""The five torque control methods of the dissertation in its urban cycle, with the three drivers."""
+"""The five torque control methods of the dissertation in its urban cycle, with three drivers."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Values = tuple[tuple[str, str, Any], ...]
 
 @dataclass(frozen=True, slots=True)
 class Method:
-    """One of the five methods of chapter 3: its number there, a title, and what differs from the scenario."""
+    """One of the five methods of chapter 3: number, title, and differences from the scenario."""
 
     number: int
     title: str

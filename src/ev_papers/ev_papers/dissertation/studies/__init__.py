@@ -1,1 +1,1 @@
-"""The studies and reports of the dissertation: five methods in its urban cycle, in simulation and on the bench."""
+"""Studies and reports of the dissertation: five methods, in simulation and on the bench."""

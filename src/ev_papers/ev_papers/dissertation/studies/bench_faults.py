@@ -139,7 +139,7 @@ def _torque(recording: Recording, side: str) -> np.ndarray:
 
 
 def _gone_after(t: np.ndarray, torque: np.ndarray) -> float:
-    """End of the last cycle before the reset with torque [s]; each number is the mean of a cycle."""
+    """End of the last cycle with torque before the reset [s]; numbers are means of cycles."""
     return float(t[(t < RESET) & (torque != 0.0)][-1])
 
 

@@ -115,7 +115,7 @@ def gains(efficiency: Mapping[int, float]) -> Gains:
 
 
 def savings(energy: Mapping[int, float]) -> dict[int, float]:
-    """Savings by method 1, E_i - E_1, by number of the other method, in the unit of the energies."""
+    """Savings by method 1, E_i - E_1, by number of the other method, in the unit of energy."""
     return {method: value - energy[1] for method, value in energy.items() if method != 1}
 
 
@@ -124,7 +124,7 @@ def efficiency_figure(
     printed: Mapping[int, float],
     titles: Mapping[int, str],
 ) -> Sheet:
-    """A panel for each driver, by method: seeds as dots, their mean and the printed value as lines."""
+    """A panel for each driver, by method: seeds as dots, mean and printed value as lines."""
 
     def draw_seeds(axes: Axes, method: int, values: Sequence[float]) -> None:
         at = [method] * len(values)
@@ -262,7 +262,7 @@ def _orders(given: argparse.Namespace, results: Results, driver: str) -> dict[st
 
 
 def _gains(found: Mapping[str, Metric], driver: str) -> dict[str, Metric]:
-    """Smallest and largest gain of method 1 by eqs 3.1, 5.1 and 5.2, over method 1 and over the other one."""
+    """Smallest and largest gain of method 1 over method 1 and over the other; eqs 3.1, 5.1, 5.2."""
     of = {"3_1": judged_quantity(driver), "5_1": "drive_efficiency", "5_2": "total_efficiency"}
     shown = {}
     for equation, quantity in of.items():
