@@ -13,8 +13,8 @@ from reading import Reading, reading_of
 DENSITY = 8.7
 COMMENT_SHARE = 0.036
 LONG_SIGNATURES = 24
-ODD_DOCSTRINGS = 281
-LONG_LINES = 1200
+ODD_DOCSTRINGS = 160
+LONG_LINES = 1130
 
 
 @pytest.fixture(scope="module")
