@@ -14,6 +14,7 @@ from ev_core.parameters.declaration import parameter, setting
 from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
+from ev_study.measured.records import stopped_sensors
 from ev_study.measured.records.samples import (
     Sampled,
     cut,
@@ -70,6 +71,9 @@ _LARGEST_STEP = {
 # times as fast as a steering angle may change: a log that holds each sample for some instants is
 # slower
 _SURE = 3.0
+_LEFT_OUT = (
+    1.0  # [s] by which channels may begin or end apart without a word: loggers start one by one
+)
 SLOWEST = 1.0  # [m/s], below which nothing is made of a sideslip angle
 # to the centre of mass
 _MOVED = (LONGITUDINAL, LATERAL, LONGITUDINAL_ACCELERATION, LATERAL_ACCELERATION, SIDESLIP)
@@ -265,11 +269,16 @@ def measured(
         if name in channels:
             limit = mask.steering_rate * (16.0 if name == STEERING_WHEEL_ANGLE else 1.0)
             valid &= ~jumps(channels[name], limit * period, sure=_SURE)[0]
+    still = _stopped(samples, channels, begin + instants)
+    for each in still.values():
+        valid &= ~each
     is_cut = cut(instants + begin, [*set_back, *for_good])
     valid &= ~is_cut
     notes = (
         passed_over
         + spikes
+        + _left_out(samples, begin, end)
+        + stopped_sensors.in_words(still, period)
         + _bridge(channels, valid, is_cut, max(int(mask.bridge / period + 0.5), 0))
     )
     noise = {
@@ -288,6 +297,46 @@ def measured(
     return MeasuredRecord(
         source, digest, float(begin), period, channels, valid, notes, noise, spacing
     )
+
+
+def _left_out(samples: Mapping[str, Sampled], begin: float, end: float) -> tuple[str, ...]:
+    """The line on channels that begin late or end early, by which a record is shorter than its others."""
+    first = min(each.time[0] for each in samples.values())
+    last = max(each.time[-1] for each in samples.values())
+    late = [name for name, each in samples.items() if each.time[0] > first + _LEFT_OUT]
+    early = [name for name, each in samples.items() if each.time[-1] < last - _LEFT_OUT]
+    if not late and not early:
+        return ()
+    which = "; ".join(
+        f"{', '.join(names)} {what}"
+        for names, what in ((late, "begins late"), (early, "ends early"))
+        if names
+    )
+    return (
+        f"of {first:.2f} to {last:.2f} s only {begin:.2f} to {end:.2f} s count, in which all channels "
+        f"are there ({which}): a mapping without them has the rest",
+    )
+
+
+def _stopped(
+    samples: Mapping[str, Sampled], channels: Mapping[str, np.ndarray], instants: np.ndarray
+) -> dict[str, np.ndarray]:
+    """By channel where its sensor shows one number though the car turns, (n,) bool."""
+    if LONGITUDINAL not in channels:
+        return {}
+    speed = channels[LONGITUDINAL]
+    followed: dict[str, np.ndarray] = {}
+    for angle in (ROAD_WHEEL_ANGLE, STEERING_WHEEL_ANGLE):
+        if angle in channels:
+            followed |= dict.fromkeys(_SAME_EVERYWHERE, speed * channels[angle])
+    if YAW_RATE in channels:
+        followed |= dict.fromkeys((LATERAL, SIDESLIP), channels[YAW_RATE])
+        followed[LATERAL_ACCELERATION] = speed * channels[YAW_RATE]
+    return {
+        name: stopped_sensors.stopped(samples[name], by, speed, instants)
+        for name, by in followed.items()
+        if name in samples
+    }
 
 
 def _complete_sideslip(

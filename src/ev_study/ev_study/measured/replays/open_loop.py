@@ -81,6 +81,10 @@ def windows_of(
     throughout is passed over. ParameterError if not one fits.
     """
     least, most = (FEWEST - 1) * record.period, len(record.valid) * record.period
+    if most < least:
+        raise ParameterError(
+            f"{record.source} lasts {most:g} s, expected {least:g} s or more: the unit of the time?"
+        )
     if not least <= length <= most:
         what = f"a window of {length:g} s of {record.source} is refused"
         raise ParameterError(f"{what}, expected {least:g} to {most:g} s (--window)")
