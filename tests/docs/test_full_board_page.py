@@ -106,7 +106,7 @@ def test_what_is_kept_are_the_numbers_of_the_runs(folder: Path, few: Board, resu
             assert of[cost] == pytest.approx(result.middles[cost][:, n], rel=5e-4)
         assert of["unstable"] == pytest.approx(result.unstable[:, n].mean(axis=-1), rel=5e-4)
         assert of["demand_met"] == pytest.approx(result.met[:, n].mean(axis=-1), rel=5e-4)
-        assert of["hashes"] == [driven.hashes[law][0][:DIGITS] for law in result.laws]
+        assert of["hashes"] == [driven.laws[law].hashes[0][:DIGITS] for law in result.laws]
         assert set(of["medians"]) == set(driven.metrics["pi"])
         for name, medians in of["medians"].items():
             assert medians == pytest.approx(

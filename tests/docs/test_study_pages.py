@@ -8,8 +8,8 @@ from documentation.asr_seeds import seed_tables
 from documentation.markdown import with_blocks
 from documentation.measured import is_long, read_measured, sample
 from documentation.scenario_results import LONG_TABLES, STUDY_PAGES, study_table
+from ev_study.studies.driving import drive_cases
 from ev_study.studies.study import study_named
-from ev_study.studies.workers import drive_cases
 from ev_study.verdicts.need import StudyNeed
 
 ROOT = Path(__file__).parents[2]

@@ -8,8 +8,8 @@ from helpers.judging import driven
 
 from documentation.measured import is_long, read_measured, sample
 from documentation.verdict_tables import COUNTS, FILE, PAGE, count_table, kept, row
+from ev_study.studies.driving import drive_cases
 from ev_study.studies.study import study_named
-from ev_study.studies.workers import drive_cases
 from ev_study.verdicts.need import Driven, Need, StudyNeed, cases_of
 from ev_study.verdicts.sources import Published, published, sources
 from ev_study.verdicts.verdict import markdown_row, verdict, wanted

@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import cache
 
 from ev_core.compiling.user_cache import cache_folder
+from ev_study.studies.driving import Keep
 from ev_study.studies.result_store import ResultStore
 from ev_study.studies.study import Case, CaseResult, Measure, drive_case
 from ev_study.verdicts.need import Driven, Need, ScenarioNeed, Value, drive, kept_by_user
@@ -34,9 +35,17 @@ def driven(need: Need) -> Driven:
     return drive([need], _kept(), drive_here)[need]
 
 
-def drive_here(cases: Sequence[Case], measures: Sequence[Measure]) -> list[CaseResult]:
+def drive_here(
+    cases: Sequence[Case],
+    measures: Sequence[Measure],
+    keep: Keep = lambda number, result: None,
+) -> list[CaseResult]:
     """Drive cases one after the other, without worker processes."""
-    return [drive_case(case, measure) for case, measure in zip(cases, measures, strict=True)]
+    results = []
+    for number, (case, measure) in enumerate(zip(cases, measures, strict=True)):
+        results.append(drive_case(case, measure))
+        keep(number, results[-1])
+    return results
 
 
 def _find(id: str) -> Published:

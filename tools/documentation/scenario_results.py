@@ -39,10 +39,10 @@ class Page:
 
 def drive_study(name: str, root: Path | None, *options: str) -> Results:
     """All cases of a study; of a long one the numbers are kept beside the page, below the root of the repository."""
-    from ev_study.commands.verdicts import drive_with_progress
+    from ev_study.studies.driving import drive_cases
 
     need = StudyNeed(name, options)
-    cases = drive([need], kept_by_user(), drive_with_progress)[need]
+    cases = drive([need], kept_by_user(), drive_cases)[need]
     if root and is_long(need):
         write_measured(root, need, cases)
     return cases.results

@@ -15,8 +15,8 @@ from ev_papers.zhileykin2018 import grid as grid
 from ev_papers.zhileykin2018 import sweep as sweep
 from ev_papers.zhileykin2018 import variants as variants
 from ev_papers.zhileykin2018.grid import LIMIT
+from ev_study.studies.driving import drive_cases
 from ev_study.studies.study import CaseResult, drive_case
-from ev_study.studies.workers import drive_cases
 from ev_study.verdicts.need import StudyNeed
 
 ROOT = Path(__file__).parents[3]

@@ -105,7 +105,7 @@ def test_the_command_of_a_run_drives_it_again(result: BoardResult):
 
     The second draw of a law with an own parameter drawn stands for all.
     """
-    words = shlex.split(result.cells[0].commands["pi"][1])
+    words = shlex.split(result.cells[0].laws["pi"].commands[1])
     assert words[0] == "scripts/run.sh"
     given = arguments([*words[1:], "--offline"])
     run = load_scenario(given.scenario, overrides(given), given.run).runs[0]

@@ -75,7 +75,7 @@ def test_the_entry_speed_is_clean_and_the_next_one_is_not(board: Board):
     found = drive_cell(board, cell, ["equal_torque", "pi"])
     for law, runs in laws_in_cell(board, cell, ["equal_torque", "pi"]).items():
         speeds = found.metrics[law]["entry_speed"]
-        assert found.clean[law].all()
+        assert found.laws[law].clean.all()
         assert ((speeds > 12.0) & (speeds < 32.0)).all()
         for more, are_clean in ((0.0, 1.0), (RESOLUTION, 0.0)):
             vary = {**runs.vary, **at_speeds(speeds + more)}
@@ -89,10 +89,10 @@ def test_a_run_that_ended_early_is_driven_again_by_its_command(board: Board):
     """Bits agree up to the whole second at which the car is behind the last cone, rear included."""
     (cell,) = board.cells(f"{CAR}:double_lane_change:dry:handling:*")
     found = drive_cell(board, cell, ["pi"])
-    given = arguments([*shlex.split(found.commands["pi"][1])[1:], "--offline"])
+    given = arguments([*shlex.split(found.laws["pi"].commands[1])[1:], "--offline"])
     run = load_scenario(given.scenario, overrides(given), given.run).runs[0]
     signals = run_offline(run.configurations, run.duration)
-    assert signal_hash(signals) == found.hashes["pi"][1]
+    assert signal_hash(signals) == found.laws["pi"].hashes[1]
     assert run.duration == signals.time[-1] < 14.0
     x = signals.channels["pose.x"]
     rear = (
@@ -102,7 +102,7 @@ def test_a_run_that_ended_early_is_driven_again_by_its_command(board: Board):
     words, alone = drive_law(
         replace(board, draws=1), cell, laws_in_cell(board, cell, ["pi"])["pi"].only(1)
     )
-    assert shlex.join(words[0]) == found.commands["pi"][1]
+    assert shlex.join(words[0]) == found.laws["pi"].commands[1]
     assert alone[HASH].tolist() == [signal_hash(signals)]
 
 
@@ -171,7 +171,7 @@ def test_a_car_that_is_clean_at_no_speed_counts_as_unstable(board: Board):
     lanes = replace(board.manoeuvres["double_lane_change"], entry_speed=[42.0, 44.0], halvings=1)
     hard = replace(board, draws=1, manoeuvres={**board.manoeuvres, "double_lane_change": lanes})
     (cell,) = hard.cells(f"{CAR}:double_lane_change:wet:handling:*")
-    assert drive_cell(hard, cell, ["equal_torque"]).clean["equal_torque"].tolist() == [False]
+    assert drive_cell(hard, cell, ["equal_torque"]).laws["equal_torque"].clean.tolist() == [False]
 
 
 def test_a_run_is_held_against_the_road_of_its_own_driver(board: Board):
@@ -193,7 +193,7 @@ def test_a_lap_is_driven_with_its_highest_clean_scale(board: Board):
     few = replace(board, draws=1, variations=[], manoeuvres={**board.manoeuvres, "lap": quick})
     (cell,) = few.cells(f"{CAR}:lap:dry:handling:*")
     found = drive_cell(few, cell, ["equal_torque"])
-    assert found.clean["equal_torque"].all()
+    assert found.laws["equal_torque"].clean.all()
     assert 45.0 < found.metrics["equal_torque"]["lap_time"][0] < 59.0
 
 

@@ -10,14 +10,15 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from helpers.schedulers import scheduler_with_two_workers
 
 from ev_core.parameters.data_file import files_in_config
 from ev_stack.recording.outcome import RunFailed
 from ev_study.benchmark.board import read_board
-from ev_study.benchmark.driving import DrivenCell, drive_cell
-from ev_study.benchmark.kept_cells import KeptCells
+from ev_study.benchmark.driving import DrivenCell, DrivenLaw, drive_cell
+from ev_study.benchmark.kept_cells import KeptCells, kept_cells
 from ev_study.benchmark.ranking.result import BoardResult
 from ev_study.commands.benchmark import run_benchmark
 from ev_study.studies.result_store import ResultStore
@@ -25,12 +26,13 @@ from ev_study.studies.result_store import ResultStore
 SMALL = replace(read_board("small"), draws=2)
 STEP = "layout_1_8_c:all:step_steer:wet:*"
 LAWS = ["equal_torque", "pi"]
+NOTHING = DrivenLaw({}, np.array([]), [], [])
 
 
 def test_only_what_is_missing_or_would_be_another_number_is_driven():
     store: dict[str, bytes] = {}
     cells = SMALL.cells(STEP)
-    kept = KeptCells(SMALL, cells, LAWS, store)
+    kept = kept_cells(SMALL, cells, LAWS, store)
     assert kept.missing() == {cells[0]: LAWS}
     driven = drive_cell(SMALL, cells[0], LAWS)
     kept.keep(driven)
@@ -43,7 +45,7 @@ def test_only_what_is_missing_or_would_be_another_number_is_driven():
         (replace(SMALL, laws=laws), ["pi"]),
         (replace(SMALL, seed=2), LAWS),
     ):
-        found = KeptCells(board, board.cells(STEP), LAWS, store).missing()
+        found = kept_cells(board, board.cells(STEP), LAWS, store).missing()
         assert [law for of in found.values() for law in of] == missing
 
 
@@ -53,29 +55,29 @@ def test_an_edit_of_a_manoeuvre_and_a_choice_of_cells_leave_what_others_have_dri
     first = every[0].manoeuvre
     longer = replace(SMALL.manoeuvres[first], duration=SMALL.manoeuvres[first].duration + 1.0)
     edited = replace(SMALL, manoeuvres={**SMALL.manoeuvres, first: longer})
-    names, others = (KeptCells(board, every, LAWS, {}).names for board in (SMALL, edited))
+    names, others = (kept_cells(board, every, LAWS, {}).rows.names for board in (SMALL, edited))
     assert [old == new for old, new in zip(names, others, strict=True)] == [
         cell.manoeuvre != first for cell in every for _ in LAWS
     ]
-    assert KeptCells(SMALL, every[-1:], LAWS, {}).names == names[-len(LAWS) :]
+    assert kept_cells(SMALL, every[-1:], LAWS, {}).rows.names == names[-len(LAWS) :]
 
 
 def test_what_is_broken_is_driven_again(tmp_path: Path):
     store = ResultStore("0" * 24, tmp_path)
     cells = SMALL.cells(STEP)
-    kept = KeptCells(SMALL, cells, LAWS, store)
+    kept = kept_cells(SMALL, cells, LAWS, store)
     kept.keep(drive_cell(SMALL, cells[0], LAWS))
-    path = store.path(kept.names[0])
+    path = store.path(kept.rows.names[0])
     path.write_bytes(path.read_bytes()[:-100])
     assert kept.missing() == {cells[0]: [LAWS[0]]}
 
 
 def test_what_is_driven_anew_counts_as_missing_until_it_is():
     cells = SMALL.cells(STEP)
-    kept = KeptCells(SMALL, cells, LAWS, {})
+    store: dict[str, bytes] = {}
     driven = drive_cell(SMALL, cells[0], LAWS)
-    kept.keep(driven)
-    kept.forget()
+    kept_cells(SMALL, cells, LAWS, store).keep(driven)
+    kept = kept_cells(SMALL, cells, LAWS, store, anew=True)
     assert kept.missing() == {cells[0]: LAWS}
     kept.keep(driven)
     assert not kept.missing()
@@ -88,10 +90,10 @@ def test_what_was_driven_with_a_file_that_has_changed_since_is_not_kept(tmp_path
     board = replace(SMALL, cars=[f"{car}:all"])
     (cell,) = cells = board.cells("*:step_steer:wet:*")
     store: dict[str, bytes] = {}
-    kept = KeptCells(board, cells, LAWS, store)
+    kept = kept_cells(board, cells, LAWS, store)
     car.write_text(car.read_text().replace("mass: 1600.0", "mass: 1700.0"))
-    with pytest.raises(RunFailed, match="has changed while the board was driven: start it again"):
-        kept.keep(DrivenCell(cell, {"pi": {}}, {}, {}, {}))
+    with pytest.raises(RunFailed, match="has changed since the runs began: start them again"):
+        kept.keep(DrivenCell(cell, {"pi": NOTHING}))
     assert not store
 
 
@@ -114,7 +116,7 @@ def test_a_board_that_is_killed_goes_on_with_the_same_bits(expected: str, tmp_pa
     program = "import sys; from ev_stack.commands.run_scenario import main; main(sys.argv[1:])"
     words = [sys.executable, "-c", program, "benchmark", *WORDS, "--out", str(tmp_path)]
     board = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    while not [*Path(os.environ["EV_STACK_RESULTS"]).glob("*/*.cell")]:
+    while not [*Path(os.environ["EV_STACK_RESULTS"]).glob("*/*.row")]:
         assert board.poll() is None
         time.sleep(0.01)
     board.kill()

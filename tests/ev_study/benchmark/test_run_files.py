@@ -14,7 +14,7 @@ import pytest
 
 from ev_stack.measures.own_metrics import named_metrics
 from ev_study.benchmark.board import Cell, read_board
-from ev_study.benchmark.driving import DrivenCell
+from ev_study.benchmark.driving import DrivenCell, DrivenLaw
 from ev_study.benchmark.ranking import run_files
 from ev_study.benchmark.ranking.result import BoardResult
 from ev_study.benchmark.ranking.tables import cell_rows
@@ -38,12 +38,15 @@ class Invented(Sequence[DrivenCell]):
         numbers = np.random.default_rng(number).random((len(LAWS), draws))
         numbers[:, 0] = np.nan
         names = named_metrics(BOARD.manoeuvres[cell.manoeuvre].measured)
-        made = DrivenCell(cell, {}, {}, {}, {})
+        laws = {}
         for law, of in zip(LAWS, numbers, strict=True):
-            made.metrics[law] = dict.fromkeys(names, 0.1 * of)
-            made.commands[law] = [f"scripts/run.sh {law} {draw} --set 'ä'" for draw in range(draws)]
-            made.hashes[law] = ["", *(f"{draw:064}" for draw in range(1, draws))]
-            made.clean[law] = np.ones(draws, bool)
+            laws[law] = DrivenLaw(
+                metrics=dict.fromkeys(names, 0.1 * of),
+                clean=np.ones(draws, bool),
+                commands=[f"scripts/run.sh {law} {draw} --set 'ä'" for draw in range(draws)],
+                hashes=["", *(f"{draw:064}" for draw in range(1, draws))],
+            )
+        made = DrivenCell(cell, laws)
         self._made.append(weakref.ref(made))
         self.most = max(self.most, sum(each() is not None for each in self._made))
         return made

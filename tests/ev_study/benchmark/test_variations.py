@@ -19,7 +19,7 @@ from ev_study.benchmark.board import MOTOR_FAULT, TOLD_FRICTION, Board, Cell, Va
 from ev_study.benchmark.cell_runs import law_of, run_of, values_of
 from ev_study.benchmark.draws import drawn, own_draws
 from ev_study.benchmark.driving import DrivenCell, drive_cell, laws_in_cell
-from ev_study.benchmark.kept_cells import KeptCells
+from ev_study.benchmark.kept_cells import kept_cells
 from ev_study.benchmark.ranking.varied import (
     Difference,
     Varied,
@@ -61,7 +61,7 @@ def driven(board: Board) -> DrivenCell:
 
 def stated(driven: DrivenCell, law: str, name: str) -> list[str]:
     """Values that the command of each draw gives a parameter."""
-    words = [shlex.split(each) for each in driven.commands[law]]
+    words = [shlex.split(each) for each in driven.laws[law].commands]
     return [
         word.partition("=")[2] for each in words for word in each if word.startswith(f"{name}=")
     ]
@@ -93,7 +93,7 @@ def test_a_run_alone_has_the_hash_of_the_board(
             "--no-report",
         ]
         main([*words, "--out", str(tmp_path / str(draw))])
-        assert f"signal hash {driven.hashes['pi'][draw]}\n" in capsys.readouterr().out
+        assert f"signal hash {driven.laws['pi'].hashes[draw]}\n" in capsys.readouterr().out
 
 
 def test_draws_are_within_what_is_declared(board: Board):
@@ -380,7 +380,7 @@ def test_a_variation_that_does_not_fit_ends_the_board_before_anything_is_driven(
     """A factor on a number of a law was one on that of the law of the scenario; what laws believe was overwritten."""
     own = replace(board, variations=[variation])
     with pytest.raises(ParameterError) as refused:
-        KeptCells(own, own.cells(STEP), ["pi"], {})
+        kept_cells(own, own.cells(STEP), ["pi"], {})
     assert str(refused.value).startswith(f"{path}: variation of {line}")
 
 
@@ -389,5 +389,5 @@ def test_ends_of_two_variations_that_fit_together_alone_are_driven(board: Board)
     names = ("*.vehicle.wheelbase", "*.vehicle.centre_of_mass_to_rear_axle")
     own = replace(board, draws=1, variations=[Variation(name, factor=[2.0, 2.0]) for name in names])
     (cell,) = own.cells(STEP)
-    KeptCells(own, [cell], ["pi"], {})
-    assert drive_cell(own, cell, ["pi"]).hashes["pi"] != [""]
+    kept_cells(own, [cell], ["pi"], {})
+    assert drive_cell(own, cell, ["pi"]).laws["pi"].hashes != [""]

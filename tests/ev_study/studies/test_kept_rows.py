@@ -20,7 +20,7 @@ from ev_stack.command_line.offered_commands import STUDIES
 from ev_stack.recording.outcome import RunFailed
 from ev_stack.scenarios import about
 from ev_study.studies import digests, kept_rows
-from ev_study.studies.kept_rows import KeptRows, MeasureAndSave
+from ev_study.studies.kept_rows import KeptRows, MeasureAndSave, keys_of_cases
 from ev_study.studies.result_store import Results
 from ev_study.studies.study import Case, CaseResult, drive_case
 
@@ -149,7 +149,7 @@ def cases(folder: Path) -> list[Case]:
 
 def keys(folder: Path) -> dict[str, str]:
     digests._texts_of.cache_clear()  # another process would begin so
-    return {case.name: kept_rows.row_key("sweep", case) for case in cases(folder)}
+    return {case.name: kept_rows.row_key("sweep", case).digest for case in cases(folder)}
 
 
 def change(file: Path) -> None:
@@ -185,10 +185,10 @@ def test_a_changed_file_changes_the_rows_that_depend_on_it_and_no_others(folder,
 def test_what_is_published_counts_where_a_report_judges_by_it(monkeypatch):
     """A row has metrics of its report; their words and units stand in published.csv."""
     case = Case("report", "shchur2019")
-    before = kept_rows.row_key("sweep", case)
+    before = kept_rows.row_key("sweep", case).digest
     assert digests._published() != digests._digest("", ())
     monkeypatch.setattr(digests, "_published", lambda: "other")
-    assert kept_rows.row_key("sweep", case) != before
+    assert kept_rows.row_key("sweep", case).digest != before
 
 
 def test_a_changed_study_of_ones_own_drives_its_cases_anew(tmp_path, monkeypatch):
@@ -200,7 +200,7 @@ def test_a_changed_study_of_ones_own_drives_its_cases_anew(tmp_path, monkeypatch
 
     def keys() -> list[str]:
         digests._texts_of.cache_clear()
-        return [kept_rows.row_key(study, CASE) for study in ("own", "sweep")]
+        return [kept_rows.row_key(study, CASE).digest for study in ("own", "sweep")]
 
     before = keys()
     change(tmp_path / "row_study.py")
@@ -231,7 +231,7 @@ def test_two_files_that_change_places_are_others(tmp_path):
     def key(*texts: str) -> str:
         for file, text in zip(files, texts, strict=True):
             file.write_text(text)
-        return kept_rows.row_key("sweep", case)
+        return kept_rows.row_key("sweep", case).digest
 
     assert key(*texts) != key(*reversed(texts))
     assert key(*texts) == key(*texts)
@@ -252,8 +252,8 @@ def test_a_library_in_c_is_a_file_that_was_read(tmp_path, monkeypatch):
 CASE = Case("first", "shchur2019", duration=0.1)
 
 
-def kept(store: Results, *of: Case, study: str = "sweep") -> KeptRows:
-    return KeptRows(store, study, of or [CASE])
+def kept(store: Results, *of: Case, study: str = "sweep") -> KeptRows[CaseResult]:
+    return KeptRows(store, CaseResult, keys_of_cases(study, of or [CASE]))
 
 
 def with_duration(duration: float) -> Case:
@@ -263,22 +263,22 @@ def with_duration(duration: float) -> Case:
 def test_a_row_comes_back_to_the_bit_under_any_name():
     store: dict[str, bytes] = {}
     measured = {"a": 1 / 3, "nan": float("nan"), "b": np.arange(3.0), "c": ("x", None, [True])}
-    kept(store).keep(CASE, CaseResult("first", measured, "hash", 0.1, 0.2, "", ("note",)))
+    kept(store).keep("first", CaseResult("first", measured, "hash", 0.1, 0.2, "", ("note",)))
     second = Case("second", CASE.scenario, duration=CASE.duration)
-    found = kept(store, second).of(second)
-    assert (found.name, found.signal_hash, found.notes) == ("second", "hash", ("note",))
+    found = kept(store, second).get("second")
+    assert (found.name, found.signal_hash, found.notes) == ("first", "hash", ("note",))
     assert (found.measured["a"], found.measured["c"]) == (measured["a"], measured["c"])
     assert np.array_equal(found.measured["b"], measured["b"])
     other = with_duration(0.2)
-    assert kept(store, other).of(other) is None
-    assert kept(store, study="compare").of(CASE) is None
+    assert kept(store, other).get(other.name) is None
+    assert kept(store, study="compare").get("first") is None
 
 
 def test_versions_are_of_all_that_computes():
     assert {"python", "numpy", "scipy", "numba", "llvmlite"} <= digests.versions().keys()
 
 
-def test_a_file_that_changes_while_it_is_driven_is_told(tmp_path):
+def test_a_file_that_changes_while_it_is_driven_ends_the_study(tmp_path):
     """Its row would stand under the old content, with numbers of the new one."""
     more = tmp_path / "more.yaml"
     more.write_text("/**/asr:\n  ros__parameters:\n    method: 'off'\n")
@@ -286,8 +286,7 @@ def test_a_file_that_changes_while_it_is_driven_is_told(tmp_path):
     store: dict[str, bytes] = {}
     rows = kept(store, case)
     change(more)
-    with pytest.raises(
-        RunFailed, match=r"^first: what it depends on has changed while the study was driven"
-    ):
-        rows.keep(case, CaseResult("first", {}))
+    expected = r"more\.yaml has changed since the runs began: start them again$"
+    with pytest.raises(RunFailed, match=expected):
+        rows.keep("first", CaseResult("first", {}))
     assert not store

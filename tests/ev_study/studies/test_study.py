@@ -21,9 +21,10 @@ from ev_stack.recording.outcome import RunFailed
 from ev_stack.running.folder_content import digest_of
 from ev_stack.running.output_folder import OutputFolder
 from ev_study.commands.benchmark import run_benchmark
+from ev_study.studies.driving import drive_cases
 from ev_study.studies.run_study import arguments
 from ev_study.studies.study import Case, drive_case
-from ev_study.studies.workers import drive_cases, refuse_other_files, refuse_others
+from ev_study.studies.workers import Workers, refuse_other_files, refuse_others
 
 pytestmark = pytest.mark.slow
 
@@ -77,10 +78,14 @@ def test_a_worker_that_dies_costs_no_results(driven_here, tmp_path, monkeypatch)
     """Workers of this machine: one is killed while it has a case; the results are those of this process, in order."""
     monkeypatch.setenv("EV_STACK_TEST_MARK", str(tmp_path / "died"))
     heard = []
-    results = drive_cases(CASES, last_speed_but_once_the_worker_dies, heard.append, workers=2)
+
+    def keep(number, result):
+        heard.append((number, result.name))
+
+    results = drive_cases(CASES, last_speed_but_once_the_worker_dies, keep, workers=Workers(2))
     assert (tmp_path / "died").exists()
     assert signals(results) == driven_here
-    assert sorted(result.name for result in heard) == sorted(case.name for case in CASES)
+    assert sorted(heard) == [(number, case.name) for number, case in enumerate(CASES)]
 
 
 def dies(recording, run) -> dict[str, float]:
@@ -89,7 +94,7 @@ def dies(recording, run) -> dict[str, float]:
 
 def test_a_case_that_no_worker_survives_ends_the_study():
     with pytest.raises(RunFailed, match="from 10 m/s: 3 workers were lost with it"):
-        drive_cases(CASES[:1], dies, workers=2)
+        drive_cases(CASES[:1], dies, workers=Workers(2))
 
 
 def test_what_goes_wrong_in_measuring_belongs_to_its_case():
@@ -99,7 +104,7 @@ def test_what_goes_wrong_in_measuring_belongs_to_its_case():
         slow = run.configurations["plant"].parameters.initial_speed == 10.0
         return {"x": recording.channels["unheard_of"]} if slow else last_speed(recording, run)
 
-    first, second = drive_cases(CASES[:2], measure, workers=2)
+    first, second = drive_cases(CASES[:2], measure, workers=Workers(2))
     assert (
         first.refused.startswith("KeyError 'unheard_of' (test_study.py, line ")
         and not first.measured
@@ -112,7 +117,7 @@ def test_a_disk_that_is_full_ends_the_study():
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), "signals.npz")
 
     with pytest.raises(OSError, match="No space left on device"):
-        drive_cases(CASES[:1], measure, workers=1)
+        drive_cases(CASES[:1], measure, workers=Workers(1))
 
 
 KILLED = """
@@ -120,8 +125,9 @@ import os, signal, sys
 from pathlib import Path
 from ev_stack.running.folder_content import digest_of
 from ev_stack.running.output_folder import OutputFolder
+from ev_study.studies.driving import drive_cases
 from ev_study.studies.study import Case
-from ev_study.studies.workers import drive_cases
+from ev_study.studies.workers import Workers
 
 folder = Path(sys.argv[1])
 
@@ -131,7 +137,7 @@ def measure(recording, run):
 
 cases = [Case(str(n), "coast_down", (("plant", "initial_speed", 10.0 + n),), duration=0.1) for n in range(3)]
 with OutputFolder(folder, "study sweep"):
-    drive_cases(cases, measure, workers=2)
+    drive_cases(cases, measure, workers=Workers(2))
 """
 
 
@@ -162,13 +168,15 @@ def test_scheduler_with_two_workers_of_which_one_is_lost(driven_here, tmp_path, 
     lost = tmp_path / "lost"
     monkeypatch.setenv("EV_STACK_TEST_MARK", str(lost))
 
-    def kill(result) -> None:
+    def kill(number, result) -> None:
         victim.kill()
         victim.wait()
         lost.touch()
 
     with scheduler_with_two_workers() as (address, victim):
-        results = drive_cases(CASES, last_speed_once_a_worker_is_lost, kill, scheduler=address)
+        results = drive_cases(
+            CASES, last_speed_once_a_worker_is_lost, kill, workers=Workers(scheduler=address)
+        )
         assert victim.wait() == -signal.SIGKILL
     assert signals(results) == driven_here
 
@@ -219,20 +227,20 @@ def test_workers_with_another_map_of_the_same_name(tmp_path, monkeypatch):
     monkeypatch.chdir(here)
     cases = [Case("own car", "coast_down", duration=1.0, vehicle="car.yaml")]
     with scheduler_with_two_workers(there) as (address, _):
-        (driven,) = drive_cases(cases, last_speed, scheduler=address)
+        (driven,) = drive_cases(cases, last_speed, workers=Workers(scheduler=address))
         assert not driven.refused
         with (here / "map.csv").open("a") as file:
             file.write("# another one\n")
         with pytest.raises(
             RunFailed, match=r"^worker tcp://127\.0\.0\.1:\d+ has read another \S+map\.csv than"
         ):
-            drive_cases(cases, last_speed, scheduler=address)
+            drive_cases(cases, last_speed, workers=Workers(scheduler=address))
 
 
 def test_no_scheduler_at_that_address(monkeypatch):
     monkeypatch.setattr("ev_study.studies.workers._PATIENCE", 0.5)
     with pytest.raises(RunFailed, match="cannot be reached"):
-        drive_cases(CASES[:1], last_speed, scheduler="tcp://127.0.0.1:9")
+        drive_cases(CASES[:1], last_speed, workers=Workers(scheduler="tcp://127.0.0.1:9"))
 
 
 @pytest.mark.parametrize("read", [partial(arguments, "compare"), run_benchmark])
@@ -252,7 +260,7 @@ def test_scheduler_without_workers(monkeypatch):
     ):
         wait_for_listener(int(port))
         with pytest.raises(RunFailed, match="has no workers"):
-            drive_cases(CASES[:1], last_speed, scheduler=address)
+            drive_cases(CASES[:1], last_speed, workers=Workers(scheduler=address))
 
 
 @pytest.mark.parametrize(

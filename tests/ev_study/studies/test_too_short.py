@@ -31,12 +31,14 @@ def test_whatever_is_too_short_is_told_in_one_line(name):
     )
     results = {case.name: replace(result, name=case.name) for case in cases}
     try:
-        metrics, _, table, _ = _summed_up(study, given, results)
+        found = _summed_up(study, given, results)
     except (ParameterError, RunFailed) as error:
         assert "\n" not in str(error)
     else:
-        assert isinstance(table, str)
-        json.dumps({key: metric.as_json() for key, metric in metrics.items()}, allow_nan=False)
+        assert isinstance(found.text, str)
+        json.dumps(
+            {key: metric.as_json() for key, metric in found.metrics.items()}, allow_nan=False
+        )
 
 
 # of which a part without traction has no numbers, and is no mistake

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -16,8 +15,8 @@ from ev_msgs_py.refusal import ParameterError
 from ev_stack.commands.run_scenario import main
 from ev_stack.recording.outcome import RunFailed
 from ev_study.studies.result_store import ResultStore
-from ev_study.studies.study import CaseResult, drive_case
-from ev_study.verdicts.need import ScenarioNeed, StudyNeed, cases_of, drive, kept_by_user, path_of
+from ev_study.studies.study import CaseResult
+from ev_study.verdicts.need import ScenarioNeed, StudyNeed, cases_of, drive, kept_by_user, key_of
 
 HOLDING = ScenarioNeed("shchur2019_steps", runs=("hold_manual",), duration=0.1)
 SHORT_STUDY = StudyNeed("five_methods", ("--seeds", "1", "--drivers", "pulse"))
@@ -38,9 +37,9 @@ def store_at(folder: Path) -> ResultStore:
 
 
 def counting(driven: list[str]):
-    def drive_cases(cases, measures):
+    def drive_cases(cases, measures, keep):
         driven.extend(case.run for case in cases)
-        return drive_here(cases, measures)
+        return drive_here(cases, measures, keep)
 
     return drive_cases
 
@@ -76,15 +75,16 @@ def test_a_case_is_kept_by_the_texts_of_the_files_that_it_names(way: str, tmp_pa
         "value": (LAW, "mine.py"),
         "file": ("/**/steering_column: {ros__parameters: {damping: 8.0}}", "mine.yaml"),
     }[way]
-    file, store = tmp_path / name, store_at(tmp_path / "kept")
+    file = tmp_path / name
     changed = {"vehicle": str(file)} if way == "vehicle" else {"files": (file,)}
     if way == "value":
         changed = {"values": (*CHEAP.values, ("asr", "method", f"{file}:mine"))}
-    case, paths = replace(CHEAP, **changed), []
+    case = replace(CHEAP, **changed)
+    keys = []
     for text in (texts, texts + "\n# another text\n", texts):
         file.write_text(text)
-        paths.append(path_of(store, "", case))
-    assert paths[0] == paths[2] != paths[1]
+        keys.append(key_of("", case).digest)
+    assert keys[0] == keys[2] != keys[1]
 
 
 def test_another_parameter_is_another_run(tmp_path: Path):
@@ -97,15 +97,15 @@ def test_another_parameter_is_another_run(tmp_path: Path):
     assert changed.command == "shchur2019_steps --set steering_column.damping=8.0 --duration 0.1"
 
 
-def measuring(cases, measures):
-    """A case that every study can measure, in place of its own."""
-    measures = [
-        partial(each.func, each.args[0], lambda recording, run: {"x": 1.0}) for each in measures
-    ]
-    return [
-        replace(drive_case(CHEAP, measure), name=case.name)
-        for case, measure in zip(cases, measures, strict=True)
-    ]
+def measuring(cases, measures, keep):
+    """Drive a case that every study can measure in place of each case."""
+    return drive_here([CHEAP] * len(cases), [lambda recording, run: {"x": 1.0}] * len(cases), keep)
+
+
+def refusing(cases, measures, keep):
+    """Refuse all cases."""
+    for number, case in enumerate(cases):
+        keep(number, CaseResult(case.name, {}, refused="no"))
 
 
 def test_what_a_study_has_measured_is_kept(tmp_path: Path):
@@ -118,8 +118,8 @@ def test_what_a_study_has_measured_is_kept(tmp_path: Path):
 
 
 def test_what_was_measured_before_a_stop_is_not_driven_again(tmp_path: Path):
-    def stopped(cases, measures):
-        measuring(cases[:2], measures[:2])
+    def stopped(cases, measures, keep):
+        measuring(cases[:2], measures[:2], keep)
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
@@ -128,13 +128,12 @@ def test_what_was_measured_before_a_stop_is_not_driven_again(tmp_path: Path):
     drive(
         [SHORT_STUDY],
         store_at(tmp_path),
-        lambda cases, measures: left.extend(c.name for c in cases) or measuring(cases, measures),
+        lambda cases, *more: left.extend(c.name for c in cases) or measuring(cases, *more),
     )
     assert left == [case.name for case in cases_of(SHORT_STUDY)][2:]
 
 
 def test_a_refused_case_of_a_study_stays_refused(tmp_path: Path):
-    refusing = lambda cases, measures: [CaseResult(case.name, {}, refused="no") for case in cases]  # noqa: E731
     drive([SHORT_STUDY], store_at(tmp_path), refusing)
     again = drive([SHORT_STUDY], store_at(tmp_path), drive_here)[SHORT_STUDY]
     assert {result.refused for result in again.results.values()} == {"no"}
@@ -145,9 +144,9 @@ def test_two_may_drive_the_same_and_what_is_cut_off_is_driven_again(tmp_path: Pa
     driven: list[str] = []
     store = store_at(tmp_path)
 
-    def both(cases, measures):
+    def both(cases, measures, keep):
         drive_here(cases, measures)
-        return counting(driven)(cases, measures)
+        return counting(driven)(cases, measures, keep)
 
     drive([HOLDING], store, both)
     (path,) = store.folder.iterdir()
@@ -172,7 +171,6 @@ def test_a_changed_configuration_is_driven_anew(tmp_path: Path, monkeypatch: pyt
 
 
 def test_a_run_that_cannot_be_driven_is_one_line(tmp_path: Path):
-    refusing = lambda cases, measures: [CaseResult(case.name, {}, refused="no") for case in cases]  # noqa: E731
     with pytest.raises(RunFailed, match=r"^shchur2019_steps --duration 0\.1 hold_manual: no$"):
         drive([HOLDING], store_at(tmp_path), refusing)
 

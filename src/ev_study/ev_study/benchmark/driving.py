@@ -5,13 +5,12 @@ from __future__ import annotations
 import json
 import math
 import shlex
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from ev_core.lockstep.configuration import Configuration
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.scenarios.scenario import Run
 from ev_study.benchmark.board import Board, Cell
@@ -22,47 +21,62 @@ from ev_study.benchmark.entry_speed import CLEAN, END, HASH, Driven, at_highest_
 
 @dataclass(frozen=True)
 class LawInCell:
-    """All runs of a law in a cell: as one is configured, what varies, and by ROLE.PARAMETER what is alike in all."""
+    """All runs of a law in a cell: as one is configured, what varies, and what is alike in all.
+
+    What varies and what is alike stand by ROLE.PARAMETER.
+    """
 
     run: Run
     vary: Mapping[str, Sequence[Any]]
     fixed: Mapping[str, Any]
 
     def only(self, draw: int) -> LawInCell:
-        """One of the runs."""
+        """Return one of the runs."""
         return replace(self, vary={name: [column[draw]] for name, column in self.vary.items()})
 
 
 @dataclass(frozen=True)
-class DrivenCell:
-    """What was measured in a cell: by law and name one number for each draw, NaN where there is none.
+class DrivenLaw:
+    """Measured on all runs of a law in a cell: by name a number for each draw, NaN without one.
 
-    `commands` and `hashes` have by law for each draw the line that drives it alone, and the signal
-    hash that this line gives, empty where a number is not finite; `clean` whether it was, where an
-    entry speed was looked for.
+    `clean` is whether a run was, where an entry speed was looked for. `commands` and `hashes` have
+    for each draw the line that drives it alone and the signal hash that this line gives, empty
+    where a number is not finite.
     """
 
+    metrics: Mapping[str, np.ndarray]
+    clean: np.ndarray
+    commands: Sequence[str]
+    hashes: Sequence[str]
+
+
+@dataclass(frozen=True)
+class DrivenCell:
+    """A cell as some laws have driven it."""
+
     cell: Cell
-    metrics: dict[str, Mapping[str, np.ndarray]]
-    commands: dict[str, Sequence[str]]
-    hashes: dict[str, Sequence[str]]
-    clean: dict[str, np.ndarray]
+    laws: Mapping[str, DrivenLaw]
+
+    @property
+    def metrics(self) -> dict[str, Mapping[str, np.ndarray]]:
+        """Metrics by law."""
+        return {law: of.metrics for law, of in self.laws.items()}
 
 
 def drive_cell(
     board: Board, cell: Cell, laws: Sequence[str], threads: int | None = None
 ) -> DrivenCell:
-    """Drive all draws of a cell with each law; ParameterError for what the file of the board gets wrong."""
-    driven = DrivenCell(cell, {}, {}, {}, {})
+    """Drive all draws of a cell with each law; ParameterError for a mistake of the board's file."""
+    driven = {}
     for law, runs in laws_in_cell(board, cell, laws).items():
         words, found = drive_law(board, cell, runs, threads)
-        driven.metrics[law] = {
-            name: of for name, of in found.items() if name not in (CLEAN, HASH, END)
-        }
-        driven.clean[law] = found.get(CLEAN, np.ones(board.draws)) == 1.0
-        driven.commands[law] = list(map(shlex.join, words))
-        driven.hashes[law] = found[HASH].tolist()
-    return driven
+        driven[law] = DrivenLaw(
+            {name: of for name, of in found.items() if name not in (CLEAN, HASH, END)},
+            found.get(CLEAN, np.ones(board.draws)) == 1.0,
+            list(map(shlex.join, words)),
+            found[HASH].tolist(),
+        )
+    return DrivenCell(cell, driven)
 
 
 def drive_law(
@@ -74,65 +88,48 @@ def drive_law(
     """
     manoeuvre = board.manoeuvres[cell.manoeuvre]
     speeds, found = at_highest_clean(board, manoeuvre, runs.run, runs.vary, threads)
-    words = [
-        "scripts/run.sh",
-        manoeuvre.scenario,
-        *(["--run", manoeuvre.run] if manoeuvre.run else []),
-    ]
+    words = ["scripts/run.sh", manoeuvre.scenario]
+    if manoeuvre.run:
+        words += ["--run", manoeuvre.run]
     words += ["--vehicle", cell.car.partition(":")[0], "--duration"]
+    columns = {**runs.vary, **speeds}
     commands = []
     for draw, end in enumerate(found[END].tolist()):
-        values = {
-            **runs.fixed,
-            **{name: column[draw] for name, column in {**runs.vary, **speeds}.items()},
-        }
-        set_to = [
-            word
-            for name, value in values.items()
-            for word in ("--set", f"{name}={json.dumps(value)}")
-        ]
-        commands.append([*words, repr(manoeuvre.duration if math.isnan(end) else end), *set_to])
+        values = {**runs.fixed, **{name: column[draw] for name, column in columns.items()}}
+        command = [*words, repr(manoeuvre.duration if math.isnan(end) else end)]
+        for name, value in values.items():
+            command += ["--set", f"{name}={json.dumps(value)}"]
+        commands.append(command)
     return commands, found
 
 
 def laws_in_cell(board: Board, cell: Cell, laws: Sequence[str]) -> dict[str, LawInCell]:
-    """By law its runs in a cell, the same draws for all; ParameterError for what the file of the board gets wrong."""
+    """Return by law its runs in a cell, the same draws for all.
+
+    ParameterError for a mistake of the board's file.
+    """
     fixed = values_of(board, cell)
     base = run_of(board, cell, fixed)
-    draws, found = drawn(board, cell, base.configurations), {}
+    draws = drawn(board, cell, base.configurations)
+    found = {}
     for law in laws:
         playing = law_of(board, law, base)
-        values = law_values(board, law, base)
-        of_law = {
-            f"{role}.{name}": value for role, of in values.items() for name, value in of.items()
-        }
-        _refuse_lost(
-            f"manoeuvre {cell.manoeuvre}",
-            law,
-            fixed.keys() - of_law.keys(),
-            base.configurations,
-            playing,
-        )
+        of_law = {}
+        for role, values in law_values(board, law, base).items():
+            of_law |= {f"{role}.{name}": value for name, value in values.items()}
         run = replace(base, configurations={**base.configurations, **playing})
-        found[law] = LawInCell(
-            run, {**draws.values, **own_draws(playing, draws)}, {**fixed, **of_law}
-        )
+        for name in sorted(fixed.keys() - of_law.keys()):
+            if name.partition(".")[0] in playing and _value(run, name) != _value(base, name):
+                sets = f"manoeuvre {cell.manoeuvre} sets {name}"
+                raise ParameterError(
+                    f"{sets}, which law {law} does not take over, expected in the law"
+                )
+        vary = {**draws.values, **own_draws(playing, draws)}
+        found[law] = LawInCell(run, vary, {**fixed, **of_law})
     return found
 
 
-def _refuse_lost(
-    who: str,
-    law: str,
-    names: Iterable[str],
-    run: Mapping[str, Configuration],
-    playing: Mapping[str, Configuration],
-) -> None:
-    """ParameterError if a law does not have what is set for its role by ROLE.PARAMETER in the run without it."""
-    for name in sorted(names):
-        role, _, parameter = name.partition(".")
-        if role in playing and playing[role].values().get(parameter) != run[role].values().get(
-            parameter
-        ):
-            raise ParameterError(
-                f"{who} sets {name}, which law {law} does not take over, expected in the law"
-            )
+def _value(run: Run, name: str) -> Any:
+    """Value of a ROLE.PARAMETER; None if the role has none of this name."""
+    role, _, parameter = name.partition(".")
+    return run.configurations[role].values().get(parameter)

@@ -13,6 +13,7 @@ from functools import partial
 from pathlib import Path
 
 from ev_msgs_py.refusal import ParameterError
+from ev_stack.command_line.numbers import whole
 from ev_stack.command_line.options import add_traceback, command_of
 from ev_stack.command_line.paths import output_folder
 from ev_stack.command_line.refusal import Parser
@@ -23,7 +24,7 @@ from ev_study.benchmark.added import check_laws, with_added
 from ev_study.benchmark.board import COSTS, Board, by_role, read_board
 from ev_study.benchmark.cell_runs import law_of, run_of, values_of
 from ev_study.benchmark.held_out import with_cases
-from ev_study.benchmark.kept_cells import KeptCells
+from ev_study.benchmark.kept_cells import kept_cells
 from ev_study.studies.digests import digest_of_sources, short_digest
 from ev_study.studies.result_store import Answers, ResultStore
 from ev_study.tuning.free import Free, free_parameters
@@ -38,11 +39,6 @@ PARTS = ("training", "validation")  # of the cases of a board
 def run_tune(argv: Sequence[str]) -> None:
     """Tune laws with a budget of candidates each, and write their parameters and the histories of the searches."""
     given = _parser().parse_args(argv)
-    for name, least in (("draws", 1), ("seed", 0), ("threads", 1), ("budget", 2), ("finalists", 1)):
-        if getattr(given, name) is not None and getattr(given, name) < least:
-            raise ParameterError(
-                f"--{name} {getattr(given, name)} is refused, expected {least} or more"
-            )
     board = replace(read_board(given.board), draws=given.draws)
     laws = list(board.tuned) if given.laws == [ALL] else list(dict.fromkeys(given.laws))
     others = [law for law in laws if law not in board.laws]
@@ -90,27 +86,27 @@ def _parser() -> argparse.ArgumentParser:
         "--cells", default="*", metavar="ID", help="training runs: those of which the ids fit"
     )
     parser.add_argument(
-        "--draws", type=int, default=2, metavar="N", help="of each cell; default: %(default)s"
+        "--draws", type=whole(1), default=2, metavar="N", help="of each cell; default: %(default)s"
     )
     parser.add_argument(
         "--seed",
-        type=int,
+        type=whole(0),
         default=1000,
         metavar="N",
         help="of draws and search; default: %(default)s",
     )
     parser.add_argument(
-        "--budget", type=int, default=40, metavar="N", help="candidates; default: %(default)s"
+        "--budget", type=whole(2), default=40, metavar="N", help="candidates; default: %(default)s"
     )
     parser.add_argument(
         "--finalists",
-        type=int,
+        type=whole(1),
         default=5,
         metavar="N",
         help="candidates that validation chooses among; %(default)s",
     )
     parser.add_argument("--cost", choices=COSTS, default=COSTS[0], help="default: %(default)s")
-    parser.add_argument("--threads", type=int, metavar="N", help="default: one per core")
+    parser.add_argument("--threads", type=whole(1), metavar="N", help="default: one per core")
     parser.add_argument(
         "--out", type=output_folder, metavar="DIR", help="output folder; default results/tune/LAW"
     )
@@ -197,8 +193,13 @@ def _tune(
 def search_key(
     references: Sequence[Reference], law: str, free: Sequence[Free], given: argparse.Namespace
 ) -> str:
-    """A digest of all that the costs of a law depend on but the candidates: its runs, and those of the reference."""
-    runs = [KeptCells(of.board, of.cells, [of.board.reference, law], {}).names for of in references]
+    """Return a digest of all that the costs of a law depend on but the candidates.
+
+    That is of its runs, and of those of the reference.
+    """
+    runs = []
+    for of in references:
+        runs.append(kept_cells(of.board, of.cells, [of.board.reference, law], {}).rows.names)
     scales = [of.board.scales for of in references]
     return short_digest((runs, scales, [*free], given.cost, given.seed))
 

@@ -13,15 +13,13 @@ from pathlib import Path
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.command_line.paths import output_folder
 from ev_stack.command_line.refusal import Parser
-from ev_stack.recording.outcome import bar_of_runs
 from ev_stack.recording.recording import atomic_file
 from ev_stack.report.tables import WIDTH_OF_A_PIPE
 from ev_stack.running.output_folder import OutputFolder
 from ev_study.measured.comparisons.comparison import FILE as COMPARISONS
 from ev_study.measured.comparisons.comparison import compare, kept_text
 from ev_study.measured.comparisons.comparison import table as comparison_table
-from ev_study.studies.study import Case, CaseResult, Measure
-from ev_study.studies.workers import drive_cases
+from ev_study.studies.driving import drive_cases
 from ev_study.verdicts.need import Driven, Need, drive, kept_by_user
 from ev_study.verdicts.panels_page import (
     INDEX,
@@ -110,16 +108,8 @@ def judge_driven(
     What is not kept yet is driven on all cores.
     """
     chosen = [each for _, each in wanted(only, quick)]
-    driven = drive(
-        [need for each in chosen for need in each.needs], kept_by_user(), drive_with_progress
-    )
+    driven = drive([need for each in chosen for need in each.needs], kept_by_user(), drive_cases)
     return [verdict(each, [driven[need] for need in each.needs]) for each in chosen], driven
-
-
-def drive_with_progress(cases: Sequence[Case], measures: Sequence[Measure]) -> list[CaseResult]:
-    """Drive cases on all cores of this machine behind a progress bar."""
-    with bar_of_runs("driving", len(cases)) as bar:
-        return drive_cases(cases, measures, lambda result: bar.update())
 
 
 def run_figures(argv: Sequence[str]) -> None:
@@ -138,7 +128,7 @@ def run_figures(argv: Sequence[str]) -> None:
     }
     every = [(source, panel) for source, of_source in shown.items() for panel in of_source]
     driven = drive(
-        [need for _, panel in every for need in panel.needs], kept_by_user(), drive_with_progress
+        [need for _, panel in every for need in panel.needs], kept_by_user(), drive_cases
     )
     files = [file_name(source, panel) for source, panel in every]
     with OutputFolder(given.out, "figures", [INDEX, *files]) as folder:

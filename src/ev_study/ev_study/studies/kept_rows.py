@@ -1,18 +1,20 @@
-"""Rows of studies that were driven before: a stopped study goes on, and one that has grown drives only what is new.
+"""Rows that were driven before: what was stopped goes on, and what has grown drives only the new.
 
-What the result of a case depends on is a digest: it is taken again while nothing of it changes. (A
-cache of the library's, such as joblib's, knows the arguments of a function, but neither the files
-that it reads nor our sources.)
+How it works: a row is what one job has measured, such as a case of a study, or a law in a cell of a
+board. It stands in a store under its key, a digest of all that it depends on beside our sources.
+So it is taken again while nothing of it changes. (A cache of the library's, such as joblib's, knows
+the arguments of a function, but neither the files that it reads nor our sources.)
 """
 
 from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+import zlib
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
@@ -20,35 +22,36 @@ from ev_core.parameters.data_file import files_read
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.recording.outcome import RunFailed
 from ev_stack.recording.recording import Recording, save
+from ev_stack.running.folder_content import digest_of
 from ev_stack.scenarios.scenario import Run
 from ev_study.studies.digests import short_digest, text_of_method, text_of_report, text_of_study
 from ev_study.studies.result_store import Results
-from ev_study.studies.study import Case, CaseResult, Measure, run_of
+from ev_study.studies.study import Case, Measure, run_of
+
+Row = TypeVar("Row")  # a dataclass
 
 
-def case_key(case: Case) -> str:
-    """A digest of the content of a case, whatever its name."""
-    files = [str(file) for file in case.files]
-    content = (
-        case.scenario,
-        case.values,
-        case.run,
-        files,
-        case.duration,
-        case.vehicle,
-        case.metrics,
-    )
-    return short_digest(content)
+@dataclass(frozen=True, slots=True)
+class Key:
+    """A digest of all that a row depends on, and by path the SHA-256 of the files among that."""
+
+    digest: str
+    files: Mapping[str, str]
+
+    @property
+    def name(self) -> str:
+        """What the row is called in the store."""
+        return f"{self.digest}.row"
+
+    def refuse_changed(self) -> None:
+        """RunFailed if a file is another one by now: each job reads it anew."""
+        for path, digest in self.files.items():
+            if not (Path(path).is_file() and digest_of(Path(path)) == digest):
+                raise RunFailed(f"{path} has changed since the runs began: start them again")
 
 
-def row_key(study: str, case: Case) -> str:
-    """A digest of all that what a study measures on a case depends on, but for `digest_of_sources`; as `run_key`."""
-    key, _ = run_key(lambda: run_of(case), study, text_of_study(study))
-    return key
-
-
-def run_key(make: Callable[[], Run], *choices: object) -> tuple[str, Run]:
-    """A digest of choices and of all that driving a run depends on, but for `digest_of_sources`; and the run.
+def run_key(make: Callable[[], Run], *choices: object) -> tuple[Key, Run]:
+    """Return the key of choices and of all that driving a run depends on; and the run.
 
     It is of the run that is made, with all its values, the names and texts of the files that were
     read for it, and the texts of its methods and of its report that are not ours. ParameterError if
@@ -59,89 +62,104 @@ def run_key(make: Callable[[], Run], *choices: object) -> tuple[str, Run]:
         for configuration in run.configurations.values():
             configuration.create()
     roles = {
-        role: (text_of_method(each.method), each.values())
-        for role, each in run.configurations.items()
+        role: (text_of_method(configuration.method), configuration.values())
+        for role, configuration in run.configurations.items()
     }
     read = sorted((Path(name).name, digest) for name, digest in files.items())
     measured = run.report, text_of_report(run.report), run.metrics, run.course
-    return short_digest((*choices, run.name, run.duration, measured, roles, read)), run
+    digest = short_digest((*choices, run.name, run.duration, measured, roles, read))
+    return Key(digest, files), run
 
 
-_ARRAY, _TUPLE = "array", "tuple"  # what JSON does not know, as objects with one of these keys
+def case_key(case: Case) -> str:
+    """Return a digest of the content of a case, whatever its name."""
+    files = [str(file) for file in case.files]
+    of_run = case.scenario, case.values, case.run, files, case.duration, case.vehicle
+    return short_digest((*of_run, case.metrics))
 
 
-class KeptRows:
-    """What the cases of a study have given, each under a digest of all that it depends on.
-
-    ParameterError if none of the cases can be driven.
-    """
-
-    def __init__(self, results: Results, study: str, cases: Sequence[Case]) -> None:
-        self._results, self._study = results, study
-        self._keys = dict(self._resolved(cases))
-
-    def _resolved(self, cases: Sequence[Case]) -> Iterator[tuple[str, str]]:
-        """Name and key of each case that is not refused."""
-        reasons = []
-        for case in cases:
-            try:
-                yield case.name, row_key(self._study, case)
-            except ValueError as error:  # it comes back as refused when it is driven
-                reasons.append(f"{case.name}: {error}")
-        if len(reasons) == len(cases):
-            raise ParameterError(f"none of {len(cases)} runs can be driven; {reasons[0]}")
-
-    def key_of(self, case: Case) -> str | None:
-        """The digest of a case; None if it is refused."""
-        return self._keys.get(case.name)
-
-    def of(self, case: Case) -> CaseResult | None:
-        """The result of a case if it was driven before."""
-        kept = self._results.get(_name(self._keys[case.name])) if case.name in self._keys else None
-        return None if kept is None else result_of(kept, case.name)
-
-    def keep(self, case: Case, result: CaseResult) -> None:
-        """Write a result, at once; one that was refused is not worth it. RunFailed if its files are others by now."""
-        if result.refused:
-            return
-        key = row_key(self._study, case)
-        if key != self._keys.get(case.name):
-            raise RunFailed(
-                f"{case.name}: what it depends on has changed while the study was driven: start it again"
-            )
-        self._results[_name(key)] = as_json(result)
+def row_key(study: str, case: Case) -> Key:
+    """Return the key of what a study measures on a case; raises what `run_key` does."""
+    key, _ = run_key(lambda: run_of(case), study, text_of_study(study))
+    return key
 
 
-def _name(key: str) -> str:
-    return f"{key}.row"
+def keys_of_cases(study: str, cases: Sequence[Case]) -> dict[str, Key]:
+    """Return by name the keys of all cases that are not refused; ParameterError if all are."""
+    keys = {}
+    reasons = []
+    shared: dict[str, Mapping[str, str]] = {}
+    for case in cases:
+        try:
+            key = row_key(study, case)
+        except ValueError as error:  # it comes back as refused when it is driven
+            reasons.append(f"{case.name}: {error}")
+            continue
+        # Most of 100 000 cases read the same files: one list of them is enough.
+        keys[case.name] = replace(key, files=shared.setdefault(repr(key.files), key.files))
+    if len(reasons) == len(cases):
+        raise ParameterError(f"none of {len(cases)} runs can be driven; {reasons[0]}")
+    return keys
+
+
+class KeptRows(Generic[Row]):
+    """Rows of one kind in a store, by names of which each has a key."""
+
+    def __init__(
+        self, results: Results, kind: type[Row], keys: Mapping[Hashable, Key], anew: bool = False
+    ) -> None:
+        """Rows that are `anew` count as missing until they have been driven once more."""
+        self._results = results
+        self._kind = kind
+        self._keys = keys
+        self._forgotten = set(keys) if anew else set()
+
+    @property
+    def names(self) -> list[str]:
+        """What they are called in the store."""
+        return list(dict.fromkeys(key.name for key in self._keys.values()))
+
+    def get(self, name: Hashable) -> Row | None:
+        """Return a row; None without one, or if the store has not what was written."""
+        if name not in self._keys or name in self._forgotten:
+            return None
+        content = self._results.get(self._keys[name].name)
+        return None if content is None else row_of(self._kind, content)
+
+    def keep(self, name: Hashable, row: Row) -> None:
+        """Write a row, at once; RunFailed if the files that it depends on are others by now."""
+        key = self._keys[name]
+        key.refuse_changed()
+        self._results[key.name] = as_json(row)
+        self._forgotten.discard(name)
 
 
 @dataclass(frozen=True, slots=True)
 class MeasureAndSave:
-    """What the worker of a case does where signals are kept as well, at a path that it has to be able to write to."""
+    """Measures a case and saves its signals at a path, which its worker has to be able to write."""
 
     measure: Measure
     path: Path
 
     def __call__(self, recording: Recording, run: Run) -> Mapping[str, Any]:
         self.path.parent.mkdir(exist_ok=True)
-        # The same case under another name, or another command, may write the same bits there at
-        # this time.
+        # The same case under another name, or another command, may write the same bits here.
         save(recording.shown or recording, self.path, replaces=True)
         return self.measure(recording, run)
 
 
-def as_json(result: CaseResult) -> bytes:
-    """A result as JSON, to the bit."""
-    fields = {
-        field.name: _encoded(getattr(result, field.name)) for field in dataclasses.fields(result)
-    }
-    return json.dumps(fields).encode()
+_ARRAY, _TUPLE = "array", "tuple"  # what JSON does not know, as objects with one of these keys
 
 
-def result_of(content: bytes, name: str) -> CaseResult:
-    """The result that `as_json` was given, of a case that has this name now."""
-    return CaseResult(**{**json.loads(content, object_hook=_decoded), "name": name})
+def as_json(row: Any) -> bytes:
+    """Return a row as compressed JSON, to the bit: commands are long and much alike."""
+    fields = {of.name: _encoded(getattr(row, of.name)) for of in dataclasses.fields(row)}
+    return zlib.compress(json.dumps(fields).encode())
+
+
+def row_of(kind: type[Row], content: bytes) -> Row:
+    """Return the row that `as_json` was given."""
+    return kind(**json.loads(zlib.decompress(content), object_hook=_decoded))
 
 
 def _encoded(value: Any) -> Any:
@@ -159,7 +177,9 @@ def _encoded(value: Any) -> Any:
 
 
 def _decoded(fields: dict[str, Any]) -> Any:
-    """An object of JSON, or what JSON does not know and `as_json` has made one of."""
+    """Return an object of JSON, or what `as_json` has made one of."""
     if fields.keys() == {_ARRAY, "type"}:
         return np.array(fields[_ARRAY], fields["type"])
-    return tuple(fields[_TUPLE]) if fields.keys() == {_TUPLE} else fields
+    if fields.keys() == {_TUPLE}:
+        return tuple(fields[_TUPLE])
+    return fields

@@ -10,7 +10,7 @@ from ev_msgs_py.refusal import ParameterError
 from ev_stack.batches.by_period import batch_by_period
 from ev_stack.measures.own_metrics import named_metrics
 from ev_study.benchmark.board import Board, Cell, by_role
-from ev_study.benchmark.driving import DrivenCell, LawInCell, drive_cell, laws_in_cell
+from ev_study.benchmark.driving import DrivenCell, DrivenLaw, LawInCell, drive_cell, laws_in_cell
 from ev_study.benchmark.ranking.scores import (
     LARGEST,
     WORST,
@@ -39,24 +39,26 @@ class Reference:
         self._metrics: dict[Cell, Mapping[str, np.ndarray]] = {}
 
     def driven(self, answer: Answer) -> list[DrivenCell]:
-        """What was measured, by cell; `answer` is asked for it at the number of each cell: it may know it."""
+        """Return what was measured, by cell.
+
+        `answer` is asked for it at the number of each cell: it may know it.
+        """
         return [self._driven(cell, number, answer) for number, cell in enumerate(self.cells)]
 
     def _driven(self, cell: Cell, number: int, answer: Answer) -> DrivenCell:
-        law, names = (
-            self.board.reference,
-            [*named_metrics(self.board.manoeuvres[cell.manoeuvre].measured)],
-        )
+        law = self.board.reference
+        names = [*named_metrics(self.board.manoeuvres[cell.manoeuvre].measured)]
 
         def measured(_: np.ndarray) -> np.ndarray:
             if cell not in self._metrics:
-                self._metrics[cell] = drive_cell(self.board, cell, [law], self._threads).metrics[
-                    law
-                ]
+                driven = drive_cell(self.board, cell, [law], self._threads)
+                self._metrics[cell] = driven.laws[law].metrics
             return np.array([self._metrics[cell][name] for name in names])
 
-        self._metrics[cell] = dict(zip(names, answer(np.array([number]), measured), strict=True))
-        return DrivenCell(cell, {law: self._metrics[cell]}, {}, {}, {})
+        values = answer(np.array([number]), measured)
+        self._metrics[cell] = dict(zip(names, values, strict=True))
+        all_clean = np.ones(self.board.draws, bool)  # no entry speed is looked for in training
+        return DrivenCell(cell, {law: DrivenLaw(self._metrics[cell], all_clean, [], [])})
 
 
 class Training:

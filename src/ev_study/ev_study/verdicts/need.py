@@ -6,13 +6,12 @@ import argparse
 import shlex
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
-from functools import lru_cache, partial
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, NoReturn
 from zipfile import is_zipfile
 
-from ev_core.compiling.user_cache import read_checked, write_checked
 from ev_core.lockstep.configuration import Configuration
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.roles import MASTER
@@ -23,7 +22,8 @@ from ev_stack.recording.outcome import RunFailed
 from ev_stack.recording.recording import Recording, load, save
 from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
 from ev_study.studies.digests import NEVER_DRIVES, digest_of_sources
-from ev_study.studies.kept_rows import as_json, case_key, result_of, row_key
+from ev_study.studies.driving import Keep
+from ev_study.studies.kept_rows import KeptRows, Key, case_key, row_key
 from ev_study.studies.result_store import RECORDING, ResultStore
 from ev_study.studies.run_study import arguments, study_cases
 from ev_study.studies.study import Case, CaseResult, Measure, Results, study_named, study_names
@@ -139,19 +139,19 @@ def kept_by_user(folder: Path | None = None) -> ResultStore:
     return ResultStore(digest_of_sources(_ONLY_JUDGES, config=True, others=True), folder)
 
 
-def path_of(kept: ResultStore, study: str, case: Case) -> Path:
-    """Where what a study has measured on a case is kept; the signals of a case without a study.
+def key_of(study: str, case: Case) -> Key:
+    """Return the key of what a study measures on a case; of its signals without a study.
 
     Where the case may name a file, its name is not enough: then the run is made, and the texts of
     all files count that it reads. Else these stand in the config folders, whose texts count for
     all.
     """
-    key = case_key(case)
+    key = Key(case_key(case), {})
     given = case.scenario, case.vehicle, case.files, tuple(value for _, _, value in case.values)
     if any(set("./").intersection(text) for text in _texts(given)):
         with suppress(ValueError):  # the case is refused, as it will be when it is driven
             key = row_key(study, case)
-    return kept.path(f"{study}_{key}.row" if study else f"{key}{RECORDING}")
+    return replace(key, digest=f"{study}_{key.digest}") if study else key
 
 
 def _texts(of: Any) -> Iterator[str]:
@@ -162,61 +162,73 @@ def _texts(of: Any) -> Iterator[str]:
         yield from _texts(each)
 
 
-def _keep_signals(path: Path, recording: Recording, run: Run) -> Mapping[str, Any]:
-    """What a worker does with the signals of a run of a scenario: it writes them where they are looked for."""
-    save(recording, path, replaces=True)  # another command may have driven the same meanwhile
-    return {}
+@dataclass(frozen=True, slots=True)
+class _KeepSignals:
+    """Writes the signals of a run in its worker: those of a whole cycle have 80 MB."""
+
+    path: Path
+
+    def __call__(self, recording: Recording, run: Run) -> Mapping[str, Any]:
+        save(recording, self.path, replaces=True)  # another command may have driven the same
+        return {}
 
 
-def keep_measured(
-    path: Path, measure: Measure, recording: Recording, run: Run
-) -> Mapping[str, Any]:
-    """What a worker does with the case of a study: it measures and writes, so that what is done outlives a stop."""
-    measured = measure(recording, run)
-    _keep(CaseResult("", measured), path)
-    return measured
+_recording_at = lru_cache(maxsize=6)(load)
 
-
-def _keep(result: CaseResult, path: Path) -> None:
-    write_checked(path, as_json(result))
-
-
-def _measured_at(path: Path, name: str) -> CaseResult | None:
-    """What a study has measured on a case, which is called by this name; None if it has not yet."""
-    kept = read_checked(path)
-    return None if kept is None else result_of(kept, name)
-
-
-_recording_at = lru_cache(maxsize=6)(load)  # the signals of a whole cycle have 80 MB
-
-Drive = Callable[[Sequence[Case], Sequence[Measure]], Sequence[CaseResult]]
+Drive = Callable[[Sequence[Case], Sequence[Measure], Keep], Sequence[CaseResult]]
 
 
 def drive(needs: Iterable[Need], kept: ResultStore, drive_cases: Drive) -> dict[Need, Driven]:
-    """What was driven for each need; what `kept` already has is not driven again.
+    """Return what was driven for each need; what `kept` already has is not driven again.
 
-    `drive_cases` drives cases, each with its own function that measures, and returns the results in
-    their order. ParameterError if a scenario or study is refused, RunFailed if a run of a scenario
-    cannot be driven.
+    `drive_cases` drives cases, each with its own function that measures, and calls another one with
+    the number and the result of each. ParameterError if a scenario or study is refused, RunFailed
+    if a run of a scenario cannot be driven.
     """
     wanted = {need: _resolved(need) for need in dict.fromkeys(needs)}
-    paths: dict[Need, list[Path]] = {}
-    jobs: dict[Path, tuple[Case, Measure]] = {}
+    keys: dict[Need, list[Key]] = {}
     for need, (cases, _) in wanted.items():
         study = need.study if isinstance(need, StudyNeed) else ""
-        paths[need] = [path_of(kept, study, case) for case in cases]
-        for case, path in zip(cases, paths[need], strict=True):
-            if study and _measured_at(path, case.name) is None:
-                jobs[path] = case, partial(keep_measured, path, study_named(study).measure)
-            elif not (study or is_zipfile(path)):  # nor is it where a crash has cut it off
-                jobs[path] = case, partial(_keep_signals, path)
-    results = drive_cases(*zip(*jobs.values(), strict=True)) if jobs else []
-    for path, result in zip(jobs, results, strict=True):
-        if result.refused and path.suffix == RECORDING:
+        keys[need] = [key_of(study, case) for case in cases]
+    every = {key.digest: key for of in keys.values() for key in of}
+    rows = KeptRows(kept, CaseResult, every)
+    jobs: dict[str, tuple[Case, Measure]] = {}
+    for need, (cases, _) in wanted.items():
+        for case, key in zip(cases, keys[need], strict=True):
+            path = _signals(kept, key)
+            if isinstance(need, ScenarioNeed):
+                if not is_zipfile(path):  # nor is it where a crash has cut it off
+                    jobs[key.digest] = case, _KeepSignals(path)
+            elif rows.get(key.digest) is None:
+                jobs[key.digest] = case, study_named(need.study).measure
+    digests = list(jobs)
+
+    def keep(number: int, result: CaseResult) -> None:
+        _, measure = jobs[digests[number]]
+        if not isinstance(measure, _KeepSignals):
+            rows.keep(digests[number], result)
+        elif result.refused:
             raise RunFailed(f"{result.name}: {result.refused}")
-        if result.refused:
-            _keep(result, path)
-    return {need: _driven(need, paths[need], *resolved) for need, resolved in wanted.items()}
+
+    if jobs:
+        drive_cases(*zip(*jobs.values(), strict=True), keep)
+    found: dict[Need, Driven] = {}
+    for need, (cases, first) in wanted.items():
+        at = list(zip(cases, keys[need], strict=True))
+        if isinstance(need, StudyNeed):
+            results = {case.name: rows.get(key.digest) for case, key in at}
+            results = {name: replace(row, name=name) for name, row in results.items()}
+            found[need] = StudyCases(results, arguments(need.study, need.options))
+            continue
+        parameters = {role: configuration.values() for role, configuration in first.items()}
+        recordings = _Recordings({case.run: _signals(kept, key) for case, key in at})
+        found[need] = ScenarioRuns(recordings, first[MASTER].common.vehicle, parameters)
+    return found
+
+
+def _signals(kept: ResultStore, key: Key) -> Path:
+    """Where the signals of a run are kept."""
+    return kept.path(f"{key.digest}{RECORDING}")
 
 
 def cases_of(need: Need) -> list[Case]:
@@ -242,18 +254,6 @@ def _resolved(need: Need) -> tuple[list[Case], Mapping[str, Configuration]]:
         for run in runs
     ]
     return cases, runs[0].configurations
-
-
-def _driven(
-    need: Need, paths: Sequence[Path], cases: Sequence[Case], first: Mapping[str, Configuration]
-) -> Driven:
-    at = list(zip(cases, paths, strict=True))
-    if isinstance(need, StudyNeed):
-        results = {case.name: _measured_at(path, case.name) for case, path in at}
-        return StudyCases(results, arguments(need.study, need.options))
-    parameters = {role: configuration.values() for role, configuration in first.items()}
-    recordings = _Recordings({case.run: path for case, path in at})
-    return ScenarioRuns(recordings, first[MASTER].common.vehicle, parameters)
 
 
 @dataclass(frozen=True, eq=False)

@@ -70,11 +70,11 @@ class BoardResult:
         for cell in self.cells:
             manoeuvre, of_laws = (
                 board.manoeuvres[cell.cell.manoeuvre],
-                [cell.metrics[law] for law in self.laws],
+                [cell.laws[law].metrics for law in self.laws],
             )
             sideslip = np.array([of["peak_sideslip"] for of in of_laws])
             unstable = ~(sideslip < board.unstable) | ~np.array(
-                [cell.clean[law] for law in self.laws]
+                [cell.laws[law].clean for law in self.laws]
             )
             counted.unstable.append(unstable)
             counted.met.append(
@@ -170,10 +170,9 @@ class BoardResult:
         """A record of each run: its metrics, None where there is no number, signal hash, and what drives it again."""
         for n, cell in enumerate(self.cells):
             for i, law in enumerate(self.laws):
-                for draw, command in enumerate(cell.commands[law]):
-                    numbers = {
-                        name: float(values[draw]) for name, values in cell.metrics[law].items()
-                    }
+                driven = cell.laws[law]
+                for draw, command in enumerate(driven.commands):
+                    numbers = {name: float(values[draw]) for name, values in driven.metrics.items()}
                     costs = {
                         f"{cost}_cost": float(of[i, n, draw]) for cost, of in self.costs.items()
                     }
@@ -185,7 +184,7 @@ class BoardResult:
                         "demand_met": float(self.met[i, n, draw]),
                         **costs,
                         **{name: _number(value) for name, value in numbers.items()},
-                        "signal_hash": cell.hashes[law][draw],
+                        "signal_hash": driven.hashes[draw],
                         "command": command,
                         "once_more": self.once_more(n, i, draw),
                     }

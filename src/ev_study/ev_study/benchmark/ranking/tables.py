@@ -90,7 +90,7 @@ def cell_rows(result: BoardResult) -> list[list[str]]:
             for text in (result.laws[i], f"{result.middles[cost][i, n]:.2f}")
         ]
         law = best["handling"]
-        signals = cell.hashes[result.laws[law]][0][:DIGITS]
+        signals = cell.laws[result.laws[law]].hashes[0][:DIGITS]
         rows.append([cell.cell.id("*"), *numbers, signals, result.once_more(n, law, 0)])
     return rows
 

@@ -22,7 +22,7 @@ from ev_study.measured.replays.validation import Validation, signals_to_show
 from ev_study.measured.rig import read_rig
 from ev_study.measured.tyre_fit import KINDS, fit_tyre
 from ev_study.studies import energy
-from ev_study.studies.workers import drive_cases
+from ev_study.studies.driving import drive_cases
 
 TRAINING, HELD_OUT = (0.0, 2.0 / 3.0), (2.0 / 3.0, 1.0)
 WINDOW = 5.0  # s
