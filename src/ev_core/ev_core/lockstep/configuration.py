@@ -291,7 +291,10 @@ def _replaced(values: dict[str, Any], instance: P, prefix: str = "") -> P:
 
 def _take(values: dict[str, Any], of: type[P], prefix: str = "") -> P:
     """Build a parameter dataclass from its values in a dictionary, and take these out of the dictionary."""
-    return _replaced(values, defaults(of), prefix)
+    # To mypy a class is hashable, a class of a type variable is not.
+    kind: type = of
+    unchanged: P = defaults(kind)
+    return _replaced(values, unchanged, prefix)
 
 
 def chosen_method(role: str, values: Mapping[str, Any]) -> Method:
