@@ -211,7 +211,7 @@ def test_a_bench_that_was_held_up_measures_what_its_machines_give(held):
     values += [("test_bench", f"{of}command_timeout", 1.0) for of in ("", "load.")]
     ends = Ends(values=tuple(values))
     ends.instants(0.25)
-    asked = ends.said[-1]["asked"]
+    asked = ends.signals[-1]["asked"]
     ends.bench.advance(asked, BATTERY)
     ends.bench.cycle(held)
     ends.bench.advance(asked, BATTERY)

@@ -136,12 +136,12 @@ def test_a_command_is_not_given_up_within_two_periods(timeout, period):
 def test_real_time_takes_no_other_pace(factor):
     """It would go by the wall clock all the same; lockstep takes each."""
     clock = {"mode": "realtime", "control_period": 0.01}
-    said = f"^parameter real_time_factor: {factor:g} is refused, expected 1 in real time, or mode lockstep$"
-    with pytest.raises(ParameterError, match=said):
+    message = f"^parameter real_time_factor: {factor:g} is refused, expected 1 in real time, or mode lockstep$"
+    with pytest.raises(ParameterError, match=message):
         configure(MASTER, {**clock, "real_time_factor": factor}, MasterParameters)
     for taken in (0.0, 1.0):
         begun = configure(MASTER, {**clock, "real_time_factor": taken}, MasterParameters)
-        with pytest.raises(ParameterError, match=said):
+        with pytest.raises(ParameterError, match=message):
             begun.changed({"real_time_factor": factor})
     assert configure(MASTER, {"real_time_factor": factor}, MasterParameters)
 

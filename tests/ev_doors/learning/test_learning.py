@@ -156,7 +156,7 @@ def test_who_acts_like_the_law_gets_the_bits_of_the_plain_run(action, role, meth
 
 
 def test_the_seed_of_an_environment_is_that_of_its_first_episode():
-    """As of `reset(seed=3)`; the next ones are drawn from it, so that two environments agree."""
+    """It acts as `reset(seed=3)`; later episodes are drawn from it, alike in two environments."""
 
     def episodes(given: int | None, first: int | None) -> list[list[float]]:
         environment = Environment("double_lane_change", seed=given, set=NOISE, duration=DURATION)
