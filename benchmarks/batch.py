@@ -35,7 +35,8 @@ from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_stack.batches.batch import batch
 from ev_stack.batches.observer import largest_magnitude, root_mean_square
-from ev_stack.scenarios.scenario import Overrides, load_scenario
+from ev_stack.scenarios.records import Overrides
+from ev_stack.scenarios.scenario import load_scenario
 
 DURATION = 10.0  # [s]
 FUSED_STEPS, FUSED_SECONDS = 3000, 1.0

@@ -17,7 +17,8 @@ from pathlib import Path
 
 from ev_core.lockstep.run import GraphRun
 from ev_msgs_py.contract import stamps
-from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
+from ev_stack.scenarios.records import Overrides, Run
+from ev_stack.scenarios.scenario import load_scenario
 
 DURATION = 24.0  # [s]
 VIRTUAL = "virtual run"

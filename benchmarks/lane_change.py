@@ -21,7 +21,8 @@ from ev_sim.driver.path import path_of
 from ev_stack.batches.batch import batch
 from ev_stack.measures.course import hit_cones
 from ev_stack.recording.recording import Recording
-from ev_stack.scenarios.scenario import Overrides, load_scenario
+from ev_stack.scenarios.records import Overrides
+from ev_stack.scenarios.scenario import load_scenario
 
 CARS = sorted(path.stem for path in Path(__file__).parents[1].glob("config/vehicles/*.yaml"))
 PURSUITS = (0.3, 0.4, 0.6)  # [s]

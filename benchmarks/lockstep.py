@@ -35,7 +35,8 @@ from ev_stack.running.domain import free_domain
 from ev_stack.running.node_process import command
 from ev_stack.running.offline import RECORDER, node_parameters, write_parameter_file
 from ev_stack.running.processes import parameter_overrides
-from ev_stack.scenarios.scenario import Overrides, load_scenario
+from ev_stack.scenarios.records import Overrides
+from ev_stack.scenarios.scenario import load_scenario
 
 STEPS_PER_SECOND = re.compile(r"([\d.]+) steps/s")
 

@@ -22,7 +22,8 @@ from ev_doors.export.content import Content
 from ev_doors.export.library import Library
 from ev_doors.export.targets import OPTIONS, TARGETS
 from ev_msgs_py.contract import stamps
-from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
+from ev_stack.scenarios.records import Overrides, Run
+from ev_stack.scenarios.scenario import load_scenario
 
 SCENARIOS = ("shchur2019", "double_lane_change")
 _DRIVE = """#include "evs_model.h"

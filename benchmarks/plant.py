@@ -34,7 +34,7 @@ from ev_msgs_py.contract.wheels import Wheels
 from ev_sim.plant.planar.body import Equations
 from ev_sim.plant.planar.given import PlanarParameters
 from ev_sim.plant.planar.planar_state import INTEGRATED_SIZE
-from ev_stack.scenarios.about import vehicle_of
+from ev_stack.scenarios.files import vehicle_of
 
 STEP = 1e-3  # [s]
 SPEED = 15.0  # [m/s]

@@ -31,7 +31,8 @@ from ev_msgs_py.contract import stamps
 from ev_nodes.stepping.spinning import spin
 from ev_stack.running.children import same_addresses
 from ev_stack.running.domain import free_domain
-from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
+from ev_stack.scenarios.records import Overrides, Run
+from ev_stack.scenarios.scenario import load_scenario
 
 PERIOD = 0.1  # s; ten million steps pass a million seconds
 LOOKS = 20

@@ -32,7 +32,8 @@ from ev_stack.recording.offline import run_offline
 from ev_stack.recording.recording import signal_hash
 from ev_stack.running.domain import free_domain
 from ev_stack.running.processes import run_in_processes
-from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
+from ev_stack.scenarios.records import Overrides, Run
+from ev_stack.scenarios.scenario import load_scenario
 
 SCENARIO = "shchur2019"
 OTHER = 7.0  # a finite number that the run does not give

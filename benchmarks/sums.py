@@ -20,7 +20,8 @@ import numpy as np
 
 from ev_stack.running import node_reports
 from ev_stack.running.processes import run_in_process, run_in_processes
-from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
+from ev_stack.scenarios.records import Overrides, Run
+from ev_stack.scenarios.scenario import load_scenario
 
 
 def rate(run: Run, sums: bool, in_process: bool) -> float:

@@ -32,7 +32,8 @@ from ev_msgs_py.contract.signals import WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_papers.dissertation.measures.urban_cases import FIVE, METHODS, SCENARIO, case
 from ev_stack.recording.offline import graph_run
-from ev_stack.scenarios.scenario import Run, load_scenario
+from ev_stack.scenarios.records import Run
+from ev_stack.scenarios.scenario import load_scenario
 from ev_study.studies.asr_shootout import controls, values_of
 from ev_study.studies.study import Case, run_of
 

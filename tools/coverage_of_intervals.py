@@ -17,7 +17,7 @@ import numpy as np
 from ev_core.lockstep.configuration import Configuration
 from ev_stack.recording.offline import run_offline
 from ev_stack.recording.recording import Recording
-from ev_stack.scenarios.scenario import Overrides
+from ev_stack.scenarios.records import Overrides
 from ev_study.measured.free_parameters import GROUPS, FreeParameter, free_parameters
 from ev_study.measured.identification import identify
 from ev_study.measured.identified import Identified

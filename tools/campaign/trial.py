@@ -16,7 +16,9 @@ from ev_msgs_py.refusal import ParameterError
 from ev_stack.command_line.options import arguments, overrides
 from ev_stack.recording.offline import run_offline
 from ev_stack.recording.recording import signal_hash
-from ev_stack.scenarios.scenario import Run, load_scenario
+from ev_stack.running.steering_angles import with_own_angles
+from ev_stack.scenarios.records import Run
+from ev_stack.scenarios.scenario import load_scenario
 
 if TYPE_CHECKING:
     from campaign.under_way import UnderWay
@@ -82,7 +84,7 @@ class Trial:
         """The run that the words mean; ParameterError if they are refused."""
         given = arguments(self.words)
         with _LOCK:
-            return load_scenario(given.scenario, overrides(given)).runs[0]
+            return with_own_angles(load_scenario(given.scenario, overrides(given))).runs[0]
 
     def roles(self) -> list[str]:
         """Who takes part, the recorder included."""
@@ -100,7 +102,7 @@ def _offline(words: tuple[str, ...]) -> str:
     given = arguments(list(words))
     try:
         with _LOCK:
-            run = load_scenario(given.scenario, overrides(given)).runs[0]
+            run = with_own_angles(load_scenario(given.scenario, overrides(given))).runs[0]
             return signal_hash(run_offline(run.configurations, run.duration))
     except (ParameterError, SignalError, OSError) as error:
         return f"refused: {error}"

@@ -20,7 +20,9 @@ from determinism.surroundings import WAYS, Surroundings, drawn
 from documentation.markdown import code, table, with_blocks
 from ev_stack.recording.offline import run_offline
 from ev_stack.recording.recording import signal_hash
-from ev_stack.scenarios.scenario import Overrides, load_scenario, scenario_names
+from ev_stack.scenarios.files import scenario_names
+from ev_stack.scenarios.records import Overrides
+from ev_stack.scenarios.scenario import load_scenario
 
 PAGE = "docs/determinism.md"
 PART = "results"

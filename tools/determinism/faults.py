@@ -15,7 +15,8 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.recording.offline import run_offline
 from ev_stack.recording.recording import signal_hash
-from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
+from ev_stack.scenarios.records import Overrides, Run
+from ev_stack.scenarios.scenario import load_scenario
 
 Changes = Sequence[tuple[str, str, Any]]  # as in Overrides.values, the seed of all nodes first
 _ATTEMPTS = 20

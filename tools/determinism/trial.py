@@ -17,7 +17,7 @@ from ev_stack.recording.offline import run_offline
 from ev_stack.recording.outcome import Outcome
 from ev_stack.recording.recording import Recording, signal_hash
 from ev_stack.running.processes import run_in_process, run_in_processes
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 
 
 def driven(run: Run, way: str) -> Recording:

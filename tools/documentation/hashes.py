@@ -8,7 +8,8 @@ from collections.abc import Mapping
 from documentation.markdown import code, table
 from ev_stack.recording.offline import run_offline
 from ev_stack.recording.recording import signal_hash
-from ev_stack.scenarios.scenario import load_scenario, scenario_names
+from ev_stack.scenarios.files import scenario_names
+from ev_stack.scenarios.scenario import load_scenario
 
 HASHES = "docs/signal_hashes.md"
 _ROW = re.compile(r"^\| `(\w+)` \| `(\w+)` \| `([0-9a-f]+)` \|$", re.MULTILINE)

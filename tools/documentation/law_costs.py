@@ -25,7 +25,9 @@ from ev_msgs_py.refusal import ParameterError
 from ev_stack.interface.driving import only_run, overrides
 from ev_stack.recording.offline import run_offline
 from ev_stack.recording.recording import Recording
-from ev_stack.scenarios.scenario import Run, load_scenario, scenario_names
+from ev_stack.scenarios.files import scenario_names
+from ev_stack.scenarios.records import Run
+from ev_stack.scenarios.scenario import load_scenario
 
 NATIVE = "docs/native.md"
 BLOCK = "law costs"

@@ -6,7 +6,7 @@ from documentation.markdown import code, table
 from documentation.own_methods import own_methods
 from ev_msgs_py.contract.roles import ROLES
 from ev_stack.scenarios.about import describe_scenario
-from ev_stack.scenarios.scenario import scenario_names
+from ev_stack.scenarios.files import scenario_names
 from ev_study.studies.study import study_named, study_names
 
 

@@ -15,7 +15,8 @@ from ev_stack.measures.own_metrics import named_metrics
 from ev_stack.measures.registry import METRICS
 from ev_stack.report.reports import known_metrics
 from ev_stack.scenarios.about import REPORTS
-from ev_stack.scenarios.scenario import load_scenario, scenario_names
+from ev_stack.scenarios.files import scenario_names
+from ev_stack.scenarios.scenario import load_scenario
 
 _WHEELS = re.compile("|".join(WHEEL_NAMES))
 

@@ -10,7 +10,7 @@ import numpy as np
 from documentation.markdown import table
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import Wheels
-from ev_stack.scenarios.about import vehicle_of
+from ev_stack.scenarios.files import vehicle_of
 from ev_study.analysis.__main__ import drive_torques
 from ev_study.analysis.linear_models import side_slip_model
 from ev_study.analysis.linearised_plant import OperatingPoint, linearised

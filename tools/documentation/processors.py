@@ -14,7 +14,8 @@ from ev_doors.export.program import Program, build_program
 from ev_doors.export.targets import TARGETS, Target
 from ev_msgs_py.contract import frame, stamps
 from ev_stack.recording.recording import Recording, signal_hash
-from ev_stack.scenarios.scenario import Run, load_scenario
+from ev_stack.scenarios.records import Run
+from ev_stack.scenarios.scenario import load_scenario
 
 PROCESSORS = "docs/determinism.md"
 BLOCK = "processors"

@@ -16,7 +16,8 @@ from ev_sim.drives.drive import DRIVE_MODELS
 from ev_stack.measures.metric import Metric, Parameters, Runs
 from ev_stack.recording.offline import run_offline
 from ev_stack.report.reports import report_for
-from ev_stack.scenarios.scenario import Overrides, Scenario, load_scenario
+from ev_stack.scenarios.records import Overrides, Scenario
+from ev_stack.scenarios.scenario import load_scenario
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

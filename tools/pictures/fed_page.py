@@ -15,7 +15,7 @@ from ev_doors.dashboard.server import Pages, listening
 from ev_msgs_py.contract.roles import MASTER
 from ev_nodes.stepping.ros_parameters import descriptor
 from ev_stack.recording.recording import Recording
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 from ev_stack.views.car import view_channels
 
 

@@ -7,7 +7,7 @@ from helpers.scenario_roles import configurations_in
 
 from ev_core.check.method import check_configuration
 from ev_core.lockstep.configuration import configure
-from ev_stack.scenarios.scenario import scenario_names
+from ev_stack.scenarios.files import scenario_names
 
 pytestmark = pytest.mark.slow
 

@@ -7,7 +7,7 @@ import pytest
 from ev_core.check.method import check_configuration
 from ev_core.lockstep.configuration import configure
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_stack.scenarios.about import vehicle_file
+from ev_stack.scenarios.files import vehicle_file
 
 pytestmark = pytest.mark.slow
 

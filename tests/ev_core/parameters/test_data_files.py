@@ -22,7 +22,7 @@ from ev_msgs_py.refusal import ParameterError
 from ev_sim.profiles.profile import cycle_values
 from ev_stack.commands.report import read_folder
 from ev_stack.recording.recording import load
-from ev_stack.scenarios.about import vehicle_file
+from ev_stack.scenarios.files import vehicle_file
 from ev_stack.scenarios.parameter_file import ParameterFile
 from ev_stack.scenarios.scenario import Overrides, load_scenario
 from ev_study.replay.recorded import find_recorded

@@ -14,7 +14,8 @@ from pictures.fed_page import FedPage
 from ev_msgs_py.contract.roles import MASTER
 from ev_stack.recording.recording import Recording
 from ev_stack.running.offline import drive_offline
-from ev_stack.scenarios.scenario import Overrides, Run, load_scenario, scenario_names
+from ev_stack.scenarios.files import scenario_names
+from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
 
 pytestmark = [
     pytest.mark.slow,

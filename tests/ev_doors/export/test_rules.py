@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from ev_doors.export.content import Content, Tunable
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.interface.driving import only_run, overrides
-from ev_stack.scenarios.scenario import Run, load_scenario, scenario_names
+from ev_stack.scenarios.files import scenario_names
+from ev_stack.scenarios.scenario import Run, load_scenario
 
 _LARGE = 1e6  # in the place of a bound that there is not
 

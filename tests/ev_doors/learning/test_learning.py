@@ -26,7 +26,7 @@ from ev_msgs_py.refusal import ParameterError
 from ev_stack.interface.simulation import Simulation
 from ev_stack.recording.offline import written_topics
 from ev_stack.recording.recording import signal_hash
-from ev_stack.scenarios.about import vehicle_of
+from ev_stack.scenarios.files import vehicle_of
 from ev_study.commands.benchmark import run_benchmark
 
 EXAMPLE = Path(__file__).parents[3] / "docs" / "examples" / "random_agent.py"

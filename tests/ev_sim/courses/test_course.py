@@ -23,7 +23,7 @@ from ev_sim.courses.course import (
 )
 from ev_sim.courses.racing_line import curvatures, racing_line, second_differences
 from ev_sim.courses.speed_profile import LimitParameters, limits, speed_profile
-from ev_stack.scenarios.about import vehicle_of
+from ev_stack.scenarios.files import vehicle_of
 
 FILE = "courses/handling.csv"
 TRACK = 1.53  # m

@@ -15,6 +15,7 @@ from ev_core.vehicle.description import Vehicle
 from ev_sim.driver.pedals import SpeedControlParameters, SpeedControlState, follow_speed
 from ev_sim.plant.planar.planar_state import VX
 from ev_stack.recording.offline import run_offline
+from ev_stack.running.steering_angles import with_own_angles
 from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 CARS = sorted(
@@ -122,6 +123,8 @@ def test_a_car_that_rolls_comes_to_rest_and_stays(name, grade, speed):
 def test_an_engine_that_creeps_does_not_swing_the_car():
     """517 N m of creep against 500 of a brake that knew no car: +-0.4 m/s for ever, the selector to and fro."""
     values = (("driver", "speed_profile.speed", (0.0,)), ("plant", "initial_speed", 0.5))
-    (run, *_) = load_scenario("step_steer", Overrides(vehicle="engine_4x4", values=values)).runs
+    (run, *_) = with_own_angles(
+        load_scenario("step_steer", Overrides(vehicle="engine_4x4", values=values))
+    ).runs
     recording = run_offline(run.configurations, 20.0)
     assert np.abs(recording.channels["twist.longitudinal"][1000:]).max() < 1e-6

@@ -119,6 +119,12 @@ def test_a_run_and_its_metrics_take_what_is_compiled_without_the_compiler():
     )
 
 
+@pytest.mark.parametrize("call", [ev_stack.run, ev_stack.batch, ev_stack.Simulation])
+def test_a_keyword_that_is_none_is_refused_with_the_one_that_is_meant(call):
+    with pytest.raises(TypeError, match=r"^unknown keyword 'metod'; did you mean method\?"):
+        call("shchur2019", metod={"asr": "off"})
+
+
 @pytest.mark.parametrize("call", [ev_stack.run, ev_stack.batch, ev_stack.Simulation, Environment])
 def test_what_may_be_changed_can_be_completed(call):
     """The same words in every call, all by name, each with its type."""

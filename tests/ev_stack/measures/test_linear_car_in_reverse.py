@@ -22,7 +22,7 @@ from ev_sim.driver.preview_driver import steady_circle
 from ev_sim.understeer import understeer_gradient
 from ev_stack.measures import handling
 from ev_stack.recording.recording import Recording
-from ev_stack.scenarios.about import vehicle_of
+from ev_stack.scenarios.files import vehicle_of
 
 CARS = ("ge_ni2005", "compact_ev")  # tyres alone, and with compliance steer of both axles
 SPEEDS = (10.0, -10.0, -5.0)

@@ -19,7 +19,8 @@ from ev_stack.recording.offline import run_offline
 from ev_stack.recording.recording import Recording
 from ev_stack.report.reports import known_metrics
 from ev_stack.report.result import Result
-from ev_stack.scenarios.scenario import Overrides, load_scenario, scenario_names
+from ev_stack.scenarios.files import scenario_names
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 OF_A_BUS = [name for name in METRICS if name.startswith("bus_")]
 # Of laps (tests/ev_sim/driver/test_lap.py), of one plant, and of a ramp.

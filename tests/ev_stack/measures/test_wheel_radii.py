@@ -13,7 +13,7 @@ from ev_stack.manoeuvres.coast_down import effective_mass
 from ev_stack.manoeuvres.launch_split_mu import split_friction_figures
 from ev_stack.measures import motion
 from ev_stack.recording.recording import Recording
-from ev_stack.scenarios.about import vehicle_of
+from ev_stack.scenarios.files import vehicle_of
 
 RATIOS = (1.0, 0.98, 1.02, 0.9)
 CAR = dataclasses.replace(vehicle_of("audi_a2"), wheel_radius_ratio=RATIOS)

@@ -8,7 +8,8 @@ from helpers.layouts import flaws
 from ev_stack.figures.sheets import COLUMN, printed
 from ev_stack.recording.offline import run_offline
 from ev_stack.report.reports import report_for
-from ev_stack.scenarios.scenario import Overrides, load_scenario, scenario_names
+from ev_stack.scenarios.files import scenario_names
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 BEGIN = (("driver", "pedals.begin", True),)  # pedals from the start instead of the speed profile
 

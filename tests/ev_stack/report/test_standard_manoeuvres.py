@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import ev_stack
+from ev_core.lockstep.run import GraphRun
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.profiles.profile import cycle_values
@@ -16,9 +17,10 @@ from ev_stack.measures import handling, motion
 from ev_stack.measures.metric import NOT_JUDGED, NotMeasured
 from ev_stack.recording.recording import Recording
 from ev_stack.report.result import Result
+from ev_stack.running.steering_angles import angle_at, driven_slowly, with_own_angles
 from ev_stack.scenarios import scenario as scenarios
-from ev_stack.scenarios.scenario import Overrides, load_scenario
-from ev_stack.scenarios.slow_ramp import angle_at, driven_slowly
+from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
+from ev_study.studies.study import Case, drive_case
 
 OTHER = "compact_ev"
 
@@ -71,16 +73,55 @@ def test_a_sine_with_dwell_has_the_multiples_of_its_name_with_another_car():
 def test_a_car_with_slower_steering_has_its_own_angle_and_a_given_one_stays():
     """Twice the steering ratio takes twice the angle, and at the same rate of the ramp half the lag: 1 % of it."""
     changed = ("*", "vehicle.steering_ratio", 2 * Vehicle().steering_ratio)
-    (one,) = load_scenario("step_steer", Overrides(values=[changed]), only=["left"]).runs
+    (one,) = with_own_angles(
+        load_scenario("step_steer", Overrides(values=[changed]), only=["left"])
+    ).runs
     assert one.configurations["steering_column"].parameters.scale == pytest.approx(2.0, rel=0.02)
     values = [changed, ("steering_column", "scale", 1.0)]
-    (given,) = load_scenario("step_steer", Overrides(values=values), only=["left"]).runs
+    (given,) = with_own_angles(
+        load_scenario("step_steer", Overrides(values=values), only=["left"])
+    ).runs
     assert given.configurations["steering_column"].parameters.scale == 1.0
+
+
+def test_a_resolved_scenario_states_that_it_needs_a_ramp_and_drives_none(monkeypatch):
+    """For the run of another car; not for the one that is a slow ramp itself."""
+    monkeypatch.setattr(GraphRun, "drive", lambda *_: pytest.fail("a resolver drives"))
+    scenario = load_scenario("sine_with_dwell", Overrides(vehicle=OTHER))
+    needing = [run.name for run in scenario.runs if run.slow_ramp is not None]
+    assert needing == [run.name for run in scenario.runs[1:]]
+    assert scenario.runs[0].name == scenario.parameters.slow_ramp.run
+    for run in scenario.runs:
+        assert run.configurations["steering_column"].parameters.scale == 1.0
+
+
+def scale_of_run() -> float:
+    found = ev_stack.run("step_steer", ["left"], vehicle=OTHER, duration=0.1)
+    (run,) = found.scenario.runs
+    return run.configurations["steering_column"].parameters.scale
+
+
+def scale_of_simulation() -> float:
+    stepped = ev_stack.Simulation("step_steer", run="left", vehicle=OTHER)
+    return stepped.configurations["steering_column"].parameters.scale
+
+
+def scale_of_case() -> float:
+    def measure(recording: Recording, run: Run) -> dict:
+        return {"scale": run.configurations["steering_column"].parameters.scale}
+
+    case = Case("one", "step_steer", run="left", duration=0.1, vehicle=OTHER)
+    return drive_case(case, measure).measured["scale"]
+
+
+@pytest.mark.parametrize("scale_of", [scale_of_run, scale_of_simulation, scale_of_case])
+def test_whatever_drives_turns_the_wheel_by_the_angles_of_the_car(scale_of):
+    assert scale_of() == pytest.approx(1.6, rel=0.05)
 
 
 def test_where_the_ramp_finds_nothing_the_note_says_so():
     icy = [("plant", f"road.{side}", ["ice"]) for side in ("left", "right")]
-    scenario = load_scenario("step_steer", Overrides(values=icy), only=["left"])
+    scenario = with_own_angles(load_scenario("step_steer", Overrides(values=icy), only=["left"]))
     assert scenario.runs[0].configurations["steering_column"].parameters.scale == 1.0
     assert "a lateral acceleration of 4 m/s^2 never comes" in scenario.notes[0]
 
@@ -100,9 +141,8 @@ def test_a_car_too_slow_for_the_ramp_is_said_to_be_that(speed, message):
 
     616 are 16 (4 m/s^2 2.405 m/(0.5 m/s)^2).
     """
-    scenario = load_scenario(
-        "step_steer", Overrides(values=[("plant", "initial_speed", speed)]), only=["left"]
-    )
+    changed = Overrides(values=[("plant", "initial_speed", speed)])
+    scenario = with_own_angles(load_scenario("step_steer", changed, only=["left"]))
     assert f"a slow ramp gives none: {message}" in scenario.notes[0]
 
 
@@ -111,7 +151,7 @@ def test_another_cycle_is_no_other_car():
     scenario = load_scenario(
         "step_steer", Overrides(prepared=cycle_values("nedc")[0]), only=["left"]
     )
-    assert scenario.runs[0].configurations["steering_column"].parameters.scale == 1.0
+    assert scenario.runs[0].slow_ramp is None
 
 
 def test_a_standing_car_has_no_response():
@@ -131,10 +171,13 @@ def test_a_standing_car_has_no_response():
 def test_a_run_that_tells_nothing_is_configured_once(monkeypatch):
     """Twice is for what may be another car."""
     found = []
-    configured = scenarios._run
-    monkeypatch.setattr(
-        scenarios, "_run", lambda *arguments: (found.append(arguments), configured(*arguments))[1]
-    )
+    configured = scenarios._configured_run
+
+    def counted(*given):
+        found.append(given)
+        return configured(*given)
+
+    monkeypatch.setattr(scenarios, "_configured_run", counted)
     load_scenario("step_steer", Overrides(duration=5.0), only=["left"])
     assert len(found) == 1
 

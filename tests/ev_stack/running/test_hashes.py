@@ -11,7 +11,8 @@ from documentation.hashes import HASHES, changes, hash_table, published_hashes
 from ev_core.parameters.data_file import files_in_config
 from ev_stack.recording.offline import run_offline
 from ev_stack.recording.recording import signal_hash
-from ev_stack.scenarios.scenario import load_scenario, scenario_names
+from ev_stack.scenarios.files import scenario_names
+from ev_stack.scenarios.scenario import load_scenario
 
 PUBLISHED = published_hashes((Path(__file__).parents[3] / HASHES).read_text())
 QUICK = ("double_lane_change", "shchur2019_steps", "step_steer", "tatar_chudzik", "zhileykin2018")

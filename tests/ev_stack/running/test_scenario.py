@@ -17,7 +17,8 @@ from ev_msgs_py.refusal import ParameterError
 from ev_stack.command_line.options import arguments, overrides
 from ev_stack.commands.run_scenario import main
 from ev_stack.scenarios.about import describe_scenario
-from ev_stack.scenarios.scenario import Overrides, load_scenario, scenario_names
+from ev_stack.scenarios.files import scenario_names
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 from ev_study.studies.run_study import arguments as study_arguments
 from ev_study.studies.run_study import study_cases
 from ev_study.studies.study import study_named

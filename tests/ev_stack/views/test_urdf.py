@@ -11,7 +11,7 @@ from ev_core.parameters.data_file import files_in_config
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_stack.commands.descriptions import print_urdf
-from ev_stack.scenarios.about import vehicle_of
+from ev_stack.scenarios.files import vehicle_of
 from ev_stack.views.urdf import urdf
 
 VEHICLES = sorted(files_in_config("vehicles"))

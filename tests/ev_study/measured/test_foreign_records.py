@@ -14,7 +14,7 @@ from ev_msgs_py.refusal import ParameterError
 from ev_stack.commands.run_scenario import main
 from ev_stack.recording.offline import run_offline
 from ev_stack.recording.recording import save
-from ev_stack.scenarios.about import vehicle_of
+from ev_stack.scenarios.files import vehicle_of
 from ev_stack.scenarios.scenario import Overrides, load_scenario
 from ev_study.measured.records.mapping import read_record, read_standard
 from ev_study.measured.records.record import (

@@ -12,7 +12,7 @@ from measured.made_records import CAR, columns_of, driven, write
 from ev_core.vehicle.tyre import MF_NAMES
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.commands.run_scenario import main
-from ev_stack.scenarios.about import vehicle_of
+from ev_stack.scenarios.files import vehicle_of
 from ev_stack.scenarios.scenario import Overrides
 from ev_study.measured.free_parameters import FreeParameter, free_parameters
 from ev_study.measured.identification import Residuals

@@ -14,7 +14,7 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_stack.commands.run_scenario import main
 from ev_stack.recording.offline import run_offline
 from ev_stack.running.output_folder import OutputFolder
-from ev_stack.scenarios.about import configured_file
+from ev_stack.scenarios.files import configured_file
 from ev_stack.scenarios.scenario import Overrides
 from ev_study.measured.identified import CAR as CAR_FILE
 from ev_study.measured.records.record import (

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from ev_core.parameters.declaration import Entry
 from ev_msgs_py.refusal import ParameterError
-from ev_stack.scenarios.scenario import load_scenario, scenario_names
+from ev_stack.scenarios.files import scenario_names
+from ev_stack.scenarios.scenario import load_scenario
 from ev_study.studies.run_study import _refuse_what_it_sets, arguments, study_cases
 from ev_study.studies.study import Case, run_of, study_named, study_names
 

@@ -15,7 +15,7 @@ from ev_bench.bus.socketcand_hub import HOST
 from ev_bench.runs.frame_log import FrameLog
 from ev_stack.recording.outcome import RunFailed, announce
 from ev_stack.running.children import ends_with_us
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 
 _ENDS = ("inverter_gateway", "test_bench")
 # Two for each ROS domain, so that runs at the same time do not receive the frames of each other;

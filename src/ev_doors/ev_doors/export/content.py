@@ -26,7 +26,7 @@ from ev_core.sensors.row import SensorRow
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError, unknown_name
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 
 
 class Channel(NamedTuple):

@@ -22,7 +22,7 @@ from ev_msgs_py.contract.fields import SignalError, shape_of
 from ev_msgs_py.contract.frame import PLACES, Frame
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 
 # Emulated here; anything else is the command of a program on a processor of the user's.
 EMULATED = {

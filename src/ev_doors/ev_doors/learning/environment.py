@@ -7,9 +7,9 @@ writes.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Unpack
 
 import gymnasium
 import numpy as np
@@ -26,7 +26,7 @@ from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.plant.guard import guard_limits
-from ev_stack.interface.driving import Name
+from ev_stack.interface.changes import Changes, Name, listing_changes
 from ev_stack.interface.simulation import Simulation, SteppedLaw
 
 Frame = Mapping[str, float]
@@ -140,6 +140,7 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
     # The base class declares it as an attribute of the class.
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}  # noqa: RUF012
 
+    @listing_changes
     def __init__(
         self,
         scenario: Name = "double_lane_change",
@@ -150,33 +151,14 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
         run: str = "",
         record: bool = False,
         render_mode: str | None = None,
-        *,
-        method: Mapping[str, str] | None = None,
-        set: Mapping[str, Any] | None = None,
-        seed: int | None = None,
-        duration: float | str | None = None,
-        vehicle: Name | None = None,
-        params: Iterable[Name] = (),
-        cycle: Name | None = None,
+        **changes: Unpack[Changes],
     ) -> None:
         if action not in ACTIONS:
             raise unknown_name("action", action, ACTIONS)
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise unknown_name("render_mode", render_mode, self.metadata["render_modes"])
         self._kind, self._ends, self.render_mode = action, ends, render_mode
-        self.simulation = Simulation(
-            scenario,
-            (self._action.role,),
-            run,
-            record,
-            method=method,
-            set=set,
-            seed=seed,
-            duration=duration,
-            vehicle=vehicle,
-            params=params,
-            cycle=cycle,
-        )
+        self.simulation = Simulation(scenario, (self._action.role,), run, record, **changes)
         self.metadata = {**self.metadata, "render_fps": stamps.NANOSECONDS / self.simulation.period}
         self._car = car = self.simulation.configurations[MASTER].common.vehicle
         self._frame = self.simulation.frame
@@ -200,7 +182,7 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
         }
         self._reward = reward or defaults[action]
         self._law = self._own_law()
-        self._first_seed = seed
+        self._first_seed = changes.get("seed")
 
     @property
     def _action(self) -> Action:

@@ -9,7 +9,7 @@ from typing import Any
 from ev_papers.ge_ni2005.quantities import chatter
 from ev_stack.measures.metric import Metric, metric
 from ev_stack.recording.recording import Recording
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 from ev_study.studies.study import Case, Results
 
 ABOUT = (

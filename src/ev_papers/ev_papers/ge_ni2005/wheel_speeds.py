@@ -15,7 +15,7 @@ import numpy as np
 from ev_papers.ge_ni2005.quantities import chatter, slip, yaw_rate
 from ev_stack.measures.metric import Metric, channel
 from ev_stack.recording.recording import Recording
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 from ev_study.studies.study import Case, Results, metrics_of_cases, rows_of_cases
 
 ABOUT = (

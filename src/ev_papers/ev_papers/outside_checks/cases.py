@@ -30,8 +30,10 @@ from ev_stack.measures.metric import channel
 from ev_stack.measures.named import DrivenRun
 from ev_stack.measures.registry import METRICS
 from ev_stack.recording.recording import Recording
-from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
-from ev_stack.scenarios.slow_ramp import AT_CROSSING, angle_at
+from ev_stack.running.steering_angles import angle_at
+from ev_stack.scenarios.records import Overrides, Run
+from ev_stack.scenarios.scenario import load_scenario
+from ev_stack.scenarios.slow_ramp import AT_CROSSING
 from ev_study.studies.study import Case, Results
 
 Values = tuple[tuple[str, str, Any], ...]

@@ -30,7 +30,7 @@ from ev_stack.measures.metric import Metric, NotMeasured, metric
 from ev_stack.measures.named import driven_run
 from ev_stack.measures.registry import METRICS
 from ev_stack.recording.recording import Recording
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 from ev_study.studies.study import Case, Results
 
 

@@ -17,7 +17,7 @@ from ev_msgs_py.contract.roles import MASTER
 from ev_stack.measures import handling, motion
 from ev_stack.measures.metric import Metric, channel
 from ev_stack.recording.recording import Recording
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 from ev_study.studies.study import Case, Results, metrics_of_cases, rows_of_cases
 
 ABOUT = (

@@ -18,7 +18,8 @@ from ev_msgs_py.contract.roles import MASTER
 from ev_papers.zhileykin2018.shares import SHARES, SWING, turn_arounds
 from ev_stack.measures.handling import peak_sideslip
 from ev_stack.recording.recording import Recording
-from ev_stack.scenarios.scenario import Run, load_scenario
+from ev_stack.scenarios.records import Run
+from ev_stack.scenarios.scenario import load_scenario
 from ev_study.studies.study import Case, Results
 
 Values = tuple[tuple[str, str, Any], ...]

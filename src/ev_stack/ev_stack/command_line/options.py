@@ -12,15 +12,18 @@ from typing import Any
 
 import yaml
 
+from ev_core.methods.offered import offered
 from ev_core.parameters.values import number_of
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
+from ev_stack.command_line.offered_commands import STUDIES, offered_commands
 from ev_stack.command_line.paths import output_folder
 from ev_stack.command_line.refusal import Parser
 from ev_stack.figures.saving import FORMATS, Print
 from ev_stack.figures.sheets import COLUMN, TALLEST, WIDE
+from ev_stack.scenarios.files import is_path, scenario_names
 from ev_stack.scenarios.parameter_file import read_yaml
-from ev_stack.scenarios.scenario import Overrides
+from ev_stack.scenarios.records import Overrides
 
 TRACEBACK = "--traceback"
 
@@ -34,7 +37,10 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
         ),
     )
     parser.add_argument(
-        "scenario", nargs="?", help="name of a scenario, --list shows them, or path of your own"
+        "scenario",
+        nargs="?",
+        action=_KnownName,
+        help="name of a scenario, --list shows them, or path of your own",
     )
     parser.add_argument(
         "--run", action="append", default=[], metavar="NAME", help="of its runs only this one"
@@ -87,6 +93,23 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
     if given.node and (given.offline or given.in_process):
         parser.error("--node starts a process: leave out --offline and --in-process")
     return given
+
+
+def driven_names() -> tuple[str, ...]:
+    """The names behind `ev-stack run`: of all scenarios, studies and reviews."""
+    return (*scenario_names(), *sorted(offered(STUDIES)), *offered_commands().reviews)
+
+
+class _KnownName(argparse.Action):
+    """Refuses an unknown name before its options, which may be those of the command that is meant."""
+
+    def __call__(self, parser: Any, given: Any, name: Any, option: str | None = None) -> None:
+        """ParameterError for what is neither a path nor the name of a scenario or a command."""
+        if name is not None and not is_path(name):
+            known = driven_names()
+            if name not in known:
+                raise unknown_name("scenario, study or review", name, known)
+        given.scenario = name
 
 
 def add_traceback(parser: argparse.ArgumentParser) -> None:
@@ -230,8 +253,8 @@ def overrides(given: argparse.Namespace) -> Overrides:
         values.append((node, parameter, _parsed(value)))
     if getattr(given, "realtime", False):
         values.append(("*", "mode", "realtime"))
-    cycle = getattr(given, "cycle", None)
-    return Overrides.of(values, given.seed, given.duration, given.vehicle, given.params, cycle)
+    changed = Overrides(given.params, values, given.duration, given.vehicle)
+    return changed.with_seed(given.seed).with_cycle(getattr(given, "cycle", None))
 
 
 def files_read(given: argparse.Namespace, *words: str) -> list[Path | str]:

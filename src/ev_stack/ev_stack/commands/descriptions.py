@@ -23,7 +23,8 @@ from ev_stack.command_line.paths import output_folder
 from ev_stack.command_line.refusal import Parser, refuse
 from ev_stack.recording.outcome import RunFailed
 from ev_stack.recording.recording import PARAMETERS
-from ev_stack.scenarios.about import ScenarioParameters, vehicle_of
+from ev_stack.scenarios.about import ScenarioParameters
+from ev_stack.scenarios.files import vehicle_of
 
 
 def print_header(argv: list[str]) -> None:

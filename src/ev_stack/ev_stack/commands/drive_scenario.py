@@ -8,6 +8,7 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -25,7 +26,9 @@ from ev_stack.report.tables import in_words, print_metrics
 from ev_stack.running.beforehand import compile_for
 from ev_stack.running.buses import buses
 from ev_stack.running.output_folder import OutputFolder
-from ev_stack.scenarios.scenario import Run, load_scenario
+from ev_stack.running.steering_angles import with_own_angles
+from ev_stack.scenarios.records import Run
+from ev_stack.scenarios.scenario import load_scenario
 
 # of entry points: `program`, the module that moves laws onto other processors
 PROCESSORS = "ev_stack.processors"
@@ -36,11 +39,11 @@ _SHARED_MEMORY, _ROOM = "/dev/shm", 65536
 
 def drive_scenario(given: argparse.Namespace) -> None:
     """Drive all runs of a scenario and report; raises what `ev_stack.commands.run_scenario.main` catches."""
-    prints = printing(given)
-    scenario = load_scenario(
-        given.scenario, replace(overrides(given), metrics=listed(given.metrics)), given.run
-    )
+    prints, own = printing(given), own_nodes(given)
+    changed = replace(overrides(given), metrics=listed(given.metrics))
+    scenario = load_scenario(given.scenario, changed, given.run)
     _refuse_without_ros(given)
+    scenario = with_own_angles(scenario)
     on_processors = []
     if given.processor:
         if "program" not in offered(PROCESSORS):
@@ -51,14 +54,14 @@ def drive_scenario(given: argparse.Namespace) -> None:
         on_processors = [each for _, made in moved for each in made]
     out = given.out or Path("results") / scenario.name
     way = "offline" if given.offline else "in-process" if given.in_process else "processes"
-    commands = {role: " ".join(words) for role, words in own_nodes(given).items()}
+    commands = {role: " ".join(words) for role, words in own.items()}
     mode = f"{way}, realtime" if given.realtime else way
-    compile_for(scenario.runs, not given.offline, own_nodes(given))
+    compile_for(scenario.runs, not given.offline, own)
     before, reads = _command_of(out), files_read(given, given.scenario)
     with OutputFolder(
         out, f"scenario {scenario.name}", OF_ALL_RUNS, scenario.runs, reads=reads
     ) as folder:
-        outcomes = {run.name: _drive(run, folder.of(run), given) for run in scenario.runs}
+        outcomes = {run.name: _drive(run, folder.of(run), given, own) for run in scenario.runs}
         result = Result(scenario, outcomes, mode, commands, given.command)
         summary, figures = result.summary(), {} if given.no_report else result.figures()
         folder.claim(figure_files(figures))
@@ -123,14 +126,18 @@ def _can_be_loaded() -> bool:
     return subprocess.run(words, capture_output=True).returncode == 0
 
 
-def _drive(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
+def _drive(
+    run: Run, directory: Path, given: argparse.Namespace, own: Mapping[str, Sequence[str]]
+) -> Outcome:
     logs = [bus.frame_log(run, directory) for bus in buses()]
-    outcome = _driven(run, directory, given)
+    outcome = _driven(run, directory, given, own)
     notes = [log.write(outcome.recording) for log in logs if log is not None]
     return replace(outcome, notes=(*outcome.notes, *filter(None, notes)))
 
 
-def _driven(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
+def _driven(
+    run: Run, directory: Path, given: argparse.Namespace, own: Mapping[str, Sequence[str]]
+) -> Outcome:
     with progress_bar(run.name, run.duration) as progress:
         if given.offline:
             from ev_stack.running.offline import run_offline_into
@@ -140,4 +147,4 @@ def _driven(run: Run, directory: Path, given: argparse.Namespace) -> Outcome:
 
         if given.in_process:
             return run_in_process(run, directory, not given.no_record, progress)
-        return run_in_processes(run, directory, not given.no_record, progress, own_nodes(given))
+        return run_in_processes(run, directory, not given.no_record, progress, own)

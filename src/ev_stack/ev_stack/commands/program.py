@@ -83,16 +83,12 @@ def perform(words: Sequence[str]) -> None:
         commands = offered_commands().commands
     if words[0] not in commands:
         with loading():
-            from ev_stack.commands.run_scenario import names
-        driven = (
-            f"{quoted(words[0])} is no command: ev-stack run {words[0]}"
-            if words[0] in names()
-            else ""
-        )
-        print(
-            f"ev-stack: {driven or unknown_name('command', words[0], (*commands, *names()))}",
-            file=sys.stderr,
-        )
+            from ev_stack.command_line.options import driven_names
+        if words[0] in driven_names():
+            why = f"{quoted(words[0])} is no command: ev-stack run {words[0]}"
+        else:
+            why = str(unknown_name("command", words[0], (*commands, *driven_names())))
+        print(f"ev-stack: {why}", file=sys.stderr)
         sys.exit(2)
     try:
         with loading():

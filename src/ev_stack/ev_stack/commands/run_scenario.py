@@ -13,14 +13,14 @@ from pathlib import Path
 from ev_core.methods.offered import offered, offered_module
 from ev_core.methods.register import all_methods, not_loaded
 from ev_msgs_py.contract.fields import SignalError
-from ev_msgs_py.refusal import ParameterError, first_line, shown, unknown_name
+from ev_msgs_py.refusal import ParameterError, first_line, shown
 from ev_nodes.stepping.stop_request import KEPT
 from ev_stack.command_line.offered_commands import STUDIES, offered_commands
 from ev_stack.command_line.options import TRACEBACK, arguments
 from ev_stack.command_line.refusal import refuse
 from ev_stack.recording.outcome import RunFailed
-from ev_stack.scenarios.about import describe_scenario, is_path
-from ev_stack.scenarios.scenario import scenario_names
+from ev_stack.scenarios.about import describe_scenario
+from ev_stack.scenarios.files import scenario_names
 
 _NOT_READ = 141  # the status of a command with a closed output
 # bytes, of the largest one, the compiler's, with what it needs while it is loaded
@@ -34,9 +34,6 @@ def main(argv: list[str] | None = None) -> None:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal may know ASCII only
     try:
-        if words and not words[0].startswith("-"):
-            # before its options are, which may be those of the command that is meant
-            refuse_unknown(words[0])
         if words and words[0] in offered(STUDIES):
             drive_study(words)
             return
@@ -49,7 +46,6 @@ def main(argv: list[str] | None = None) -> None:
         else:
             from ev_stack.commands.drive_scenario import drive_scenario
 
-            refuse_unknown(given.scenario)
             drive_scenario(given)
         sys.stdout.flush()
     # the reader, such as `head`, has seen enough; at its end Python would write the rest again
@@ -73,17 +69,6 @@ def drive_study(words: list[str]) -> None:
     if study is None:
         raise RunFailed(f"{words[0]} needs the package ev_study, which is not installed here")
     study.load()(words)
-
-
-def refuse_unknown(name: str) -> None:
-    """ParameterError for what is neither the path nor the name of a scenario, nor the name of another command."""
-    if not is_path(name) and name not in (known := names()):
-        raise unknown_name("scenario, study or review", name, known)
-
-
-def names() -> tuple[str, ...]:
-    """Of all scenarios, studies and reviews."""
-    return (*scenario_names(), *sorted(offered(STUDIES)), *offered_commands().reviews)
 
 
 def list_all(argv: list[str]) -> None:

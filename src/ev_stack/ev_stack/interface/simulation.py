@@ -8,7 +8,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -23,10 +23,11 @@ from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
-from ev_stack.interface.driving import Name, only_run, overrides
+from ev_stack.interface.changes import Changes, Name, listing_changes, overrides
+from ev_stack.interface.driving import only_run
 from ev_stack.interface.inputs import taken_input
 from ev_stack.recording.recording import Recording, recording_of
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 
 
 class SteppedLaw:
@@ -119,22 +120,16 @@ class Simulation:
     finite.
     """
 
+    @listing_changes
     def __init__(
         self,
         scenario: Name | Run,
         without: Sequence[str] = (),
         run: str = "",
         record: bool = True,
-        *,
-        method: Mapping[str, str] | None = None,
-        set: Mapping[str, Any] | None = None,
-        seed: int | None = None,
-        duration: float | str | None = None,
-        vehicle: Name | None = None,
-        params: Iterable[Name] = (),
-        cycle: Name | None = None,
+        **changes: Unpack[Changes],
     ) -> None:
-        changed = overrides(method, set, seed, duration, vehicle, params, cycle)
+        changed = overrides(**changes)
         if isinstance(scenario, Run) and (run or changed != overrides()):
             raise ParameterError(
                 f"run {scenario.name} is configured already, expected a name or path with changes"

@@ -30,7 +30,7 @@ from ev_stack.measures.metric import (
     run_named,
 )
 from ev_stack.recording.recording import Recording
-from ev_stack.scenarios.slow_ramp import angle_at
+from ev_stack.running.steering_angles import angle_at
 
 SLOW_RUN = "slowly_increasing_steer"
 SHOWN_SIDESLIP = 30.0  # [deg], beyond which a car has spun and would flatten the others' curves

@@ -25,7 +25,7 @@ from ev_stack.measures.own_metrics import named_metric, named_metrics, own_metri
 from ev_stack.measures.registry import METRICS, metrics_of_others
 from ev_stack.recording.recording import Recording
 from ev_stack.scenarios.about import REPORTS
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 
 ARGUMENTS = ("runs", "vehicle", "parameters", "course")
 

@@ -35,7 +35,8 @@ from ev_stack.report.reports import figures_of_runs, metrics_of_runs
 from ev_stack.report.summary import COMMAND_LINE, Difference, Summary, differences, write_summary
 from ev_stack.report.tables import html_of, short_lines
 from ev_stack.running.output_folder import OutputFolder
-from ev_stack.scenarios.scenario import Scenario, load_scenario
+from ev_stack.scenarios.records import Scenario
+from ev_stack.scenarios.scenario import load_scenario
 
 if TYPE_CHECKING:
     from pandas import DataFrame

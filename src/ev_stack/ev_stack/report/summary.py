@@ -17,7 +17,7 @@ from ev_msgs_py.contract.roles import ROLES
 from ev_stack.measures.handling import has_spun
 from ev_stack.measures.metric import Metric, Parameters, Runs
 from ev_stack.recording.recording import atomic_file, combined_hash, signal_hash
-from ev_stack.scenarios.scenario import Run, Scenario
+from ev_stack.scenarios.records import Run, Scenario
 
 COMMAND_LINE, SCENARIO_FILE = "command line", "scenario"
 EVERY_NODE = "every node"

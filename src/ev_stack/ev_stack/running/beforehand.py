@@ -28,7 +28,7 @@ from ev_core.vehicle.description import Vehicle
 from ev_sim.driver.off_path import DISTANCES
 from ev_stack.recording.outcome import bar_of_code
 from ev_stack.running.children import Worker, WorkerLost
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 
 
 class Unit(NamedTuple):

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 from ev_core.methods.offered import offered, offered_module
 from ev_stack.recording.recording import Recording
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 
 GROUP = "ev_stack.buses"  # of entry points: the name of a bus, and its module
 

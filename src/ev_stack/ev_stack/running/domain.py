@@ -19,7 +19,7 @@ from ev_stack.recording.outcome import RunFailed, announce
 from ev_stack.recording.recording import PARAMETERS
 from ev_stack.running.buses import buses
 from ev_stack.running.offline import node_parameters, write_parameter_file
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 
 _RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 _DOMAINS = range(1, 102)  # those that are safe on every operating system

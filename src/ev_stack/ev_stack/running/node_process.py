@@ -24,7 +24,7 @@ from ev_stack.recording.recording import LOG, PARAMETERS
 from ev_stack.running.children import ending_with_us, ends_with_us, same_addresses
 from ev_stack.running.domain import Place
 from ev_stack.running.node_reports import NodeReports, enclave
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 
 
 def package_of(node: str) -> str:

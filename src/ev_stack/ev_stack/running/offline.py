@@ -21,7 +21,7 @@ from ev_stack.recording.recording import (
     recording_of_series,
     save,
 )
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 
 
 def recorded_topics(run: Run) -> list[Topic]:

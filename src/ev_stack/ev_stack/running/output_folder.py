@@ -27,7 +27,7 @@ from ev_stack.running.folder_content import (
     there,
     write_manifest,
 )
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 
 _NOT_WHOLE = f".*.{'[0-9a-f]' * 8}"  # how `atomic_file` calls what it is writing
 

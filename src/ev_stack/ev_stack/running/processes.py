@@ -27,7 +27,7 @@ from ev_stack.running.domain import Place, own_place
 from ev_stack.running.node_process import NodeProcess, started_nodes
 from ev_stack.running.node_reports import NodeReports, node_reports, observing, refuse_unready
 from ev_stack.running.output_folder import forget_recording
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 
 # s for the first step behind a time of day that was set back; nodes announce themselves again
 _TO_BEGIN = 3.0

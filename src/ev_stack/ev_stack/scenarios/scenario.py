@@ -1,344 +1,183 @@
-"""A scenario: ordinary ROS parameter files, resolved to one configured graph per run."""
+"""A scenario by its name or path, resolved in one pass to one configured graph per run.
+
+How it works: `load_scenario` goes from files to values with their origin to configurations, and
+simulates nothing.
+
+1. Files: those of vehicle and scenario, then the further ones of a command, each read once. Which
+   of several values counts follows from this order alone; the command line comes last.
+2. Values: what each of these places gives to each node of a run (`sources`).
+3. Configurations: first the methods, because one may require another; then the driver, because laps
+   of his course may set start and duration; then all other nodes.
+4. What does nothing is refused where a command gives it and noted where a file does (`unused`).
+
+A run whose steering angles are those of another car only states that it needs a slow ramp
+(`Run.slow_ramp`): `ev_stack.running.steering_angles` drives it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
-from ev_core.lockstep.configuration import Configuration, chosen_method, configure, refuse_unused
+from ev_core.lockstep.configuration import Configuration, chosen_method, configure
 from ev_core.lockstep.graph import check_graph
 from ev_core.methods.law_error import LawError
-from ev_core.parameters.data_file import files_in_config
 from ev_core.parameters.section import matches
 from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.refusal import ParameterError, quoted, shown, unknown_name
 from ev_nodes.master.real_time import LONGEST, MasterParameters
-from ev_sim.profiles.profile import cycle_values
-from ev_stack.measures.course import NO_COURSE, Course
 from ev_stack.scenarios.about import (
     NAMESPACE,
     SCENARIO_NODE,
-    VEHICLE,
     ScenarioParameters,
-    configured_file,
     report_of,
-    said_by,
-    vehicle_file,
+    stated_by,
     with_metrics,
 )
+from ev_stack.scenarios.files import OF_VEHICLE, VEHICLE, configured_file, vehicle_file
 from ev_stack.scenarios.lap_start import lap_start
 from ev_stack.scenarios.notes import notes_on
 from ev_stack.scenarios.parameter_file import ParameterFile
-from ev_stack.scenarios.slow_ramp import COLUMN, SCALE, on_its_own_car
+from ev_stack.scenarios.records import Overrides, Run, Scenario
+from ev_stack.scenarios.slow_ramp import COLUMN, ROBOT, SCALE, car_of
+from ev_stack.scenarios.sources import Sources
+from ev_stack.scenarios.unused import (
+    refuse_unfollowed_speed,
+    refuse_unused_values,
+    unused_in_files,
+)
 
 _DRIVER = "driver"
+_FURTHER = 2  # the first place behind the files of vehicle and scenario
 
-
-@dataclass(frozen=True)
-class Run:
-    """One configured graph, the namespace of its nodes, and by which report, metrics and course it is measured."""
-
-    name: str
-    namespace: str
-    configurations: Mapping[str, Configuration]
-    duration: float
-    report: str = ""
-    metrics: tuple[str, ...] = ()
-    course: Course = NO_COURSE
-
-    @property
-    def period(self) -> int:
-        """The control period in nanoseconds."""
-        return self.configurations[MASTER].period
-
-    @property
-    def realtime(self) -> bool:
-        """Whether the wall clock drives the graph."""
-        return self.configurations[MASTER].common.mode == "realtime"
-
-
-@dataclass(frozen=True)
-class Overrides:
-    """What the command line changes beyond the scenario's own files; later entries go before earlier ones.
-
-    `values`: (node, dotted parameter name, value). Node `*` means every role. A method that is
-    driven must have each of them; those that are `prepared`, which come before, may be for other
-    methods, like those of files. `vehicle` is another car than that of the scenario, as a name or a
-    path; what the scenario itself changes about the car of all runs is left out then, what it
-    changes about that of some runs stays. `metrics` are measured besides its own.
-    """
-
-    files: Sequence[Path] = ()
-    values: Sequence[tuple[str, str, Any]] = ()
-    duration: float | None = None
-    vehicle: str | None = None
-    prepared: Sequence[tuple[str, str, Any]] = ()
-    metrics: Sequence[str] = ()
-
-    @classmethod
-    def of(
-        cls,
-        values: Sequence[tuple[str, str, Any]],
-        seed: int | None,
-        duration: float | None,
-        vehicle: str | None,
-        files: Sequence[Path],
-        cycle: str | None,
-    ) -> Overrides:
-        """Those with a seed of everything random and a speed cycle, whose duration counts where none is given."""
-        prepared, length = cycle_values(cycle) if cycle is not None else ([], None)
-        seeds = [] if seed is None else [("*", "seed", seed)]
-        return cls(
-            files, [*values, *seeds], length if duration is None else duration, vehicle, prepared
-        )
-
-    @property
-    def all_values(self) -> tuple[tuple[str, str, Any], ...]:
-        """What is prepared, and the values that go before it."""
-        return (*self.prepared, *self.values)
-
-
-@dataclass(frozen=True)
-class Scenario:
-    """A name, its own parameters, its runs, its file, and notes on what of that does not hold."""
-
-    name: str
-    parameters: ScenarioParameters
-    runs: tuple[Run, ...]
-    file: Path
-    notes: tuple[str, ...] = ()
-
-
-def scenario_names() -> list[str]:
-    """Names of all scenarios in the config folders."""
-    return sorted(files_in_config("scenarios"))
+Values = dict[str, dict[str, Any]]  # by role and dotted name
 
 
 def load_scenario(
     name: str, overrides: Overrides | None = None, only: Sequence[str] = ()
 ) -> Scenario:
-    """The scenario of a name or a path, with everything resolved; of its runs only those that are named, if any is.
+    """Resolve the scenario of a name or a path; of its runs only those that are named, if any is.
 
-    Raises ParameterError, in one line, for unknown scenarios, runs, vehicles, nodes, methods and
+    ParameterError, in one line, for unknown scenarios, runs, vehicles, nodes, methods and
     parameters, and for values that are refused.
     """
     overrides = overrides or Overrides()
     own = ParameterFile(configured_file("scenario", name))
     name = shown(own.path.stem)
-    about = with_metrics(said_by(own), overrides.metrics)
+    about = with_metrics(stated_by(own), overrides.metrics)
     namespaces = {run: f"{NAMESPACE}/{run}" for run in about.runs} or {name: NAMESPACE}
-    of_all = [pattern for pattern in own.sections if _means_all(pattern, namespaces.values())]
-    car = own.without(f"{VEHICLE}.", of_all) if overrides.vehicle else own
-    files = [
-        vehicle_file(overrides.vehicle or about.vehicle),
-        car,
-        *map(ParameterFile, overrides.files),
-    ]
+    notes = []
+    used = own
+    if overrides.vehicle:
+        used, left_out = _without_its_car(own, namespaces)
+        if left_out:
+            notes.append(f"left out for another vehicle: {', '.join(left_out)} of {own.path}")
+    vehicle = vehicle_file(overrides.vehicle or about.vehicle)
+    files = [vehicle, used, *map(ParameterFile, overrides.files)]
     for file in files:
-        _refuse_unknown_nodes(
-            file, namespaces.values(), (*ROLES, SCENARIO_NODE) if file is car else tuple(ROLES)
-        )
-    _refuse_unknown_overrides(overrides)
-    duration = about.duration if overrides.duration is None else overrides.duration
-    by_the_course = duration == about.duration == 0.0
-    if not 0 < duration <= LONGEST and not by_the_course:
-        raise ParameterError(
-            f"duration: {duration!r} is refused, expected more than 0 and at most {LONGEST:.0f} s"
-        )
-    for run in only:
-        if run not in namespaces:
-            raise unknown_name(f"run of {name}", run, namespaces)
-    runs, notes, angles = [], [], dict[str, float]()
-    left_out = sorted(
-        {
-            key
-            for pattern in of_all
-            for key in own.sections[pattern]
-            if key.startswith(f"{VEHICLE}.")
-        }
-    )
-    if left_out and overrides.vehicle:
-        notes.append(f"left out for another vehicle: {', '.join(left_out)} of {own.path}")
+        _refuse_unknown_sections(file, namespaces, is_scenario=file is used)
+    _refuse_unknown_nodes(overrides)
+    duration = _duration(about, overrides)
+    for run_name in only:
+        if run_name not in namespaces:
+            raise unknown_name(f"run of {name}", run_name, namespaces)
+
+    runs, sources = [], []
+    report = report_of(name, about)
     for run_name, namespace in namespaces.items():
         if only and run_name not in only:
             continue
-        run = _run(run_name, _Sources(namespace, files, overrides), duration, about)
-        may_differ = any((overrides.vehicle, overrides.files, overrides.all_values))
-        given = _Sources(namespace, [*map(ParameterFile, overrides.files)], overrides)
-        is_scaled = may_differ and SCALE in given.values(COLUMN)
-        if about.slow_ramp.lateral_acceleration and may_differ and not is_scaled:
-            of_file = _Sources(namespace, [vehicle_file(about.vehicle), own], Overrides())
-            as_it_is = _run(run_name, of_file, about.duration, about)
-            run, note = on_its_own_car(run, as_it_is, about.slow_ramp, angles)
-            notes += [note] if note else []
-        runs.append(
-            replace(run, report=report_of(name, about), metrics=about.metrics, course=about.course)
-        )
+        given = Sources(namespace, files, overrides)
+        run = _configured_run(run_name, given, duration, about)
+        run = replace(run, report=report, metrics=about.metrics, course=about.course)
+        if overrides.may_change_the_car and _needs_ramp(run, given, about, own):
+            run = replace(run, slow_ramp=about.slow_ramp)
+        runs.append(run)
+        sources.append(given)
+
     refuse_unused_values(overrides.values, runs)
-    _refuse_unfollowed_speed(overrides.all_values, runs)
-    notes += notes_on(files, runs, overrides, whole=not only)
+    refuse_unfollowed_speed(overrides.all_values, runs)
+    if not only:
+        switched = {node for node, key, _ in overrides.values if key == "method"}
+        notes += unused_in_files(runs, sources, switched)
+    notes += notes_on(runs, overrides.values)
     return Scenario(name, about, tuple(runs), own.path, tuple(notes))
 
 
-def _means_all(pattern: str, namespaces: Iterable[str]) -> bool:
-    """Whether a section means some node of every run."""
-    return all(any(matches(pattern, f"{space}/{role}") for role in ROLES) for space in namespaces)
+def _without_its_car(
+    own: ParameterFile, namespaces: Mapping[str, str]
+) -> tuple[ParameterFile, list[str]]:
+    """The file of a scenario without what it changes about the car of all runs, and the names of that."""
+    of_all, left_out = [], set[str]()
+    for pattern, section in own.sections.items():
+        if all(_means_one(pattern, [space], ROLES) for space in namespaces.values()):
+            of_all.append(pattern)
+            left_out |= {name for name in section if name.startswith(OF_VEHICLE)}
+    return own.without(OF_VEHICLE, of_all), sorted(left_out)
 
 
-def _refuse_unknown_nodes(
-    file: ParameterFile, namespaces: Sequence[str], nodes: Sequence[str]
+def _means_one(pattern: str, namespaces: Sequence[str], nodes: Sequence[str]) -> bool:
+    """Whether a section means one of some nodes at least."""
+    return any(matches(pattern, f"{space}/{node}") for space in namespaces for node in nodes)
+
+
+def _refuse_unknown_sections(
+    file: ParameterFile, namespaces: Mapping[str, str], is_scenario: bool
 ) -> None:
-    """The parameters of a scenario stand in its own file only, and the runner sets those of the recorder."""
+    """The section of the scenario itself stands in its own file only; the recorder has none at all."""
+    nodes = (*ROLES, SCENARIO_NODE) if is_scenario else (*ROLES,)
     for pattern in file.sections:
-        if not any(
-            matches(pattern, f"{space}/{node}")
-            for space in (*namespaces, NAMESPACE)
-            for node in nodes
-        ):
+        if not _means_one(pattern, (*namespaces.values(), NAMESPACE), nodes):
             raise ParameterError(
                 f"{file.path}: section {quoted(pattern)} means no node; known: {', '.join(nodes)}"
             )
 
 
-def _refuse_unknown_overrides(overrides: Overrides) -> None:
+def _refuse_unknown_nodes(overrides: Overrides) -> None:
     for node, key, _ in overrides.values:
         if node != "*" and node not in ROLES:
             hint = f"; the car is that of all nodes: '*.{node}.{key}'" if node == VEHICLE else ""
             raise ParameterError(f"{unknown_name('node', node, ROLES)}{hint}")
 
 
-def refuse_unused_values(values: Iterable[tuple[str, str, Any]], runs: Sequence[Run]) -> None:
-    """ParameterError for (node, parameter, value) that nothing in these runs takes: it would silently do nothing."""
-    for node, key, _ in values:
-        played = [
-            c for run in runs for role, c in run.configurations.items() if node in ("*", role)
-        ]
-        if not played:
-            raise ParameterError(
-                f"{node}.{key} is refused: no node plays {node}, allowed with --method {node}=NAME"
-            )
-        if not any(key not in each.unused for each in played):
-            try:
-                refuse_unused(key, [each for each in played if each.role == played[0].role])
-            except ParameterError as error:
-                raise ParameterError(f"{node}: {error}", key) from None
-
-
-def _refuse_unfollowed_speed(changed: Iterable[tuple[str, str, Any]], runs: Sequence[Run]) -> None:
-    """ParameterError for a speed over time, or a cycle, where no driver ever follows one."""
-    names = [
-        key
-        for node, key, _ in changed
-        if node in ("*", "driver") and key.startswith("speed_profile.")
-    ]
-    drivers = [run.configurations["driver"] for run in runs]
-    if names and not any("speed_profile.time" in driver.values() for driver in drivers):
+def _duration(about: ScenarioParameters, overrides: Overrides) -> float:
+    """The simulated time of every run; 0 if both leave it to the laps of a course."""
+    duration = about.duration if overrides.duration is None else overrides.duration
+    by_the_course = duration == about.duration == 0.0
+    if not (0 < duration <= LONGEST or by_the_course):
         raise ParameterError(
-            f"driver.{names[0]} is refused: driver method {drivers[0].method.name} follows no speed over time"
+            f"duration: {duration!r} is refused, expected more than 0 and at most {LONGEST:.0f} s"
         )
-    if names and not any(map(_follows_a_speed, runs)):
-        raise ParameterError(
-            f"driver.{names[0]} is refused: the driver goes by the pedals from the start on, "
-            "allowed with driver.pedals.begin=false"
-        )
+    return duration
 
 
-def _follows_a_speed(run: Run) -> bool:
-    values = run.configurations["driver"].values()
-    pressed = (
-        values.get("pedals.begin", False)
-        and values["pedals.begin_time"] == values["pedals.begin_speed"] == 0.0
-    )
-    return not pressed or run.configurations[MASTER].values().get("speed") == "imposed"
+def _needs_ramp(run: Run, given: Sources, about: ScenarioParameters, own: ParameterFile) -> bool:
+    """Whether the steering angles of a run are those of another car than the one that it has."""
+    ramp = about.slow_ramp
+    if not ramp.lateral_acceleration or run.name == ramp.run:
+        return False
+    has_angles = run.configurations[COLUMN].method.name == ROBOT
+    is_scaled_by_user = given.place(COLUMN, SCALE) >= _FURTHER
+    if is_scaled_by_user or not has_angles:
+        return False
+    of_the_file = Sources(run.namespace, [vehicle_file(about.vehicle), own], Overrides())
+    as_it_is = _configured_run(run.name, of_the_file, about.duration, about)
+    return car_of(run.configurations) != car_of(as_it_is.configurations)
 
 
-@dataclass(frozen=True)
-class _Sources:
-    """What gives values to the nodes of one run: files, later ones before earlier ones, and the command line."""
-
-    namespace: str
-    files: Sequence[ParameterFile]
-    overrides: Overrides
-
-    def of(self, role: str) -> list[tuple[str, dict[str, Any]]]:
-        """Where values come from, in words, and the values; nothing for the command line, which the user sees."""
-        given = [
-            (f" ({file.path})", file.values_for(f"{self.namespace}/{role}")) for file in self.files
-        ]
-        return [
-            *given,
-            (
-                "",
-                {
-                    key: value
-                    for node, key, value in self.overrides.all_values
-                    if node in ("*", role)
-                },
-            ),
-        ]
-
-    def values(self, role: str) -> dict[str, Any]:
-        """Those that count."""
-        return {name: value for _, values in self.of(role) for name, value in values.items()}
-
-    def origin(self, role: str, name: str) -> str:
-        """Where the value was given that counts."""
-        return next((origin for origin, values in reversed(self.of(role)) if name in values), "")
-
-    def refuse_before_a_file(self, configuration: Configuration) -> None:
-        """ParameterError for what is set after or beside the name of a file that has it: it would do nothing."""
-        places = self.of(configuration.role)
-        last = {name: place for place, (_, values) in enumerate(places) for name in values}
-        for file in (name for name in configuration.from_files if name.endswith("file")):
-            for name in configuration.from_files:
-                is_told = name in last and (
-                    last[name] > last.get(file, -1) or last[name] == len(self.files)
-                )
-                if is_told and name != file and name.startswith(file.removesuffix("file")):
-                    raise ParameterError(
-                        f"parameter {name} is refused: {file} says it, allowed with {file} ''", name
-                    )
-
-
-def _run(name: str, sources: _Sources, duration: float, about: ScenarioParameters) -> Run:
-    values = {role: sources.values(role) for role in ROLES}
-    stated = {"duration": duration, "manoeuvre_end": about.duration, "lesson": about.lesson}
-    if given := [key for key in stated if key in values[MASTER]]:
-        where = f"allowed in the section /**/{SCENARIO_NODE}{', or --duration' * (given[0] == 'duration')}"
-        raise ParameterError(f"{MASTER}.{given[0]} is refused, {where}")
-    values[MASTER] |= stated
+def _configured_run(name: str, given: Sources, duration: float, about: ScenarioParameters) -> Run:
+    """The graph of one run; its duration may be 0 if a course has one."""
+    values = {role: given.values(role) for role in ROLES}
+    _state_times(values[MASTER], duration, about)
+    _choose_methods(values)
+    played = [role for role in ROLES if _is_played(role, values)]
     configurations: dict[str, Configuration] = {}
-    for role in values:
-        if not _is_played(role, values):
-            continue
-        try:
-            method = chosen_method(role, values[role])
-            for other, needed in method.requires.items():
-                if other in values:
-                    values[other].setdefault("method", needed)
-            if values[role].get("mode") == "realtime":
-                for other, value in method.in_real_time.items():
-                    node, _, parameter = other.partition(".")
-                    values[node].setdefault(parameter, value)
-        except ParameterError as error:
-            raise ParameterError(f"{role}: {error}") from None
-    played = [role for role in values if _is_played(role, values)]
-    # the driver first: his course has the start and the duration
+    # The driver first: laps of his course set where the car starts and how long the run is.
     for role in sorted(played, key=_DRIVER.__ne__):
-        try:
-            configurations[role] = configure(
-                role, values[role], MasterParameters if role == MASTER else None
-            )
-            sources.refuse_before_a_file(configurations[role])
-        except LawError:  # its line names the role, and its cause is kept
-            raise
-        except ParameterError as error:
-            raise ParameterError(
-                f"{role}: {error}{sources.origin(role, error.parameter)}"
-            ) from None
-        if role == _DRIVER and (start := lap_start(configurations[role])) is not None:
+        configurations[role] = _configured(role, values[role], given)
+        start = lap_start(configurations[role]) if role == _DRIVER else None
+        if start is not None:
             duration = duration or start.duration
             values[MASTER] = {**start.values, **values[MASTER], "duration": duration}
             values[MASTER]["manoeuvre_end"] = about.duration or start.duration
@@ -349,9 +188,52 @@ def _run(name: str, sources: _Sources, duration: float, about: ScenarioParameter
         raise ParameterError(
             f"duration: {duration!r} is refused, expected at least one control period, {period:g} s"
         )
-    return Run(name, sources.namespace, configurations, duration)
+    return Run(name, given.namespace, configurations, duration)
 
 
-def _is_played(role: str, values: Mapping[str, Mapping[str, Any]]) -> bool:
-    """Optional roles are played where a parameter chooses their method, or another method requires it."""
+def _state_times(values: dict[str, Any], duration: float, about: ScenarioParameters) -> None:
+    """Add to the values of the master what the scenario states of all its runs."""
+    stated = {"duration": duration, "manoeuvre_end": about.duration, "lesson": about.lesson}
+    for key in stated:
+        if key in values:
+            option = ", or --duration" if key == "duration" else ""
+            raise ParameterError(
+                f"{MASTER}.{key} is refused, allowed in the section /**/{SCENARIO_NODE}{option}"
+            )
+    values |= stated
+
+
+def _choose_methods(values: Values) -> None:
+    """Add to the values of nodes what the chosen methods require of each other; what is given stays."""
+    for role in values:
+        if not _is_played(role, values):
+            continue
+        try:
+            method = chosen_method(role, values[role])
+        except ParameterError as error:
+            raise ParameterError(f"{role}: {error}") from None
+        for other, needed in method.requires.items():
+            if other in values:
+                values[other].setdefault("method", needed)
+        if values[role].get("mode") == "realtime":
+            for place, value in method.in_real_time.items():
+                node, _, parameter = place.partition(".")
+                values[node].setdefault(parameter, value)
+
+
+def _is_played(role: str, values: Values) -> bool:
+    """Whether a parameter chooses the method of a role, or another method requires it."""
     return "method" in values[role] or not ROLES[role].optional
+
+
+def _configured(role: str, values: Mapping[str, Any], given: Sources) -> Configuration:
+    """One node; a refusal names it, and the file that gives the value."""
+    try:
+        configuration = configure(role, values, MasterParameters if role == MASTER else None)
+        given.refuse_beside_files(configuration)
+    except LawError:  # its line names the role, and its cause is kept
+        raise
+    except ParameterError as error:
+        origin = given.origin(role, error.parameter)
+        raise ParameterError(f"{role}: {error}{origin}") from None
+    return configuration

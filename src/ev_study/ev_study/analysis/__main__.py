@@ -26,7 +26,7 @@ from ev_stack.command_line.refusal import Parser, refuse
 from ev_stack.figures.saving import figure_files, save_figures
 from ev_stack.recording.recording import atomic_file
 from ev_stack.running.output_folder import OutputFolder
-from ev_stack.scenarios.about import vehicle_of
+from ev_stack.scenarios.files import vehicle_of
 from ev_study.analysis.linear_models import (
     SideSlipModel,
     side_slip_model,

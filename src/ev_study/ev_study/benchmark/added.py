@@ -18,9 +18,10 @@ from ev_msgs_py.refusal import ParameterError, quoted
 from ev_stack.batches.by_period import PERIOD
 from ev_stack.batches.variation import EVERY_ROLE
 from ev_stack.batches.variation import Variation as VariedRuns
-from ev_stack.scenarios.about import NAMESPACE, configured_file
+from ev_stack.scenarios.about import NAMESPACE
+from ev_stack.scenarios.files import configured_file
 from ev_stack.scenarios.parameter_file import ParameterFile
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 from ev_study.benchmark.board import (
     FRICTION,
     FURTHER,

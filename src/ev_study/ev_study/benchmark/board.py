@@ -16,7 +16,7 @@ from ev_sim.surfaces import SURFACES
 from ev_stack.measures.metric import HIGHER, LOWER
 from ev_stack.measures.own_metrics import named_metrics
 from ev_stack.measures.registry import METRICS
-from ev_stack.scenarios.about import configured_file
+from ev_stack.scenarios.files import configured_file
 from ev_stack.scenarios.parameter_file import marked, read_yaml
 from ev_study.benchmark.manoeuvre import ENTRY_SPEED, Manoeuvre
 from ev_study.benchmark.records import is_of, mapping, record, refuse_unknown

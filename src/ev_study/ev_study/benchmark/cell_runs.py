@@ -18,8 +18,10 @@ from ev_sim.understeer import axle_cornering_stiffnesses
 from ev_stack.batches.variation import EVERY_ROLE
 from ev_stack.measures.metric import NotMeasured
 from ev_stack.measures.own_metrics import named_metrics
-from ev_stack.scenarios.scenario import Overrides, Run, Scenario, load_scenario
-from ev_stack.scenarios.slow_ramp import COLUMN, SCALE, angle_at, driven_slowly
+from ev_stack.running.steering_angles import angle_at, driven_slowly, with_own_angles
+from ev_stack.scenarios.records import Overrides, Run, Scenario
+from ev_stack.scenarios.scenario import load_scenario
+from ev_stack.scenarios.slow_ramp import COLUMN, SCALE
 from ev_study.benchmark.board import COSTS, SIDES, Board, Cell, by_role
 from ev_study.benchmark.entry_speed import CLEAN, DRIVEN, searched_at
 
@@ -130,7 +132,7 @@ def surfaces_of(board: Board, cell: Cell, factor: float) -> dict[str, list[float
 
 def run_of(board: Board, cell: Cell, values: Mapping[str, Any]) -> Run:
     """The run of a cell with the law of the scenario's file."""
-    return _scenario(board, cell, values).runs[0]
+    return with_own_angles(_scenario(board, cell, values)).runs[0]
 
 
 def _scenario(board: Board, cell: Cell, values: Mapping[str, Any]) -> Scenario:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ev_msgs_py.refusal import ParameterError
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 from ev_study.benchmark.board import Board, Cell
 from ev_study.benchmark.cell_runs import law_of, law_values, run_of, values_of
 from ev_study.benchmark.draws import drawn, own_draws

@@ -19,7 +19,7 @@ from ev_stack.measures.handling import peak_sideslip
 from ev_stack.measures.laps import lap_times, laps_begun, leaves
 from ev_stack.measures.metric import NotMeasured
 from ev_stack.measures.named import DrivenRun, NamedMetric
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 from ev_study.benchmark.board import Board
 from ev_study.benchmark.manoeuvre import Manoeuvre
 

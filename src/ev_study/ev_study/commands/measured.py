@@ -20,9 +20,9 @@ from ev_stack.command_line.options import add_changes, command_of, files_read, o
 from ev_stack.command_line.paths import output_folder
 from ev_stack.command_line.refusal import Parser
 from ev_stack.running.output_folder import OutputFolder
-from ev_stack.scenarios.about import vehicle_file
+from ev_stack.scenarios.files import vehicle_file
 from ev_stack.scenarios.parameter_file import ParameterFile
-from ev_stack.scenarios.scenario import Overrides
+from ev_stack.scenarios.records import Overrides
 from ev_study.measured.free_parameters import GROUPS, free_parameters
 from ev_study.measured.identification import identify, moved_by_scales
 from ev_study.measured.identified import CAR, FILES_OF_IDENTIFICATION, PARTS, Identified

@@ -19,7 +19,7 @@ from ev_stack.command_line.refusal import Parser
 from ev_stack.recording.outcome import Outcome, progress_bar
 from ev_stack.running.beforehand import compile_for
 from ev_stack.running.offline import run_offline_into
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 from ev_study.replay.graph import Replay, Replayed, prepared, replay_folder, replay_of
 from ev_study.replay.recorded import find_recorded
 

@@ -38,9 +38,9 @@ from ev_stack.report.summary import Summary, write_summary
 from ev_stack.report.tables import TABLES
 from ev_stack.running.offline import write_parameter_file
 from ev_stack.running.output_folder import OutputFolder
-from ev_stack.scenarios.about import VEHICLE, vehicle_file
+from ev_stack.scenarios.files import VEHICLE, vehicle_file
 from ev_stack.scenarios.parameter_file import ParameterFile
-from ev_stack.scenarios.scenario import Overrides, Run
+from ev_stack.scenarios.records import Overrides, Run
 from ev_study.replay import comparing
 from ev_study.replay.comparing import Difference, difference_of
 from ev_study.replay.recorded import Recorded

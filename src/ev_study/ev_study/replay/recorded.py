@@ -28,7 +28,7 @@ from ev_stack.recording.outcome import RunFailed
 from ev_stack.recording.recording import Recording, load, recording_of
 from ev_stack.recording.spool import MessageTable
 from ev_stack.scenarios.parameter_file import ParameterFile
-from ev_stack.scenarios.scenario import NAMESPACE
+from ev_stack.scenarios.about import NAMESPACE
 
 
 @dataclass(frozen=True)

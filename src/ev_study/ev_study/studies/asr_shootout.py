@@ -24,7 +24,7 @@ from ev_stack.measures.handling import slip_powers
 from ev_stack.measures.metric import Metric, channel, metric
 from ev_stack.measures.motion import crossing_time, distance_on_path, heading, speed
 from ev_stack.recording.recording import Recording
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 from ev_study.studies.study import Case, Results, own_methods, rows_of_cases
 
 VARIANTS = {  # methods of the role asr with another parameter than their own

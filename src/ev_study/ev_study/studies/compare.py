@@ -24,7 +24,7 @@ from ev_stack.measures.registry import METRICS
 from ev_stack.recording.recording import Recording
 from ev_stack.report.reports import further_metrics, measured_metrics, row_of
 from ev_stack.report.tables import tables_by_width
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 from ev_study.studies.study import (
     Case,
     CaseResult,

@@ -22,8 +22,8 @@ from ev_stack.measures import motion
 from ev_stack.measures.metric import Metric, channel
 from ev_stack.recording.recording import Recording
 from ev_stack.report.tables import text_table
-from ev_stack.scenarios.about import vehicle_of
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.files import vehicle_of
+from ev_stack.scenarios.records import Run
 from ev_study.studies.electric_cars import (
     CYCLES,
     FITTED,

@@ -16,7 +16,7 @@ from ev_stack.figures.sheets import Sheet
 from ev_stack.measures import motion
 from ev_stack.measures.metric import Metric, channel
 from ev_stack.recording.recording import Recording
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 from ev_study.studies.study import Case, Results, own_methods
 
 BEGIN = 5.0  # of the fault [s]

@@ -67,7 +67,8 @@ def run_key(make: Callable[[], Run], *choices: object) -> tuple[Key, Run]:
     }
     read = sorted((Path(name).name, digest) for name, digest in files.items())
     measured = run.report, text_of_report(run.report), run.metrics, run.course
-    digest = short_digest((*choices, run.name, run.duration, measured, roles, read))
+    driven = run.name, run.duration, run.slow_ramp
+    digest = short_digest((*choices, *driven, measured, roles, read))
     return Key(digest, files), run
 
 

@@ -36,7 +36,8 @@ from ev_stack.report.summary import versions, write_summary
 from ev_stack.report.tables import TABLES, print_metrics, text_table, write_tables
 from ev_stack.running.output_folder import OutputFolder
 from ev_stack.scenarios.parameter_file import ParameterFile
-from ev_stack.scenarios.scenario import Overrides, refuse_unused_values
+from ev_stack.scenarios.records import Overrides
+from ev_stack.scenarios.unused import refuse_unused_values
 from ev_study.studies.digests import digest_of_sources
 from ev_study.studies.driving import drive_cases, estimated_time
 from ev_study.studies.kept_rows import KeptRows, MeasureAndSave, keys_of_cases

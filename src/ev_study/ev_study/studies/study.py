@@ -20,7 +20,9 @@ from ev_stack.measures.handling import has_spun
 from ev_stack.measures.metric import Metric, NotMeasured, metric
 from ev_stack.recording.offline import run_offline, true_motion
 from ev_stack.recording.recording import Recording, signal_hash
-from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
+from ev_stack.running.steering_angles import with_own_angles
+from ev_stack.scenarios.records import Overrides, Run, Scenario
+from ev_stack.scenarios.scenario import load_scenario
 
 Measure = Callable[[Recording, Run], Mapping[str, Any]]  # of the true motion
 
@@ -72,7 +74,7 @@ def drive_case(case: Case, measure: Measure) -> CaseResult:
     if its signals cannot be written.
     """
     try:
-        run = run_of(case)
+        (run,) = with_own_angles(scenario_of(case)).runs
         start = time.monotonic()
         notes: list[str] = []
         recording = run_offline(
@@ -108,15 +110,21 @@ def drive_case(case: Case, measure: Measure) -> CaseResult:
         return replace(driven, refused=f"{cause} ({Path(last.filename).name}, line {last.lineno})")
 
 
-def run_of(case: Case) -> Run:
-    """The configured graph of a case; ParameterError, in one line, if something in it is refused."""
+def scenario_of(case: Case) -> Scenario:
+    """The scenario of a case with its only run; ParameterError, in one line, if something is refused."""
     overrides = Overrides(
         case.files, (), case.duration, case.vehicle, prepared=case.values, metrics=case.metrics
     )
     scenario = load_scenario(case.scenario, overrides, only=(case.run,) if case.run else ())
     if len(scenario.runs) > 1:
-        raise unknown_name(f"run of {case.scenario}", case.run, [run.name for run in scenario.runs])
-    return scenario.runs[0]
+        names = [run.name for run in scenario.runs]
+        raise unknown_name(f"run of {case.scenario}", case.run, names)
+    return scenario
+
+
+def run_of(case: Case) -> Run:
+    """The run of a case as it is resolved, before a slow ramp that it may need."""
+    return scenario_of(case).runs[0]
 
 
 def not_measured(names: Sequence[str], results: Results) -> str:

@@ -23,7 +23,7 @@ from ev_stack.recording.recording import Recording
 from ev_stack.report.reports import further_metrics, measured_metrics, row_of
 from ev_stack.report.tables import cell, tables_by_width
 from ev_stack.scenarios.parameter_file import read_yaml
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 from ev_study.studies.study import (
     Case,
     CaseResult,

@@ -20,7 +20,9 @@ from ev_stack.command_line.options import add_changes, overrides
 from ev_stack.measures.metric import Parameters, Runs
 from ev_stack.recording.outcome import RunFailed
 from ev_stack.recording.recording import Recording, load, save
-from ev_stack.scenarios.scenario import Overrides, Run, load_scenario
+from ev_stack.running.steering_angles import with_own_angles
+from ev_stack.scenarios.records import Overrides, Run
+from ev_stack.scenarios.scenario import load_scenario
 from ev_study.studies.digests import NEVER_DRIVES, digest_of_sources
 from ev_study.studies.driving import Keep
 from ev_study.studies.kept_rows import KeptRows, Key, case_key, row_key
@@ -240,9 +242,8 @@ def _resolved(need: Need) -> tuple[list[Case], Mapping[str, Configuration]]:
     """The cases of a need, and the configurations of the first run of a scenario."""
     if isinstance(need, StudyNeed):
         return study_cases(study_named(need.study), arguments(need.study, need.options)), {}
-    runs = load_scenario(
-        need.scenario, Overrides(values=need.values, duration=need.duration), only=need.runs
-    ).runs
+    overrides = Overrides(values=need.values, duration=need.duration)
+    runs = with_own_angles(load_scenario(need.scenario, overrides, only=need.runs)).runs
     cases = [
         Case(
             f"{need.command} {run.name}",

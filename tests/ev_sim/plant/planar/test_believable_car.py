@@ -13,7 +13,7 @@ from ev_msgs_py.contract.signals import TireForces, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.understeer import understeer_gradient
-from ev_stack.scenarios.about import vehicle_of
+from ev_stack.scenarios.files import vehicle_of
 from ev_study.analysis.linear_models import single_track, tangent_speed, yaw_damping, yaw_gain
 from ev_study.analysis.linearised_plant import OperatingPoint, linearised
 

@@ -306,7 +306,7 @@ def allowed(role: str, vehicle: str) -> set[str]:
 
 
 def _values_of(vehicle: str) -> dict[str, object]:
-    from ev_stack.scenarios.about import vehicle_file
+    from ev_stack.scenarios.files import vehicle_file
 
     values = vehicle_file(vehicle).values_for("/ev/driver")
     return {name.removeprefix("vehicle."): value for name, value in values.items()}

@@ -19,6 +19,7 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.drives.driveline import EngineState, GearboxLoad, advance_engine
 from ev_sim.plant.planar.planar_state import VX, WHEEL_SPEED, index
 from ev_stack.recording.offline import run_offline
+from ev_stack.running.steering_angles import with_own_angles
 from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 OUTPUT, GEAR = index("engine.output"), index("engine.gear")
@@ -109,7 +110,9 @@ def test_geared_low_in_reverse_its_torque_does_not_alternate(final_drive, size):
         ("driver", "pedals.drive_torque", (500.0,)),
         ("driver", "pedals.brake_torque", (0.0,)),
     )
-    (run, *_) = load_scenario("step_steer", Overrides(vehicle="engine_4x4", values=values)).runs
+    (run, *_) = with_own_angles(
+        load_scenario("step_steer", Overrides(vehicle="engine_4x4", values=values))
+    ).runs
     recording = run_offline(run.configurations, 3.0)
     torque = np.asarray(recording.channels["wheel_states.effort.front_left"])
     assert np.isfinite(torque).all()

@@ -13,7 +13,7 @@ from ev_papers.dissertation.measures import circuits, traction_windows
 from ev_papers.dissertation.measures.circuits import CircuitSums
 from ev_stack.measures.metric import NotMeasured
 from ev_stack.recording.recording import Recording
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 from ev_study.studies.study import Case
 
 SCENARIO, BENCH = "urban_mixed", "urban_mixed_bench"

@@ -22,7 +22,7 @@ from ev_stack.figures.panels import Curve, Panel
 from ev_stack.figures.sheets import Sheet
 from ev_stack.measures.metric import Metric, NotMeasured
 from ev_stack.recording.recording import Recording
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 from ev_study.studies.study import Case, Results
 
 ABOUT = (

@@ -19,7 +19,7 @@ from ev_msgs_py.refusal import ParameterError
 from ev_stack.measures.metric import Metric, metric
 from ev_stack.recording.recording import Recording
 from ev_stack.report.tables import text_table
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 from ev_study.studies.study import Case, CaseResult, Results
 
 ABOUT = (

@@ -14,7 +14,7 @@ from ev_stack.measures import motion
 from ev_stack.measures.handling import of_wheels
 from ev_stack.measures.metric import Metric, channel, metric
 from ev_stack.recording.recording import Recording
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 from ev_study.studies.study import Case, Results, rows_of_cases
 
 ABOUT = (

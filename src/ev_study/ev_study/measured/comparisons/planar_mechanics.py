@@ -21,7 +21,7 @@ from ev_msgs_py.refusal import ParameterError
 from ev_sim.tyres.curve import dry_friction
 from ev_stack.measures import motion
 from ev_stack.recording.offline import run_offline
-from ev_stack.scenarios.scenario import Overrides
+from ev_stack.scenarios.records import Overrides
 from ev_study.measured.records.tables import read_columns
 from ev_study.measured.replays.open_loop import graph
 

@@ -12,7 +12,7 @@ from ev_core.lockstep.configuration import Configuration
 from ev_core.parameters.data_file import find_in_config
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.scenarios.parameter_file import ParameterFile
-from ev_stack.scenarios.scenario import Overrides
+from ev_stack.scenarios.records import Overrides
 from ev_study.measured.motor_map import fit_motor
 from ev_study.measured.records.mapping import read_record
 from ev_study.measured.records.record import SIDESLIP, YAW_RATE, MeasuredRecord

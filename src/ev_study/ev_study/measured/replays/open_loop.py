@@ -14,9 +14,9 @@ from ev_core.lockstep.graph import check_graph
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.batches.batch import batch
-from ev_stack.scenarios.about import vehicle_file
+from ev_stack.scenarios.files import vehicle_file
 from ev_stack.scenarios.parameter_file import ParameterFile
-from ev_stack.scenarios.scenario import Overrides
+from ev_stack.scenarios.records import Overrides
 from ev_study.measured.records.record import (
     LATERAL,
     LATERAL_ACCELERATION,

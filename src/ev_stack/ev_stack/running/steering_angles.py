@@ -1,0 +1,136 @@
+"""The steering angles of another car than that of the scenario, found on a slow ramp before the run.
+
+How it works: a scenario's file has the angles of its own car. Another car, road or speed has
+others: the standards find them by steering so slowly that the car is always in its steady state
+(FMVSS 126, S7.6; ISO 4138), and so does `with_own_angles` for the runs that need it. The ramp is
+one of the car, not of its control: it is driven with equal torques and without traction control.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ev_core.lockstep.configuration import Configuration, configure
+from ev_core.parameters.declaration import defaults
+from ev_core.parameters.values import entries_by_name
+from ev_msgs_py.contract.fields import SignalError
+from ev_msgs_py.contract.roles import MASTER
+from ev_msgs_py.refusal import ParameterError
+from ev_sim.understeer import understeer_gradient
+from ev_stack.measures import motion
+from ev_stack.measures.metric import NotMeasured, channel
+from ev_stack.recording.offline import run_offline
+from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.records import Run, Scenario
+from ev_stack.scenarios.slow_ramp import (
+    AT_CROSSING,
+    COLUMN,
+    FITTED_LINE,
+    ROBOT,
+    SCALE,
+    SlowRampParameters,
+    car_of,
+)
+
+RAMP_BEGIN = 1.0  # [s], when the ramp begins
+LARGEST = 2.5  # times the angle of the linear car: so far the ramp goes on
+# Of the wanted acceleration, over which FMVSS 126, S7.6, fits its line: 0.1 to 0.375 g.
+FIT_RANGE = (1 / 3, 1.25)
+
+
+def with_own_angles(scenario: Scenario) -> Scenario:
+    """A scenario whose runs need no slow ramp any more: each turns the wheel by angles of its car."""
+    found: dict[str, float] = {}  # runs with the same car share one ramp
+    runs, notes = [], []
+    for run in scenario.runs:
+        run, note = _on_its_own_angles(run, found)
+        runs.append(run)
+        if note:
+            notes.append(note)
+    return replace(scenario, runs=tuple(runs), notes=(*scenario.notes, *notes))
+
+
+def _on_its_own_angles(run: Run, found: dict[str, float]) -> tuple[Run, str]:
+    """A run with the angles of its car, and the note on it; `found` are the angles of cars so far."""
+    ramp = run.slow_ramp
+    if ramp is None:
+        return run, ""
+    run = replace(run, slow_ramp=None)
+    column, car = run.configurations[COLUMN], repr(car_of(run.configurations))
+    try:
+        if car not in found:
+            driven = driven_slowly(run, ramp)
+            found[car] = angle_at(driven, ramp.lateral_acceleration, ramp.read)
+        changed = column.changed({SCALE: found[car] / ramp.reference_angle})
+    except (NotMeasured, ParameterError, SignalError) as why:
+        return run, (
+            f"{run.name}: steering angles are those of the scenario's own car, "
+            f"a slow ramp gives none: {why}"
+        )
+    note = (
+        f"{run.name}: {COLUMN}.{SCALE} is {changed.parameters.scale:.4g}: on a slow ramp to "
+        f"{ramp.lateral_acceleration:g} m/s^2 this car takes {found[car]:.4g} rad, that of the "
+        f"file {ramp.reference_angle:g} rad"
+    )
+    return replace(run, configurations={**run.configurations, COLUMN: changed}), note
+
+
+def angle_at(run: Recording, acceleration: float, read: str = FITTED_LINE) -> float:
+    """Steering-wheel angle at a lateral acceleration [m/s^2] on a slow ramp to either side [rad]."""
+    angle = channel(run, motion.STEERING_WHEEL_ANGLE)
+    side = np.sign(angle[np.abs(angle).argmax()])
+    angle = side * angle
+    across = side * motion.lateral_acceleration_on_path(run)
+    if read == AT_CROSSING:
+        what = f"a lateral acceleration of {acceleration:g} m/s^2"
+        time = motion.crossing_time(run.time, across, acceleration, what)
+        return motion.value_at(run, angle, time)
+    least, most = (share * acceleration for share in FIT_RANGE)
+    slope, offset = motion.line_over(across, angle, least, most)
+    return float(slope * acceleration + offset)
+
+
+def driven_slowly(run: Run, ramp: SlowRampParameters) -> Recording:
+    """The true motion of the car of a run on the slow ramp, at the initial speed."""
+    plant = run.configurations[MASTER]
+    # Faults and sensors would be in the angle as well.
+    plant = replace(plant.changed({"faults": []}), sensors=defaults(type(plant.sensors)))
+    speed = plant.values().get("initial_speed", 0.0)
+    angle = _largest_angle(run, ramp, speed)
+    end = RAMP_BEGIN + angle / ramp.rate
+    turned = {"profile.time": [RAMP_BEGIN, end], "profile.angle": [0.0, angle]}
+    kept = {"speed_profile.time": [0.0], "speed_profile.speed": [speed]}
+
+    def of(role: str, method: str, values: dict[str, Any]) -> Configuration:
+        return replace(configure(role, {"method": method, **values}), common=plant.common)
+
+    configurations = {
+        **run.configurations,
+        MASTER: plant,
+        COLUMN: of(COLUMN, ROBOT, turned),
+        "driver": of("driver", "manoeuvre", kept),
+        "electronic_differential": of("electronic_differential", "equal_torque", {}),
+        "asr": of("asr", "off", {}),
+    }
+    return run_offline(configurations, end)
+
+
+def _largest_angle(run: Run, ramp: SlowRampParameters, speed: float) -> float:
+    """Where the ramp ends [rad], by the linear car; NotMeasured if the column does not turn so far."""
+    car = run.configurations[MASTER].common.vehicle
+    if speed == 0.0:
+        raise NotMeasured("the run begins at rest, where no angle gives a lateral acceleration")
+    gain = car.wheelbase / speed**2 + abs(understeer_gradient(car))
+    angle = LARGEST * (gain * ramp.lateral_acceleration) * car.steering_ratio
+    known = entries_by_name(run.configurations[COLUMN].method.parameters)
+    most = known["profile.angle"].spec.high
+    if angle > most:
+        raise NotMeasured(
+            f"at the {abs(speed):g} m/s with which the run begins, "
+            f"{ramp.lateral_acceleration:g} m/s^2 would take {angle / LARGEST:.3g} rad of the "
+            f"steering wheel, and a ramp ends at {LARGEST:g} times that, expected up to {most:g} rad"
+        )
+    return angle
