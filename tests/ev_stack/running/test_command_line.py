@@ -137,18 +137,18 @@ def test_a_node_of_ones_own_is_a_command_with_its_arguments():
     ("words", "message"),
     [
         ([], "which scenario? --list shows them"),
-        (["a", "b"], "unrecognized arguments: b"),
-        (["a", "--fast"], "unrecognized arguments: --fast"),
-        (["a", "--offline", "--in-process"], "not allowed with argument"),
-        (["a", "--offline", "--realtime"], "--realtime needs DDS"),
-        (["a", "--offline", "--node", "asr=x"], "--node starts a process"),
-        (["a", "--in-process", "--node", "asr=x"], "--node starts a process"),
-        (["a", "--seed", "1.5"], "invalid int value: '1.5'"),
+        (["coast_down", "b"], "unrecognized arguments: b"),
+        (["coast_down", "--fast"], "unrecognized arguments: --fast"),
+        (["coast_down", "--offline", "--in-process"], "not allowed with argument"),
+        (["coast_down", "--offline", "--realtime"], "--realtime needs DDS"),
+        (["coast_down", "--offline", "--node", "asr=x"], "--node starts a process"),
+        (["coast_down", "--in-process", "--node", "asr=x"], "--node starts a process"),
+        (["coast_down", "--seed", "1.5"], "invalid int value: '1.5'"),
         (
-            ["a", "--duration", "long"],
+            ["coast_down", "--duration", "long"],
             "argument --duration: 'long' is refused, expected a number of seconds",
         ),
-        (["a", "--set"], "expected one argument"),
+        (["coast_down", "--set"], "expected one argument"),
     ],
 )
 def test_unknown_words_end_with_status_2(words, message, capsys):

@@ -101,7 +101,7 @@ def driven_names() -> tuple[str, ...]:
 
 
 class _KnownName(argparse.Action):
-    """Refuses an unknown name before its options, which may be those of the command that is meant."""
+    """Refuses an unknown name before its options, which may be those of what is meant."""
 
     def __call__(self, parser: Any, given: Any, name: Any, option: str | None = None) -> None:
         """ParameterError for what is neither a path nor the name of a scenario or a command."""
@@ -242,7 +242,7 @@ def processors(given: argparse.Namespace) -> dict[str, str]:
 
 
 def overrides(given: argparse.Namespace) -> Overrides:
-    """What the command line sets beyond the files; ParameterError, in one line, for words without NODE, name or =."""
+    """Changes of the command line; ParameterError, in one line, for words without NODE, name or =."""
     values: list[tuple[str, str, Any]] = []
     for word in getattr(given, "method", ()):
         node, name = _split(word, "=", "--method", "NODE=NAME")

@@ -1,8 +1,8 @@
-"""What differs from a scenario's file: the same keywords in every call of the Python interface.
+"""Changes of a scenario's file: the same keywords in every call of the Python interface.
 
-How it works: `Changes` declares them, once. A call takes them as `**changes: Unpack[Changes]`, which
-type checkers and editors complete; `listing_changes` writes them into its signature, which help and
-notebooks show; `overrides` makes of them what the resolver of scenarios takes.
+How it works: `Changes` declares them, once. A call takes them as `**changes: Unpack[Changes]`,
+which type checkers and editors complete; `listing_changes` writes them into its signature, which
+help and notebooks show; `overrides` makes of them what the resolver of scenarios takes.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ C = TypeVar("C", bound=Callable[..., Any])
 
 
 class Changes(TypedDict, total=False):
-    """What differs from a scenario's file, as `ev_stack.run` describes it; None changes nothing."""
+    """Changes of a scenario's file, as `ev_stack.run` describes them; None changes nothing."""
 
     method: Mapping[str, str] | None
     set: Mapping[str, Any] | None
@@ -48,7 +48,7 @@ def listing_changes(call: C) -> C:
 
 @listing_changes
 def overrides(**changes: Unpack[Changes]) -> Overrides:
-    """What a resolver takes for some changes.
+    """Make of changes what the resolver takes.
 
     ParameterError for a name in `set` without a dot, and for no duration; TypeError for a keyword
     that is none.

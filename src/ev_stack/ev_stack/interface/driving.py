@@ -1,4 +1,4 @@
-"""`ev_stack.run` and `ev_stack.batch`: scenarios by name or path, offline, with what differs given by name."""
+"""`ev_stack.run` and `ev_stack.batch`: scenarios by name or path, offline, with changes by name."""
 
 from __future__ import annotations
 
@@ -29,16 +29,16 @@ def run(
     metrics: Sequence[str] = (),
     **changes: Unpack[Changes],
 ) -> Result:
-    """Drive a scenario and give its signals, metrics, hash and figures: `ev_stack.run("shchur2019")`.
+    """Drive a scenario for its signals, metrics, hash and figures: `ev_stack.run("shchur2019")`.
 
     `scenario` is a name or the path of a YAML file; of its runs those in `runs` are driven, all if
     it is empty. `metrics` are measured besides those of the scenario (docs/metrics.md). What
     differs from the scenario's file:
 
     - `method`: {"asr": "pi_slip"}, by node,
-    - `set`: {"electronic_differential.gamma": 10.0}, by NODE.PARAMETER, where the node `*` is every node; a method that
-      is driven must have it,
-    - `seed`: of everything random, `duration`: simulated time of every run, in s or such as "1 min",
+    - `set`: {"electronic_differential.gamma": 10.0}, by NODE.PARAMETER, where the node `*` is every
+      node; a method that is driven must have it,
+    - `seed`: of everything random, `duration`: simulated time of every run, in s or as "1 min",
     - `vehicle`: another car, as a name or the path of a complete file,
     - `params`: paths of ROS parameter files on top of the scenario's,
     - `cycle`: another speed cycle, as a name in config/cycles or the path of a CSV file.
@@ -75,8 +75,9 @@ def batch(
         for name in metrics:
             if name in of_report and name not in METRICS and "=" not in name:
                 raise ParameterError(
-                    f"metric {name} is one of the report {of.report}, expected in a batch are those of any run "
-                    "(docs/metrics.md) and expressions; ev_stack.run and a sweep measure those of reports"
+                    f"metric {name} is one of the report {of.report}, expected in a batch are those "
+                    "of any run (docs/metrics.md) and expressions; ev_stack.run and a sweep "
+                    "measure those of reports"
                 )
     return batch_of(
         of.configurations, of.duration, vary, initial_states, signals, every, metrics, threads
@@ -84,7 +85,7 @@ def batch(
 
 
 def only_run(scenario: Name, run: str, changed: Overrides) -> Run:
-    """One run of a scenario, whose name may be empty if there is one only; ParameterError that lists them if not."""
+    """The run of a name, which may be empty if there is one; ParameterError lists them if not."""
     loaded = load_scenario(fspath(scenario), changed, only=(run,) if run else ())
     if len(loaded.runs) > 1:
         raise unknown_name(f"run of {loaded.name}", run, [each.name for each in loaded.runs])

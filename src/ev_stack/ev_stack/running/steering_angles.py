@@ -1,4 +1,4 @@
-"""The steering angles of another car than that of the scenario, found on a slow ramp before the run.
+"""Steering angles of another car than that of the scenario, found on a slow ramp.
 
 How it works: a scenario's file has the angles of its own car. Another car, road or speed has
 others: the standards find them by steering so slowly that the car is always in its steady state
@@ -42,7 +42,7 @@ FIT_RANGE = (1 / 3, 1.25)
 
 
 def with_own_angles(scenario: Scenario) -> Scenario:
-    """A scenario whose runs need no slow ramp any more: each turns the wheel by angles of its car."""
+    """Drive the slow ramps that runs need; each turns the wheel by angles of its own car then."""
     found: dict[str, float] = {}  # runs with the same car share one ramp
     runs, notes = [], []
     for run in scenario.runs:
@@ -54,7 +54,7 @@ def with_own_angles(scenario: Scenario) -> Scenario:
 
 
 def _on_its_own_angles(run: Run, found: dict[str, float]) -> tuple[Run, str]:
-    """A run with the angles of its car, and the note on it; `found` are the angles of cars so far."""
+    """A run with the angles of its car and the note on it; `found` are those of cars so far."""
     ramp = run.slow_ramp
     if ramp is None:
         return run, ""
@@ -79,7 +79,7 @@ def _on_its_own_angles(run: Run, found: dict[str, float]) -> tuple[Run, str]:
 
 
 def angle_at(run: Recording, acceleration: float, read: str = FITTED_LINE) -> float:
-    """Steering-wheel angle at a lateral acceleration [m/s^2] on a slow ramp to either side [rad]."""
+    """Steering-wheel angle [rad] at a lateral acceleration [m/s^2] on a slow ramp."""
     angle = channel(run, motion.STEERING_WHEEL_ANGLE)
     side = np.sign(angle[np.abs(angle).argmax()])
     angle = side * angle
@@ -119,7 +119,7 @@ def driven_slowly(run: Run, ramp: SlowRampParameters) -> Recording:
 
 
 def _largest_angle(run: Run, ramp: SlowRampParameters, speed: float) -> float:
-    """Where the ramp ends [rad], by the linear car; NotMeasured if the column does not turn so far."""
+    """End of the ramp [rad], by the linear car; NotMeasured if the column does not turn so far."""
     car = run.configurations[MASTER].common.vehicle
     if speed == 0.0:
         raise NotMeasured("the run begins at rest, where no angle gives a lateral acceleration")
@@ -131,6 +131,7 @@ def _largest_angle(run: Run, ramp: SlowRampParameters, speed: float) -> float:
         raise NotMeasured(
             f"at the {abs(speed):g} m/s with which the run begins, "
             f"{ramp.lateral_acceleration:g} m/s^2 would take {angle / LARGEST:.3g} rad of the "
-            f"steering wheel, and a ramp ends at {LARGEST:g} times that, expected up to {most:g} rad"
+            f"steering wheel, and a ramp ends at {LARGEST:g} times that, "
+            f"expected up to {most:g} rad"
         )
     return angle

@@ -1,4 +1,4 @@
-"""What a scenario states about itself, in its section /**/scenario."""
+"""Statements of a scenario about itself, in its section /**/scenario."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _RUN = re.compile(rf"[A-Za-z_][A-Za-z0-9_]{{0,{_LONGEST - 1}}}")  # a token of a
 
 @dataclass(frozen=True, slots=True)
 class ScenarioParameters:
-    """What a scenario states about itself, in its section /**/scenario.
+    """Statements of a scenario about itself, in its section /**/scenario.
 
     The nodes of a run live in the namespace /ev/RUN, or in /ev if there is one run only; so
     `/**/RUN/driver` means the driver of one run, and `/**/driver` that of all.
@@ -52,11 +52,13 @@ class ScenarioParameters:
     slow_ramp: SlowRampParameters = group(SlowRampParameters)
     report: str = setting(
         "",
-        about="scenario whose metrics and figures it gets; empty for its own, and with a course for that of courses",
+        about="scenario whose metrics and figures it gets; empty for its own, "
+        "and with a course for that of courses",
     )
     metrics: tuple[str, ...] = setting(
         (),
-        about="metrics besides those of its report: names of docs/metrics.md, or NAME [UNIT] = EXPRESSION",
+        about="metrics besides those of its report: "
+        "names of docs/metrics.md, or NAME [UNIT] = EXPRESSION",
     )
     course: Course = group(Course)
     lesson: tuple[str, ...] = setting(
@@ -64,12 +66,12 @@ class ScenarioParameters:
     )
 
     def __post_init__(self) -> None:
-        """Names of runs are those of folders and of namespaces, and ParameterError if they cannot be."""
+        """ParameterError for names of runs that cannot be those of folders and of namespaces."""
         for name in self.runs:
             if not _RUN.fullmatch(name) or self.runs.count(name) > 1:
                 raise ParameterError(
-                    f"runs: {quoted(str(name))} is refused, expected different names of up to {_LONGEST} letters, "
-                    "digits and underscores, the first one no digit"
+                    f"runs: {quoted(str(name))} is refused, expected different names of up to "
+                    f"{_LONGEST} letters, digits and underscores, the first one no digit"
                 )
 
 
@@ -87,7 +89,7 @@ def describe_scenario(name: str) -> str:
 
 
 def stated_by(file: ParameterFile) -> ScenarioParameters:
-    """What the file of a scenario states about it; ParameterError if it is refused."""
+    """Read what the file of a scenario states about it; ParameterError if it is refused."""
     values = file.values_for(f"{NAMESPACE}/{SCENARIO_NODE}", by_name=True)
     try:
         about = build(ScenarioParameters, values)
@@ -102,14 +104,14 @@ def stated_by(file: ParameterFile) -> ScenarioParameters:
 
 
 def with_metrics(about: ScenarioParameters, further: Sequence[str]) -> ScenarioParameters:
-    """What a scenario states, with further metrics; ParameterError if one is refused, or a name is there twice."""
+    """Add further metrics; ParameterError if one is refused, or a name is there twice."""
     texts = (*about.metrics, *further)
     named_metrics(texts)
     return replace(about, metrics=texts)
 
 
 def _refuse_unknown_number(text: str) -> None:
-    """ParameterError unless this is NODE.NAME of a number that a method of the node may change while it runs."""
+    """ParameterError unless this is NODE.NAME of a number that may change while the node runs."""
     node, _, name = text.partition(".")
     if node not in ROLES:
         raise ParameterError(f"lesson: {unknown_name('node', node, ROLES)}")

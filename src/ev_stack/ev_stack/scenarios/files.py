@@ -19,12 +19,12 @@ _ANY_NODE = "/ev/plant"  # all nodes have the parameters of the vehicle
 
 
 def is_path(name: str) -> bool:
-    """Whether a file is meant, and no name: a name has neither folder nor suffix."""
+    """True if a file is meant, and no name: a name has neither folder nor suffix."""
     return os.sep in name or name.endswith((".yaml", ".yml"))
 
 
 def configured_file(kind: str, name: str) -> Path:
-    """The file of a scenario or a vehicle in the config folders, or by its path any other that may be named.
+    """The file of a scenario or a vehicle in the config folders, or any other by its path.
 
     ParameterError that lists the known ones for an unknown name.
     """
@@ -45,8 +45,9 @@ def scenario_names() -> list[str]:
 def vehicle_file(name: str) -> ParameterFile:
     """The vehicle of a name or a path.
 
-    ParameterError that lists what is missing if the file does not state everything in which cars differ: it would be
-    filled up from another car; and for whatever else it states, which the scenario would overrule in silence.
+    ParameterError that lists what is missing if the file does not state everything in which cars
+    differ: it would be filled up from another car; and for whatever else it states, which the
+    scenario would overrule in silence.
     """
     file = ParameterFile(configured_file(VEHICLE, name))
     others = sorted(each for each in file.names() if not each.startswith(OF_VEHICLE))
@@ -66,6 +67,6 @@ def vehicle_file(name: str) -> ParameterFile:
 
 
 def vehicle_of(name: str) -> Vehicle:
-    """The vehicle itself, its files read; ParameterError, in one line, if there is none or it is refused."""
+    """The vehicle itself, its files read; ParameterError if there is none or it is refused."""
     values = vehicle_file(name).values_for(_ANY_NODE)
     return with_files(build(Vehicle, values, OF_VEHICLE))

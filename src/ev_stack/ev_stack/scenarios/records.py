@@ -1,4 +1,4 @@
-"""What the resolver of scenarios takes, `Overrides`, and gives, a `Scenario` with its runs."""
+"""Records around the resolver: the `Overrides` that it takes, the `Scenario` that it gives."""
 
 from __future__ import annotations
 
@@ -17,12 +17,13 @@ from ev_stack.scenarios.slow_ramp import SlowRampParameters
 
 @dataclass(frozen=True)
 class Overrides:
-    """What the command line changes beyond the scenario's own files; later entries go before earlier ones.
+    """Changes beyond the scenario's own files; of several for one parameter the last one counts.
 
-    `values`: (node, dotted parameter name, value). Node `*` means every role. A method that is driven must have each of
-    them; those that are `prepared`, which come before, may be for other methods, like those of files. `vehicle` is
-    another car than that of the scenario, as a name or a path; what the scenario itself changes about the car of all
-    runs is left out then, what it changes about that of some runs stays. `metrics` are measured besides its own.
+    `values`: (node, dotted parameter name, value). Node `*` means every role. A method that is
+    driven must have each of them; those that are `prepared`, which come before, may be for other
+    methods, like those of files. `vehicle` is another car than that of the scenario, as a name or a
+    path; what the scenario itself changes about the car of all runs is left out then, what it
+    changes about that of some runs stays. `metrics` are measured besides its own.
     """
 
     files: Sequence[Path] = ()
@@ -48,7 +49,7 @@ class Overrides:
 
     @property
     def all_values(self) -> tuple[tuple[str, str, Any], ...]:
-        """What is prepared, and the values that go before it."""
+        """Values that are prepared, and those that go before them."""
         return (*self.prepared, *self.values)
 
     @property
@@ -59,10 +60,10 @@ class Overrides:
 
 @dataclass(frozen=True)
 class Run:
-    """One configured graph, the namespace of its nodes, and by which report, metrics and course it is measured.
+    """One configured graph, the namespace of its nodes, and what measures it.
 
-    A `slow_ramp` has to be driven before it, by `ev_stack.running.steering_angles`: its steering angles are those of
-    another car.
+    With a `slow_ramp` its steering angles are still those of another car: the ramp has to be driven
+    before it, by `ev_stack.running.steering_angles`.
     """
 
     name: str
@@ -81,7 +82,7 @@ class Run:
 
     @property
     def realtime(self) -> bool:
-        """Whether the wall clock drives the graph."""
+        """True if the wall clock drives the graph."""
         return self.configurations[MASTER].common.mode == "realtime"
 
 

@@ -108,7 +108,7 @@ def load_scenario(
 def _without_its_car(
     own: ParameterFile, namespaces: Mapping[str, str]
 ) -> tuple[ParameterFile, list[str]]:
-    """The file of a scenario without what it changes about the car of all runs, and the names of that."""
+    """The file of a scenario without its changes to the car of all runs, and their names."""
     of_all, left_out = [], set[str]()
     for pattern, section in own.sections.items():
         if all(_means_one(pattern, [space], ROLES) for space in namespaces.values()):
@@ -118,14 +118,14 @@ def _without_its_car(
 
 
 def _means_one(pattern: str, namespaces: Sequence[str], nodes: Sequence[str]) -> bool:
-    """Whether a section means one of some nodes at least."""
+    """True if a section means one of some nodes at least."""
     return any(matches(pattern, f"{space}/{node}") for space in namespaces for node in nodes)
 
 
 def _refuse_unknown_sections(
     file: ParameterFile, namespaces: Mapping[str, str], is_scenario: bool
 ) -> None:
-    """The section of the scenario itself stands in its own file only; the recorder has none at all."""
+    """The section of the scenario is in its own file only; the recorder has none at all."""
     nodes = (*ROLES, SCENARIO_NODE) if is_scenario else (*ROLES,)
     for pattern in file.sections:
         if not _means_one(pattern, (*namespaces.values(), NAMESPACE), nodes):
@@ -153,7 +153,7 @@ def _duration(about: ScenarioParameters, overrides: Overrides) -> float:
 
 
 def _needs_ramp(run: Run, given: Sources, about: ScenarioParameters, own: ParameterFile) -> bool:
-    """Whether the steering angles of a run are those of another car than the one that it has."""
+    """True if the steering angles of a run are those of another car than it has."""
     ramp = about.slow_ramp
     if not ramp.lateral_acceleration or run.name == ramp.run:
         return False
@@ -204,7 +204,7 @@ def _state_times(values: dict[str, Any], duration: float, about: ScenarioParamet
 
 
 def _choose_methods(values: Values) -> None:
-    """Add to the values of nodes what the chosen methods require of each other; what is given stays."""
+    """Add what the chosen methods require of other nodes; what is given stays."""
     for role in values:
         if not _is_played(role, values):
             continue
@@ -222,7 +222,7 @@ def _choose_methods(values: Values) -> None:
 
 
 def _is_played(role: str, values: Values) -> bool:
-    """Whether a parameter chooses the method of a role, or another method requires it."""
+    """True if a parameter chooses the method of a role, or another method requires it."""
     return "method" in values[role] or not ROLES[role].optional
 
 

@@ -1,4 +1,4 @@
-"""The slow ramp of a scenario: when its steering angles, which are those of one car, need one for another car."""
+"""The slow ramp by which the steering angles of a scenario fit another car than its own."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _HOW_A_ROAD_IS_DRAWN = ("road.seed", "road.random_distance")
 
 @dataclass(frozen=True, slots=True)
 class SlowRampParameters:
-    """How the steering angles of another car are found: in proportion to a reference angle."""
+    """Rule for the steering angles of another car: in proportion to a reference angle."""
 
     lateral_acceleration: float = setting(
         0.0,
@@ -55,7 +55,7 @@ class SlowRampParameters:
 
 
 def car_of(configurations: Mapping[str, Configuration]) -> dict[str, Any]:
-    """What the steering angles depend on, by name: the car, its road, its speed."""
+    """All that steering angles depend on, by name: the car, its road, its speed."""
     values = configurations[MASTER].values()
     if _REAR in configurations:
         rear = configurations[_REAR].values()

@@ -48,12 +48,12 @@ class Sources:
         return places[-1] if places else -1
 
     def origin(self, role: str, name: str) -> str:
-        """The file whose value counts, in brackets; empty for the command line, which the user sees."""
+        """The file whose value counts, in brackets; empty for the command line, which is seen."""
         place = self.place(role, name)
         return f" ({self.files[place].path})" if 0 <= place < len(self.files) else ""
 
     def refuse_beside_files(self, configuration: Configuration) -> None:
-        """ParameterError for a value that is given after or beside a file that has it: it would do nothing."""
+        """ParameterError for a value after or beside a file that has it: it would do nothing."""
         role, names = configuration.role, configuration.from_files
         command_line = len(self.files)
         for file in names:

@@ -1,4 +1,4 @@
-"""Values that do nothing in the runs: refused where a command gives them, noted where a file does."""
+"""Values that do nothing in the runs: refused if a command gives them, noted if a file does."""
 
 from __future__ import annotations
 
@@ -64,7 +64,8 @@ def unused_in_files(
 ) -> list[str]:
     """A note for each file on what it sets and no run uses.
 
-    Roles whose method the command line has `switched` are left out: the file was written for another method.
+    Roles whose method the command line has `switched` are left out: the file was written for
+    another method.
     """
     notes = []
     for place, file in enumerate(sources[0].files):

@@ -27,8 +27,8 @@ from ev_stack.recording import recording
 from ev_stack.recording.outcome import RunFailed
 from ev_stack.recording.recording import Recording, load, recording_of
 from ev_stack.recording.spool import MessageTable
-from ev_stack.scenarios.parameter_file import ParameterFile
 from ev_stack.scenarios.about import NAMESPACE
+from ev_stack.scenarios.parameter_file import ParameterFile
 
 
 @dataclass(frozen=True)
