@@ -12,9 +12,9 @@ from reading import Reading, reading_of
 # and 0.
 DENSITY = 8.7
 COMMENT_SHARE = 0.036
-LONG_SIGNATURES = 24
-ODD_DOCSTRINGS = 160
-LONG_LINES = 1130
+LONG_SIGNATURES = 19
+ODD_DOCSTRINGS = 131
+LONG_LINES = 1051
 
 
 @pytest.fixture(scope="module")

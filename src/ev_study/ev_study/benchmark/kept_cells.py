@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from ev_core.lockstep.configuration import Configuration
 from ev_stack.recording.outcome import RunFailed
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 from ev_study.benchmark.added import refuse_variations
 from ev_study.benchmark.board import Board, Cell
 from ev_study.benchmark.cell_runs import law_of, run_of, values_of

@@ -8,7 +8,7 @@ from contextlib import suppress
 
 from ev_stack.recording.offline import graph_run, run_offline
 from ev_stack.running.beforehand import compile_for
-from ev_stack.scenarios.scenario import Run
+from ev_stack.scenarios.records import Run
 from ev_study.studies.study import Case, CaseResult, Measure, drive_case, run_of
 from ev_study.studies.workers import HERE, Job, Workers, perform_jobs
 
