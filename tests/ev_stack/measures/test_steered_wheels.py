@@ -15,6 +15,7 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.plant.planar.given import wheel_places
 from ev_stack.measures.handling import measured_understeer_gradient, slip_powers, wheel_directions
 from ev_stack.measures.named import driven_run
+from ev_stack.measures.registry import METRICS
 from ev_stack.recording.offline import run_offline
 from ev_stack.recording.recording import Recording
 from ev_stack.scenarios.scenario import Overrides, load_scenario
@@ -66,6 +67,41 @@ def test_wheels_point_where_their_side_force_bends_them(front, rear, side, direc
             signals.channels[f"tire_forces.slip_angle.{wheel}"][-1], abs=3.5e-4
         )
         assert slip_powers(signals, vehicle, wheel)[1][-1] > 0.0  # a tyre takes work, it gives none
+
+
+@pytest.mark.parametrize("direction", [1.0, -1.0], ids=["forwards", "reverse"])
+@pytest.mark.parametrize("side", [1.0, -1.0], ids=["left", "right"])
+def test_wheels_at_their_stop_point_there_however_far_the_column_is_turned(side, direction):
+    """The column goes on to 0.129 rad of the road wheels, these stop at 0.05 rad.
+
+    Each tyre takes work then, and gives none; with the angle of the column the front ones would
+    push the car. The largest angle is that of the wheels, and the yaw rate that of a car so
+    steered: by the angle of the column it would be off by 0.3 rad/s.
+    """
+    values = [("*", "vehicle.maximum_road_wheel_angle", 0.05)]
+    scenario = load_scenario(
+        "steady_circle", Overrides(vehicle="compact_ev", values=values), ("linear",)
+    )
+    configurations = scenario.runs[0].configurations
+    turned = configure("steering_column", {
+        "method": "steering_robot", "profile.time": [0.2, 1.5], "profile.angle": [0.0, 2.0 * side]
+    })  # fmt: skip
+    run = {
+        **configurations,
+        "plant": configurations["plant"].changed({"initial_speed": 12.0 * direction}),
+        "driver": configurations["driver"].changed(
+            {"speed_profile.time": [0.0], "speed_profile.speed": [12.0 * direction]}
+        ),
+        "steering_column": replace(turned, common=configurations["plant"].common),
+    }
+    driven = driven_run(run_offline(run, 4.0), run)
+    asked = driven.signals.channels["steering_column.state.road_wheel_angle"]
+    assert abs(asked[-1]) == pytest.approx(2.0 / driven.vehicle.steering_ratio)
+    assert METRICS["maximum_road_wheel_angle"].measured(driven).value == 0.05
+    for wheel in WHEEL_NAMES:
+        assert slip_powers(driven.signals, driven.vehicle, wheel)[1].min() > -1.0  # [W], rounding
+    assert METRICS["slip_energy"].measured(driven).value > 0.0
+    assert METRICS["yaw_rate_error"].measured(driven).value < 0.05
 
 
 @given(

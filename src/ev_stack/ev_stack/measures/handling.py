@@ -15,7 +15,7 @@ from ev_sim.surfaces import SURFACES, Surface, curve_on_road, tyre_on_road
 from ev_sim.tyres.curve import peak_slip
 from ev_sim.understeer import understeer_gradient
 from ev_stack.measures import motion
-from ev_stack.measures.metric import NotMeasured, channel
+from ev_stack.measures.metric import TYRES, NotMeasured, channel
 from ev_stack.measures.motion import distance_on_path
 from ev_stack.recording.recording import Recording
 
@@ -43,13 +43,26 @@ class Force(NamedTuple):
     y: np.ndarray
 
 
+def front_wheel_angle(run: Recording, vehicle: Vehicle) -> np.ndarray:
+    """Mean angle of the front wheels as they turn, left positive, (n,) [rad].
+
+    Wheels with tyres stop at the end of their travel (`plant.guard`), where a steering column that
+    is turned by a driver may go on. Recorded is the angle that the column asks for.
+    """
+    asked = channel(run, motion.ROAD_WHEEL_ANGLE)
+    if not any(name.startswith(TYRES) for name in run.channels):
+        return asked
+    stop = vehicle.maximum_road_wheel_angle
+    return np.clip(asked, -stop, stop)
+
+
 def wheel_directions(run: Recording, vehicle: Vehicle) -> Mapping[str, Direction]:
     """Direction of each wheel: steering geometry, rear steering, and compliance steer.
 
     The side force of an axle turns its wheels, those in front out of the bend
     (`plant.planar.contact.point`).
     """
-    mean = channel(run, motion.ROAD_WHEEL_ANGLE)
+    mean = front_wheel_angle(run, vehicle)
     apart = run.channels.get("rear_steering.state.angle", 0.0)
     angle, rear = np.tan(mean), np.tan(vehicle.rear_steering_ratio * mean + apart)
     parallel = float(vehicle.steering_geometry == "parallel")
@@ -142,7 +155,7 @@ def yaw_rate_error(run: Recording, vehicle: Vehicle) -> float:
 
 def _turning_angle(run: Recording, vehicle: Vehicle) -> np.ndarray:
     """Angle of the front wheels less that of the rear ones, by which a car turns, (n,) [rad]."""
-    angle = channel(run, motion.ROAD_WHEEL_ANGLE)
+    angle = front_wheel_angle(run, vehicle)
     return angle * (1.0 - vehicle.rear_steering_ratio) - run.channels.get(
         "rear_steering.state.angle", 0.0
     )

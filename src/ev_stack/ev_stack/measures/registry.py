@@ -104,7 +104,7 @@ _OF_ANY_RUN = (
         "maximum_road_wheel_angle",
         "rad",
         "max |delta|",
-        lambda run: _largest(channel(run.signals, _ANGLE)),
+        lambda run: _largest(handling.front_wheel_angle(run.signals, run.vehicle)),
         (_ANGLE,),
     ),
     NamedMetric(
