@@ -13,6 +13,7 @@ from can_bus.databases import by_cantools
 from can_bus.exact_bits import exact_frame
 from can_bus.lockstep_runs import HEALTHY, driven
 
+import ev_stack
 from ev_bench.bus.channel import bus_log
 from ev_bench.runs.frame_log import FrameLog, logged_frames
 from ev_msgs_py.refusal import ParameterError
@@ -148,6 +149,18 @@ def test_without_the_operators_enabling_nothing_is_switched_on():
     for part in ("machine", "load"):
         for side, works in (("right", False), ("left", True)):
             assert left[f"bench.shafts.{part}_torque.front_{side}"].any() == works
+
+
+@pytest.mark.parametrize(("rate", "waits"), [(125e3, True), (1e6, False)])
+def test_a_run_whose_drives_could_not_be_enabled_has_a_note(rate, waits):
+    """A bus that is too slow brings no feedback: nothing is latched, and the car has no torque."""
+    values = {f"{role}.{name}": value for role, name, value in HEALTHY}
+    run = ev_stack.run("bench_fault", set={**values, "test_bench.bus.bit_rate": rate})
+    (outcome,) = run.outcomes.values()
+    torque = outcome.recording.channels["bench.shafts.machine_torque.front_left"]
+    assert torque.any() == (not waits)
+    note = "/ev/inverter_gateway: the drives waited for more than 2 s to be enabled"
+    assert outcome.notes == ((note,) if waits else ())
 
 
 def test_a_wheel_that_grips_again_is_no_fault():

@@ -8,6 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ev_core.compiled.part import given_to
+from ev_core.compiled.part_source import constants_row
+from ev_core.lockstep.configuration import Configuration
+from ev_core.parameters.record import numbers
 from ev_doors.export.content import Content, Tunable
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.interface.driving import only_run, overrides
@@ -53,6 +57,35 @@ def test_a_run_takes_every_combination_that_an_export_takes(data):
         inside = st.sampled_from([low, high]) | st.floats(low, high)
         values[tunable.name.removeprefix(f"{role}.")] = data.draw(inside, label=tunable.name)
     methods()[role, method].configurations[role].changed(values)
+
+
+def _made_beforehand(configuration: Configuration) -> list[float]:
+    """Constants of a law and its state at the start, without the parameters that it reads itself."""
+    method, common = configuration.method, configuration.common
+    given = given_to(method, configuration.given, common.vehicle, common.control_period)
+    made = {name: tree for name, tree in given.trees.items() if name != "p"}
+    constants = constants_row(made, given.values["c"], common.control_period)
+    return [*constants.tolist(), *numbers(given.values["s"])]
+
+
+@given(st.data())
+@settings(max_examples=200, deadline=None)
+def test_what_an_export_lets_change_is_part_of_nothing_that_is_made_beforehand(data):
+    """Else setting it would change nothing: the constants in the export are those of its first value."""
+    role, method = data.draw(st.sampled_from([each for each in sorted(methods()) if tunables(*each)]))
+    configuration = methods()[role, method].configurations[role]
+    tunable = data.draw(st.sampled_from(tunables(role, method)))
+    low, high = max(tunable.low, -_LARGE), min(tunable.high, _LARGE)
+    value = data.draw(st.floats(low, high))
+    changed = configuration.changed({tunable.name.removeprefix(f"{role}."): value})
+    assert _made_beforehand(changed) == _made_beforehand(configuration), tunable.name
+
+
+def test_a_group_that_is_handed_on_whole_is_fixed_in_an_export():
+    """The DC link of the machine under test stands among the constants of the bench, that of the load does not."""
+    names = [tunable.name for tunable in tunables("test_bench", "circuits_on_can")]
+    assert "test_bench.load.dc_link.supply_voltage" in names
+    assert not [name for name in names if name.startswith("test_bench.dc_link.")]
 
 
 @pytest.mark.parametrize(

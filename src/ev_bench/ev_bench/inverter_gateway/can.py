@@ -167,9 +167,15 @@ def circuits_fit(parameters: LockstepGatewayParameters, vehicle: Vehicle) -> str
     return ""
 
 
+_PATIENCE = 2.0  # s; the slowest pre-charge that is no fault takes so long
+
+
 def notes(s: LockstepGateway) -> tuple[str, ...]:
-    """Faults that were latched since the start."""
+    """Faults that were latched since the start, and drives that could not be enabled."""
     found = []
+    # As on a bus that is too slow: the car stands still, and its metrics show no reason.
+    if s.gateway.waited > _PATIENCE:
+        found.append(f"the drives waited for more than {_PATIENCE:g} s to be enabled")
     for name, bits in zip(_DEVICES, s.noted, strict=True):
         found += [f"{name}: {fault}" for fault in latched_names(int(bits))]
     return tuple(found)

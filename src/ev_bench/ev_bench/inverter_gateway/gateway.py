@@ -98,6 +98,7 @@ class Gateway:
         about="for the first moment at which the drives may be enabled by themselves, 1 and the "
         "cycles for one alone",
     )
+    waited: float = entry(unit="s", about="for that moment, in all")
     commanded: float = entry(
         -1.0, unit="ns", about="stamp of the newest torque command, in real time"
     )

@@ -92,6 +92,7 @@ def advance_gateway(p: GatewayParameters, s: Gateway, ticks: float, period: floa
     # Enabling by itself goes on until it has succeeded once.
     if s.waits:
         _enable_where_possible(p, s)
+        s.waited += period
     advance_device(p, s.drive_11, period)
     advance_device(p, s.drive_12, period)
     advance_device(p, s.load_11, period)

@@ -190,7 +190,7 @@ def _tunables(configuration: Configuration, given: Given) -> list[Tunable]:
     law, used = law_of(configuration.method), set[str]()
     parameters, common = _watched(configuration.given, used), configuration.common
     if law.prepare:
-        law.prepare(parameters, common.vehicle, common.control_period)
+        _read_all(law.prepare(parameters, common.vehicle, common.control_period))
     for need in law.needs:
         need(parameters, common.vehicle)
     if law.start:
@@ -210,6 +210,16 @@ def _tunables(configuration: Configuration, given: Given) -> list[Tunable]:
         and not each.spec.read_only
         and each.name not in used
     ]
+
+
+def _read_all(made: Any) -> None:
+    """Read all that is made beforehand: a group of parameters may be handed on whole and read there."""
+    if isinstance(made, tuple):
+        for each in made:
+            _read_all(each)
+    elif is_dataclass(made):
+        for field in fields(made):
+            _read_all(getattr(made, field.name))
 
 
 def _bounds(spec: Any) -> tuple[float, float]:
