@@ -72,7 +72,9 @@ def _made_beforehand(configuration: Configuration) -> list[float]:
 @settings(max_examples=200, deadline=None)
 def test_what_an_export_lets_change_is_part_of_nothing_that_is_made_beforehand(data):
     """Else setting it would change nothing: the constants in the export are those of its first value."""
-    role, method = data.draw(st.sampled_from([each for each in sorted(methods()) if tunables(*each)]))
+    role, method = data.draw(
+        st.sampled_from([each for each in sorted(methods()) if tunables(*each)])
+    )
     configuration = methods()[role, method].configurations[role]
     tunable = data.draw(st.sampled_from(tunables(role, method)))
     low, high = max(tunable.low, -_LARGE), min(tunable.high, _LARGE)
