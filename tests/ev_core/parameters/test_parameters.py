@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import FrozenInstanceError, dataclass
+from enum import auto
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ev_core.methods.register import all_methods
-from ev_core.parameters.declaration import entries, flatten, group, parameter
+from ev_core.parameters.declaration import Choice, entries, flatten, group, parameter, setting
 from ev_core.parameters.values import build, check
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
@@ -292,3 +293,21 @@ def test_every_parameter_of_the_stack_accepts_its_own_default_and_says_its_unit(
         assert check(entry, entry.default) == entry.default, entry.name
         assert entry.spec.about, entry.name
         assert entry.spec.unit or entry.type is not float, entry.name
+
+
+class Written(Choice):
+    """Members as users write them: the case of a name is theirs."""
+
+    LARGE = auto()
+    small = auto()
+    Mixed_one = auto()
+
+
+@dataclass(frozen=True)
+class WithChoice:
+    written: Written = setting(Written.LARGE, about="which")
+
+
+@pytest.mark.parametrize("member", list(Written))
+def test_a_member_of_a_choice_is_found_by_its_name_in_small_letters(member):
+    assert build(WithChoice, {"written": member.name.lower()}).written is member

@@ -36,7 +36,7 @@ class Choice(IntEnum):
     @classmethod
     def of(cls, text: str) -> "Choice":
         """The member with this name."""
-        return cls[text.upper()]
+        return {member.text: member for member in cls}[text]
 
     @classmethod
     def texts(cls) -> tuple[str, ...]:

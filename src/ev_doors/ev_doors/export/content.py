@@ -213,7 +213,7 @@ def _tunables(configuration: Configuration, given: Given) -> list[Tunable]:
 
 
 def _read_all(made: Any) -> None:
-    """Read all that is made beforehand: a group of parameters may be handed on whole and read there."""
+    """Read all of what was made beforehand: a group may have been handed on whole."""
     if isinstance(made, tuple):
         for each in made:
             _read_all(each)
