@@ -23,7 +23,7 @@ setup(
     python_requires=">=3.11",
     install_requires=[
         f"ev_msgs_py=={VERSION}",
-        "numba==0.68.*",  # and with it llvmlite, whose version decides the last bit of a result
+        "numba==0.68.*",  # and with it llvmlite: its version decides the last bit of a result
         "numpy>=1.26.4",
     ],
     extras_require={"test": ["pytest"]},

@@ -191,7 +191,7 @@ class RecorderNode(Spinnable, Node):
         recorder.checkpoint()
 
     def _name(self, silent: list[str]) -> None:
-        """What the others wait for, where the master has asked for a while."""
+        """Name the topics that the others wait for, once the master has asked for a while."""
         self._asked_since = self._asked_since or time.monotonic()
         if time.monotonic() > self._asked_since + _LONG:
             self._reports.note("silent", f"nothing has come on {', '.join(silent)}")

@@ -211,7 +211,7 @@ def test_interrupted_it_ends_in_one_line_with_the_run_and_the_page_says_so(run, 
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["sweep"], "sweep is a study, whose runs are not on DDS: name a scenario"),
+        (["sweep"], "sweep is a study: its runs are not on DDS: name a scenario"),
         (["shchur2019", "--offline"], "--offline is refused: the page hears a run over DDS"),
         (["--seed", "2"], "'--seed' is not known; options of a run stand behind its SCENARIO"),
     ],

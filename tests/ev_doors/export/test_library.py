@@ -331,7 +331,7 @@ def test_an_older_program_is_refused_by_its_protocol(content, tmp_path):
     """The first version answered with the same identity, and less of what steps have taken."""
     (tmp_path / "answer").write_bytes(struct.pack("<Q3I", int(content.digest[:16], 16), 1, 1, 8))
     with pytest.raises(
-        ParameterError, match="it knows another version of the protocol: make it anew"
+        ParameterError, match="it knows another version of the protocol: build it again"
     ):
         Program(content, ["sh", "-c", f"cat {tmp_path}/answer; exec cat >/dev/null"])
 

@@ -59,7 +59,7 @@ class BusMeter:
         self.clear()
 
     def clear(self) -> None:
-        """Begin anew."""
+        """Start to measure again."""
         self.bits = self.latency = 0.0
 
     def note(self, identifier: int, data: bytes, latency: float = 0.0) -> None:
@@ -71,7 +71,7 @@ class BusMeter:
 
 
 _LONGEST = 8  # bytes of a classic frame
-# s: who is too slow for its bus leaves out what has waited for longer, and so keeps up
+# s: a reader too slow for its bus drops older frames, and so keeps up
 _OLDEST = 0.1
 
 

@@ -59,7 +59,7 @@ class CheckState:
 
 @compilable
 def is_valid(status: int) -> bool:
-    """Whether the content of a frame with this status may be used."""
+    """Return True if the content of a frame with this status may be used."""
     return status in (OK, OK_SOME_LOST)
 
 

@@ -1,4 +1,4 @@
-"""A channel of the bus without hardware: who sends when, how long it takes, what is lost.
+"""A channel of the bus without hardware: sending times, durations, lost frames.
 
 The same in each run.
 
@@ -65,7 +65,7 @@ class BusModelParameters(BusInterface):
 
     @property
     def is_random(self) -> bool:
-        """Mark of a bus whose behaviour depends on the seed."""
+        """Mark of a bus that depends on the seed."""
         return self.loss > 0.0
 
 

@@ -20,7 +20,7 @@ from can.interfaces.udp_multicast.utils import pack_message, unpack_message
 from ev_bench.bus.parameters import LOOPBACK
 from ev_msgs_py.refusal import quoted
 
-_BUFFER = 1 << 20  # bytes for frames that nobody has taken yet: a second of a full bus
+_BUFFER = 1 << 20  # bytes for frames that are not taken yet: a second of a full bus
 _LONGEST = 4096  # bytes of a datagram
 _TIMESTAMPS = 35  # SO_TIMESTAMPNS of Linux
 # IP_MULTICAST_ALL: also what others on this machine have joined, wherever they have
@@ -142,7 +142,7 @@ def _is_here(host: str) -> bool:
 
 
 def _bus(interface: str, channel: str, **more: Any) -> can.BusABC:
-    # What could not be opened would warn, behind the reason why, that nobody has closed it.
+    # What could not be opened would warn, behind the reason why, that it was not closed.
     logging.getLogger("can.bus").setLevel(logging.ERROR)
     return can.Bus(channel=channel, interface=interface, ignore_config=True, **more)
 

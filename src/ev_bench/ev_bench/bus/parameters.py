@@ -71,8 +71,8 @@ class BusInterface:
     address: str = setting(
         LOOPBACK,
         about=(
-            "of this machine in the network that udp_multicast uses; with any but 127.0.0.1 whoever"
-            " is there hears all frames and can send some"
+            "of this machine in the network that udp_multicast uses; with any but 127.0.0.1 all"
+            " machines there receive all frames and can send some"
         ),
         read_only=True,
     )

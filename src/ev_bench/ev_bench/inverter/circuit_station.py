@@ -125,7 +125,7 @@ def advance_circuit(p: CircuitParameters, s: Circuit, period: float) -> None:
 
 
 _MADE_GOOD = 5  # cycles that are made up for at once
-_DAMAGED = 0xFF  # a payload whose checksum is wrong
+_DAMAGED = 0xFF  # a payload with a wrong checksum
 
 
 class InverterStation:
@@ -154,7 +154,7 @@ class InverterStation:
             self.lost += self.s.check.lost_data
 
     def due(self, before: float, now: float, speed: float) -> list[Frame]:
-        """The frames whose cycle ends between two ticks."""
+        """Frames with a cycle that ends between two ticks."""
         return [
             Frame(
                 int(self._own.identifiers[kind]),

@@ -210,7 +210,7 @@ class Machine:
 
 
 def _as_in(of: type, name: str, **changed: Any) -> Any:
-    """Declare a parameter of another dataclass anew, with another default or other knowledge."""
+    """Declare a parameter of another dataclass with another default or other knowledge."""
     (known,) = (each for each in entries(of) if each.name == name)
     return parameter(**{"default": known.default, **asdict(known.spec), **changed})
 

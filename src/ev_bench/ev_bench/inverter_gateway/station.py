@@ -232,6 +232,6 @@ class GatewayOnBus(LawObject):
         return sent
 
     def go_on_from(self, other: "GatewayOnBus") -> None:
-        """Take over what another one, whose state it has, keeps between two instants."""
+        """Take over what a gateway with the same state keeps between two instants."""
         self._has_begun, self._torques_before = other._has_begun, other._torques_before
         self._set_points, self._heartbeats = other._set_points, other._heartbeats

@@ -130,7 +130,7 @@ class BenchStation(ChannelStation):
             inverter.lost = before.lost
 
     def begin_period(self) -> None:
-        """Begin means and counts anew."""
+        """Restart means and counts."""
         begin_period(self.s)
         self._made = 0
         self.meter.clear()

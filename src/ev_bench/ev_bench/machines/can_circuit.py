@@ -223,7 +223,7 @@ def _release_feedback(
 @compilable
 def _hear(line: Line, tick: int) -> None:
     """Keep the words that have arrived; of rarer frames, a control period has the newest."""
-    bus.take(line.channel, HEARTBEAT)  # whoever reads it
+    bus.take(line.channel, HEARTBEAT)  # for any reader
     for device in range(2):
         for kind in range(MOTION, FAULTS + 1):
             low, high = bus.take(line.channel, PLACES_SENT[kind] + device)

@@ -89,7 +89,7 @@ class CircuitsParameters:
     enabled: str = setting(
         "both",
         choices=ENABLED_CIRCUITS,
-        about="circuits whose inverters are enabled; services of the node lead it step by step",
+        about="circuits with enabled inverters; services of the node lead it step by step",
     )
     cooling: bool = setting(
         True, about="whether the cooling is on; without it no step of the test sequence is taken"

@@ -107,7 +107,7 @@ class _Flow:
     def _around(
         self, loop: ast.For | ast.While, within: Names, without: Names | None
     ) -> Names | None:
-        """Behind a loop whose body begins with the names `within`; `without` are those where it does not run at all."""
+        """Names behind a loop that begins with `within`; `without` are those if it never runs."""
         self._breaks.append([])
         self._continues.append([])
         behind = self._through(loop.body, within)

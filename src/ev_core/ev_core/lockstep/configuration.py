@@ -33,7 +33,7 @@ class Configuration:
     """A role, the method that plays it and all their parameters.
 
     `sensors` are those of the signals that the method writes; `unused` values belong to other
-    methods of the role. `own_faults` are those of a method whose parameters have no `faults`.
+    methods of the role. `own_faults` are those of a method without `faults` among its parameters.
     `from_files` are the names of parameters that files set, and of those that name the files.
     """
 

@@ -44,7 +44,7 @@ class HoldingInbox(Inbox):
     Without that one lost message would stop nodes that read each other for ever. A step is also
     complete when one of the `pacing` inputs of a later step is there. Where inputs are `neutral` as
     zero they may never have come. Else none of them may be older than `HELD`: a node that still
-    answered to a driver who is gone would repeat his last torque for ever, each time with a new
+    answered to a driver that is gone would repeat the last torque for ever, each time with a new
     stamp.
     """
 

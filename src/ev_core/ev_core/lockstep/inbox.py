@@ -32,7 +32,7 @@ class Arrival(Enum):
 
 # as the protocol names them
 NEW, REPEATED, OLD, GAP, RESTART = range(len(_ARRIVALS := tuple(Arrival)))
-ROWS = 8  # steps whose inputs are kept at most
+ROWS = 8  # steps with kept inputs at most
 NEVER = -(1 << 62)  # the stamp of an answer or step that has not been yet
 # places in `Steps.done`: the last step, the last answer, the answer before it
 LAST, ANSWER, BEFORE = range(3)
@@ -46,7 +46,7 @@ class Steps(NamedTuple):
     """
 
     done: Any  # (3,) stamps, NEVER where there is none
-    stamps: Any  # (ROWS,) of the step whose inputs are in the row
+    stamps: Any  # (ROWS,) of the step with its inputs in the row
     came: Any  # (ROWS,) the inputs that have come for that step
     inputs: int  # all that a step needs
     heralds: int  # those with writers that need this node's step before they go on to the next one

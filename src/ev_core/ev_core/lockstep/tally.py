@@ -29,7 +29,7 @@ _KEYS = 2 + 2 * SIZE
 # Where in the block of a node begin, behind the keys: the first and last place of each topic in the
 # frame, its sums. topics that are taken, all topics, steps from an input to its output
 _TAKEN, _COUNT, _AHEAD = range(_KEYS, _KEYS + 3)
-_PERIOD, _LEAD = _KEYS + 3, _KEYS + 4  # of the inbox whose steps are added
+_PERIOD, _LEAD = _KEYS + 3, _KEYS + 4  # of the inbox with the added steps
 _TOPICS = _KEYS + 5
 _SUMS = _TOPICS + 2 * _MOST
 BLOCK = _SUMS + KEPT * _MOST

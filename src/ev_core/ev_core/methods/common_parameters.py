@@ -54,7 +54,7 @@ class CommonParameters:
 def refuse_taken(label: str, parameters: type, taken: Iterable[str] = ()) -> None:
     """ParameterError if a parameter has the name of one that every node has, or one of `taken`: it would not get there.
 
-    Only a method whose `faults` are those of every node may ask for them itself.
+    Only a method with the `faults` of every node may ask for them itself.
     """
     own = entries_by_name(parameters)
     of_nodes = entries_by_name(CommonParameters)

@@ -78,7 +78,7 @@ class Driveline:
         "individual",
         choices=COUPLINGS,
         about="individual: a motor for each driven wheel; open, limited_slip: a motor for each driven axle, with a "
-        "differential; clutch: one motor, whose torque clutches share out as commanded; centre: one motor, with a "
+        "differential; clutch: one motor with clutches that share its torque as commanded; centre: one motor, with a "
         "centre differential and one in each axle",
     )
     front: str = _axle("front")
@@ -146,7 +146,7 @@ class Driveline:
         if self.has_one_input:
             if self.coupling == "clutch" and (self.front, self.rear) != ("same", "same"):
                 raise ParameterError(
-                    "front and rear are refused with coupling clutch, whose clutches are the axles'"
+                    "front and rear are refused with coupling clutch: its clutches are the axles'"
                 )
             if "individual" in (self.front, self.rear):
                 raise ParameterError(

@@ -13,7 +13,7 @@ from ev_msgs_py.refusal import ParameterError
 
 _of_winding = partial(
     parameter,
-    source="assumption for a YASA-400, whose curves (figure 1.22 of the dissertation) are lost",
+    source="assumption for a YASA-400; its curves (figure 1.22 of the dissertation) are lost",
 )
 
 
@@ -253,7 +253,7 @@ class Gearbox:
         low=0.0,
         high=100.0,
         about="of the output, below which the sign of the wanted torque chooses between forwards and reverse",
-        source="assumption: a driver who wants to go the other way moves the selector at rest",
+        source="assumption: a driver that wants to go the other way moves the selector at rest",
     )
 
     def __post_init__(self) -> None:

@@ -72,7 +72,7 @@ def commanded(
 ) -> DriverCommand:
     """Follow speed and road-wheel angle of the command.
 
-    A car whose command is too old comes to rest with the angle as it is.
+    A car without a fresh command comes to rest with the angle as it is.
     """
     speed = speed_along_path(body)
     holds = 1.0 if s.left > 0.0 else 0.0

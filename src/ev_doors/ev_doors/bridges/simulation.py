@@ -44,7 +44,7 @@ class SimulationInterfaces:
 
     Raises ImportError if the package is not sourced.
 
-    The state of the graph is what its master reports, whoever has stopped it; before the first
+    The state of the graph is what its master reports, however it was stopped; before the first
     report the clock tells.
     """
 
@@ -210,8 +210,7 @@ class SimulationInterfaces:
                 self._paused, self._is_stopped = True, False
                 if not await stepped:
                     raise LookupError(
-                        f"no step within {_PATIENCE:g} s: who does not answer, {self._master}"
-                        " reports"
+                        f"no step within {_PATIENCE:g} s: {self._master} reports the silent nodes"
                     )
         except LookupError as error:
             return self._result.RESULT_OPERATION_FAILED, str(error)

@@ -75,7 +75,7 @@ def _arguments(argv: list[str] | None) -> tuple[argparse.Namespace, list[str]]:
     if words and words[0].startswith("-"):
         parser.error(f"{quoted(words[0])} is not known; options of a run stand behind its SCENARIO")
     if words and words[0] in offered(STUDIES):
-        parser.error(f"{words[0]} is a study, whose runs are not on DDS: name a scenario")
+        parser.error(f"{words[0]} is a study: its runs are not on DDS: name a scenario")
     for word in _NO_DDS:
         if word in words:
             parser.error(f"{word} is refused: the page hears a run over DDS")

@@ -80,7 +80,7 @@ def _of_export(command: str, about: str) -> Parser:
         "--only", default="", metavar="ROLE,ROLE", help="these roles, such as asr; default: all"
     )
     what.add_argument(
-        "--without", default="", metavar="ROLE,ROLE", help="all but these, whose answers are inputs"
+        "--without", default="", metavar="ROLE,ROLE", help="all but these; their answers are inputs"
     )
     add_overrides(parser)
     return parser

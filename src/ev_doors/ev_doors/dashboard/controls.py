@@ -56,7 +56,7 @@ class Controls:
         self._executor = SingleThreadedExecutor(context=context)
         self._executor.add_node(node)
         self._of: dict[str, AsyncParameterClient] = {}
-        # nodes whose parameters are known, or were asked for a moment ago
+        # nodes with parameters that are known, or were asked for a moment ago
         self._asked: set[str] = set()
         self._present: set[str] = set()
         self._types: dict[tuple[str, str], Parameter.Type] = {}
@@ -105,7 +105,7 @@ class Controls:
         self._tell(line(text, refused))
 
     def close(self) -> None:
-        """Ask nobody any more."""
+        """Stop asking."""
         self._executor.shutdown()
         self._node.destroy_node()
 

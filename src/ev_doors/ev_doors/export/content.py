@@ -66,7 +66,7 @@ class Part(NamedTuple):
 
     @property
     def is_changed(self) -> bool:
-        """Mark of a function whose constants change, so that each object has its own."""
+        """Mark of a part with constants that change, so that each object has its own."""
         return bool(self.seeds or self.tunables)
 
 

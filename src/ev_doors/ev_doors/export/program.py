@@ -112,10 +112,10 @@ class Program:
             assert self._process.stdin is not None
             os.set_blocking(self._process.stdin.fileno(), False)
             if self._asked(b"i", _VERSION.size) != _VERSION.pack(PROTOCOL):
-                raise self._refused("it knows another version of the protocol: make it anew")
+                raise self._refused("it knows another version of the protocol: build it again")
             identity, *_, self._state_size = _IDENTITY.unpack(self._asked(b"", _IDENTITY.size))
             if identity != int(content.digest[:16], 16):
-                raise self._refused("it is that of another export: make it anew")
+                raise self._refused("it is that of another export: build it again")
             unless_ours.pop_all()
 
     def create(self) -> tuple[int, list[float]]:

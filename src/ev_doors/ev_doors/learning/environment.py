@@ -1,7 +1,6 @@
 """A Gymnasium environment around `ev_stack.Simulation`: a learner plays one role of a scenario.
 
-An action names the role whose place the learner takes, and how its numbers become what that role
-writes.
+An action names the role that the learner plays, and how its numbers become what that role writes.
 """
 
 from __future__ import annotations

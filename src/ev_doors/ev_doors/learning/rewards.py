@@ -42,7 +42,7 @@ class CalmYaw:
 
 
 def little_slip(frame: Mapping[str, float], action: np.ndarray, own: np.ndarray) -> float:
-    """Minus the square of the largest slip ratio; 0 for a plant whose wheels cannot slip."""
+    """Minus the square of the largest slip ratio; 0 for a plant without slip."""
     slips = [abs(frame.get(f"tire_forces.slip_ratio.{wheel}", 0.0)) for wheel in WHEEL_NAMES]
     ratio = max(slips) / LARGE_SLIP_RATIO
     return -ratio * ratio

@@ -1,1 +1,1 @@
-"""What the nodes agree on: signals, topics, roles, the frame, declared records."""
+"""Contract of the nodes: signals, topics, roles, the frame, declared records."""

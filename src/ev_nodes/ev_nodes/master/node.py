@@ -31,7 +31,7 @@ from ev_nodes.stepping.signal_io import NAMELESS, QUALITY
 from ev_nodes.stepping.stepped_node import SteppedNode
 
 _CLOCK_TOPIC = "/clock"
-# The format of /clock, whose messages hold no numbers beside the stamp.
+# The format of /clock; its messages hold no numbers beside the stamp.
 _CLOCK = SimpleNamespace(template=stamp_alone(0), mask=b"", runs=(), code="d")
 _LOOK_PERIOD = 1.0  # s of wall time between looks for other clocks and at the ends of topics
 _AT_ONCE = 9  # topics, of which a look takes half a millisecond: real time goes on

@@ -197,8 +197,8 @@ class Timing:
 
     `period` is the time between steps, `lateness` the time from when a step was due until it was
     taken, `arrival` by topic the time from when an instant was due until its input came. An overrun
-    is a step that was more than a period late. `without_command` counts the steps whose torque had
-    faded because no command was new enough, `refused` by topic the inputs that were older than
+    is a step that was more than a period late. `without_command` counts the steps with faded
+    torque because no command was new enough, `refused` by topic the inputs that were older than
     others before, or of instants that have yet to come.
     """
 

@@ -155,7 +155,7 @@ class SignalWriter:
         self._readers = self.publisher.handle.get_subscription_count
 
     def write(self, stamp: int, here: Frame) -> None:
-        """Publish the signal in a frame, whose numbers are finite.
+        """Publish the finite numbers of a signal in a frame.
 
         Without readers it costs nearly nothing.
         """

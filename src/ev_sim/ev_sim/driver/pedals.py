@@ -30,7 +30,7 @@ driver_method = partial(
 )
 
 
-UNBOUNDED = 1e9  # [m/s], of a driver whom nothing but the profile bounds
+UNBOUNDED = 1e9  # [m/s], of a driver that nothing but the profile bounds
 
 
 @compilable

@@ -221,7 +221,7 @@ def kinematic(
 
     m V' = sum(M_j)/r_k - 0.5 rho c_d A V |V| - (k_r m g + sum(brake torques)/r_k) sgn(V), eq 13
     with its traction equation; V_j = V R_j/R by eqs 8 to 11. As in the paper V is the speed of the
-    centre of mass along its path, whose x and y components BodyVelocity carries, and the inertia of
+    centre of mass along its path; BodyVelocity carries its x and y components. The inertia of
     wheels, motors and yaw is left out. The road-wheel angle is held over a control period, so the
     car then moves on a circular arc, which is integrated exactly. Torques and angle are held as the
     guard accepts them.

@@ -37,7 +37,7 @@ COMMANDS = {  # name -> module and function that takes words, and what it does
     "pause": ("ev_stack.commands.shell:pause", "let the time of a running graph stand still"),
     "resume": ("ev_stack.commands.shell:resume", "let it go on"),
     "step": ("ev_stack.commands.shell:step", "let one step pass, or N, and stand still"),
-    "reset": ("ev_stack.commands.shell:reset", "begin anew at time zero"),
+    "reset": ("ev_stack.commands.shell:reset", "restart at time zero"),
     "topic": (
         "ev_stack.commands.live_graph:topic",
         "topics of a running graph: topic list, echo NAME, hz NAME, info NAME",

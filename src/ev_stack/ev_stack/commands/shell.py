@@ -185,7 +185,7 @@ _ABOUT_TIME = {
     "pause": "Let simulated time stand still.",
     "resume": "Let simulated time go on.",
     "step": "Let one step pass, or several, and stand still then.",
-    "reset": "Begin anew at time zero, with the parameters as they are.",
+    "reset": "Restart at time zero, with the parameters as they are.",
 }
 pause, resume, step, reset = (partial(_control_time, service) for service in _ABOUT_TIME)
 

@@ -1,4 +1,4 @@
-"""What is stepped from outside: a car, for loops of one's own, as the graph with some of its roles left out.
+"""A car stepped from outside, as the graph without some of its roles, for loops of one's own.
 
 And one law on its own, stepped by channels: what a learner imitates.
 """
@@ -52,7 +52,7 @@ class SteppedLaw:
         self.inputs, self.outputs = tuple(self._inputs), tuple(self._outputs)
 
     def __getstate__(self) -> dict[str, Any]:
-        """For pickle and deepcopy: the part is compiled code, so it is made anew and goes on from its state."""
+        """State for pickle and deepcopy: compiled code is left out and made again from it."""
         return {name: value for name, value in vars(self).items() if name != "_part"} | {
             "state": self.state
         }
@@ -64,9 +64,10 @@ class SteppedLaw:
         self.state = state
 
     def answer(self, time: float, given: Mapping[str, float]) -> dict[str, float]:
-        """What it writes at an instant [s], by channel in SI units; inputs that are not given keep their last value.
+        """Outputs at an instant [s], by channel in SI units.
 
-        ParameterError for an input that no run has, SignalError if an output is not finite.
+        Missing inputs keep their last value. ParameterError for an input that no run has,
+        SignalError if an output is not finite.
         """
         self._here[frame.TIME] = time
         for name, place in self._inputs.items():
@@ -186,7 +187,7 @@ class Simulation:
         self._parts = {role: compiled_parts(self.configurations[role]) for role in self.kept}
 
     def __getstate__(self) -> dict[str, Any]:
-        """For pickle and deepcopy: parts are compiled code, so they are made anew and go on from their state."""
+        """State for pickle and deepcopy: compiled code is left out and made again from it."""
         return {name: value for name, value in vars(self).items() if name != "_parts"} | {
             "state": self.state
         }
@@ -249,7 +250,10 @@ class Simulation:
 
     @property
     def frame(self) -> Mapping[str, float]:
-        """By channel, such as imu.yaw_rate, what this instant shows; what answers later still shows its last one."""
+        """Numbers of this instant by channel, such as imu.yaw_rate.
+
+        Later answers still show the last.
+        """
         return {name: float(self._here[place]) for name, place in self._channels.items()}
 
     @property
@@ -313,7 +317,7 @@ class Simulation:
         self._here[:] = saved.frame
 
     def _of(self) -> dict[str, Any]:
-        """What a state is a state of, by name."""
+        """Features by name that a state has to agree in."""
         found: dict[str, Any] = {
             "control period [ns]": self.period,
             "roles": self.kept,

@@ -147,7 +147,7 @@ def steady(run: Recording) -> slice:
     else:
         start = motion.first(acceleration >= GRADIENT_RANGE[0], f"{GRADIENT_RANGE[0]:g} m/s^2")
     beyond = np.maximum.accumulate(acceleration > GRADIENT_RANGE[1])
-    # it slides off, slows down and grips anew
+    # it slides off, slows down and grips again
     lost = np.flatnonzero(beyond & (acceleration < 0.9 * GRADIENT_RANGE[1]))
     part = slice(start, int(acceleration[: lost[0] if lost.size else None].argmax()) + 1)
     if not acceleration[part].size:

@@ -1,4 +1,4 @@
-"""What a run leaves in its folder: whole files, its signals as arrays, and the hash that proves two runs equal."""
+"""Files of a run: whole ones, its signals as arrays, and the hash that proves two runs equal."""
 
 from __future__ import annotations
 

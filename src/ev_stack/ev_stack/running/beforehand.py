@@ -1,4 +1,4 @@
-"""What runs need in compiled code, made before they begin: on all cores, with a bar that counts.
+"""Compiled code of runs, made before they begin: on all cores, with a bar that counts.
 
 What nobody has made by then is compiled when it is used, by nodes as well. What is on disk is only
 looked for.
@@ -73,7 +73,7 @@ def compile_units(units: Iterable[Unit]) -> list[str]:
 
 
 def _processes() -> int:
-    """How many may be forked off: none where other threads run, for what they hold would be held for ever."""
+    """Number of processes to fork: none beside other threads, whose locks would last for ever."""
     return (
         len(os.sched_getaffinity(0))
         if sys.platform == "linux" and threading.active_count() == 1
@@ -163,18 +163,18 @@ def unit_of_method(method: Method, parameters: Any, vehicle: Vehicle, period: fl
 
 
 def unit_of_code(code: Code) -> Unit:
-    """What belongs to no method."""
+    """Unit of code that belongs to no method."""
     return Unit(code.name, code.is_kept, code.address, code.name)
 
 
 def of_reports(played: Iterable[Configuration]) -> list[Unit]:
-    """What the reports of runs need where a driver follows a path."""
+    """Units for the reports of runs with a driver that follows a path."""
     has_path = any(each.role == "driver" and hasattr(each.given, "path") for each in played)
     return [unit_of_code(DISTANCES)] if has_path else []
 
 
 def stepping(in_nodes: bool) -> list[Unit]:
-    """What steps the methods, in nodes or offline; without ROS there are no nodes."""
+    """Units that step the methods, in nodes or offline; without ROS there are no nodes."""
     if in_nodes and find_spec("rclpy") is None:
         return []
     if not in_nodes:

@@ -1,4 +1,4 @@
-"""What no other run on this machine uses: a ROS domain, names and, of packages that offer one, a bus."""
+"""Things that one run of this machine has alone: a ROS domain, names, and an offered bus."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _UNICAST = 10  # offset of the first participant's port
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where a run is driven over DDS: the parameters of its nodes by name, also as a file in its folder."""
+    """Place of a run over DDS: its nodes' parameters by name, also as a file in its folder."""
 
     run: Run
     directory: Path
@@ -93,9 +93,10 @@ def free_domain() -> Iterator[int]:
 
 @contextmanager
 def own_namespace(domain: int, namespace: str) -> Iterator[None]:
-    """For the time of the block no other run of this user has nodes of the same names; RunFailed if one has them.
+    """Reserve the names of nodes against other runs of this user.
 
-    Two nodes of one name are not believed, and both runs would stand still.
+    RunFailed if one has them. Two nodes of one name are not believed, and both runs would stand
+    still.
     """
     with _reservation(f"{domain}_{os.getuid()}{namespace.replace('/', '_')}") as reserved:
         if not reserved:
@@ -123,7 +124,7 @@ def discovery_port(domain: int, participant: int) -> int:
 
 @contextmanager
 def _reservation(what: object) -> Iterator[bool]:
-    """Whether it could be reserved, for the time of the block; also false if the lock is another user's."""
+    """Reserve something in the block; the value is False if another run or user has it."""
     with ExitStack() as stack:
         try:
             lock = stack.enter_context(open(_lock_file(what), "wb", opener=_opened_in_place))
@@ -144,7 +145,7 @@ def _opened_in_place(path: str, flags: int) -> int:
 
 
 def _blocked() -> str:
-    """Which lock file, or folder of them, is not ours to write, and whose it is; nothing if all of them are."""
+    """Name a lock file, or their folder, that is not ours to write, and its owner; else nothing."""
     for domain in _DOMAINS:
         try:
             os.close(_opened_in_place(str(_lock_file(domain)), os.O_WRONLY | os.O_CREAT))
@@ -162,7 +163,7 @@ def _lock_file(what: object) -> Path:
 
 
 def _is_silent(domain: int) -> bool:
-    """Whether the ports of all participants can be had; the first ones may be gone while later ones live on."""
+    """Return True if all participants' ports are free; later ones may outlive the first ones."""
     ports = (discovery_port(domain, participant) for participant in range(_PARTICIPANTS))
     for port in (_FIRST_PORT + _PORTS_PER_DOMAIN * domain, *ports):
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:

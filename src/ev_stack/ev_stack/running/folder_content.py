@@ -1,4 +1,4 @@
-"""What a folder holds: names that fit a pattern, its lock, the manifest of what commands have written there."""
+"""Content of a folder: names that fit a pattern, its lock, the manifest of earlier commands."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def _is_sound(files: object) -> bool:
 
 
 def stays_within(name: str) -> bool:
-    """Whether a path can only be below the folder that it begins in."""
+    """Return True if a path can only be below the folder that it begins in."""
     path = PurePosixPath(name)
     return (
         bool(path.parts) and not path.is_absolute() and ".." not in path.parts and str(path) == name
@@ -59,12 +59,12 @@ def write_manifest(folder: Path, written: Mapping[str, Files]) -> None:
 
 
 def is_file(path: Path) -> bool:
-    """Whether it is a regular file and no link to one."""
+    """Return True for a regular file that is no link."""
     return path.is_file() and not path.is_symlink()
 
 
 def is_folder(path: Path) -> bool:
-    """Whether it is a folder and no link to one."""
+    """Return True for a folder that is no link."""
     return path.is_dir() and not path.is_symlink()
 
 

@@ -33,10 +33,11 @@ def package_of(node: str) -> str:
 
 
 def command(name: str) -> list[str]:
-    """What `ros2 run` would start for the node of a role: that itself would not hand on the line to the runner.
+    """Words that start the node of a role.
 
-    RunFailed if the workspace is not built or not sourced, or if the node comes from several
-    packages.
+    They are those that `ros2 run` would start: that itself would not hand on the line to the
+    runner. RunFailed if the workspace is not built or not sourced, or if the node comes from
+    several packages.
     """
     try:
         package = package_of(name)
@@ -135,7 +136,7 @@ def _started(
 
 
 def _said_by_us(name: str, run: Run, folder: Path) -> list[str]:
-    """What a node takes from no file: the path of code, that of a log, and a network (`ros_parameters.given`)."""
+    """Parameters that a node takes from no file: paths of code and log, a network."""
     configuration = run.configurations.get(name)
     if configuration is None:
         return []

@@ -116,7 +116,7 @@ def drive_torques(vehicle: Vehicle, force: float) -> Wheels:
 def rows(
     vehicle: Vehicle, surface: str, model: SideSlipModel, plant: LinearisedPlant
 ) -> list[tuple[str, float, str]]:
-    """What is printed: label, value, unit; of the speeds those that the car has, W12 where a force drives the car."""
+    """Rows to print: label, value, unit; speeds that the car has, W12 if a force drives the car."""
     front, rear = axle_masses(vehicle)
     front_stiffness, rear_stiffness = axle_cornering_stiffnesses(vehicle, surface)
     slow = np.array([0.0])

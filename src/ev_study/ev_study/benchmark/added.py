@@ -118,7 +118,7 @@ def _hold_against_contract(name: str, car: str, configuration: Configuration) ->
 
 
 def refuse_variations(board: Board, runs: Sequence[Run]) -> None:
-    """ParameterError, with the file of the board, for a variation whose name or bounds do not fit one of some runs."""
+    """ParameterError, with the board's file, for a variation that does not fit one of some runs."""
     for each, run in itertools.product(board.variations, runs):
         if each.parameter in (FRICTION, TOLD_FRICTION, MOTOR_FAULT):
             continue

@@ -68,7 +68,7 @@ class Variation:
 
 @dataclass(frozen=True, slots=True)
 class Cases:
-    """What a seed draws runs from: cars, bounds of `friction` and `stiffness` of each road, and further variations."""
+    """Cases for a seed: cars, bounds of `friction` and `stiffness` of roads, more variations."""
 
     cars: list[str]
     friction: list[float]
@@ -78,7 +78,7 @@ class Cases:
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """What is driven and compared at once: a car in a manoeuvre on a road."""
+    """A car in a manoeuvre on a road, driven and compared at once."""
 
     board: str
     version: int
@@ -176,7 +176,7 @@ def _variations(of: Mapping[str, Any]) -> list[Variation]:
 
 
 def by_role(law: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """What a law states, by the role that plays it: that of the electronic differential first."""
+    """Values of a law by the role that they belong to; the electronic differential is first."""
     found: dict[str, dict[str, Any]] = {ROLE: {}}
     for name, value in law.items():
         role, _, parameter = name.partition(".")

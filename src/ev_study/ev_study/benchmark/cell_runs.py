@@ -1,4 +1,4 @@
-"""What is the same in all runs of a cell: its layout, road and steering angles, and its laws as the car has them."""
+"""Settings of all runs of a cell: layout, road, steering angles, and its laws for the car."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ FIELDS += ("demand_met", "once_more", CLEAN, DRIVEN)
 
 
 def values_of(board: Board, cell: Cell) -> dict[str, Any]:
-    """By ROLE.PARAMETER what is the same in all runs of a cell: layout, road, and what the manoeuvre sets."""
+    """Values of all runs of a cell by ROLE.PARAMETER: layout, road, and those of the manoeuvre."""
     manoeuvre = board.manoeuvres[cell.manoeuvre]
     for name in named_metrics(manoeuvre.measured):
         if name in FIELDS:
@@ -101,7 +101,7 @@ def driven_wheels(board: Board, cell: Cell) -> list[str]:
 
 
 def _scale_of_angles(board: Board, cell: Cell) -> float:
-    """By what this car has to turn the steering wheel farther than that of the scenario, from a slow ramp on a road."""
+    """Ratio of this car's steering-wheel angle to the scenario's, from a slow ramp on a road."""
     values = {
         **_layout_and_road(board, cell),
         **board.manoeuvres[cell.manoeuvre].values,
@@ -143,7 +143,7 @@ def _scenario(board: Board, cell: Cell, values: Mapping[str, Any]) -> Scenario:
 
 
 def law_values(board: Board, law: str, base: Run) -> dict[str, dict[str, Any]]:
-    """By role the parameters of a law: those of the board, and the cornering stiffnesses of the car it asks for."""
+    """Parameters of a law by role: those of the board, and the car's cornering stiffnesses."""
     found = by_role(board.laws[law])
     for role, values in found.items():
         common = base.configurations[role].common
@@ -160,7 +160,7 @@ def law_values(board: Board, law: str, base: Run) -> dict[str, dict[str, Any]]:
 
 
 def law_of(board: Board, law: str, base: Run) -> dict[str, Configuration]:
-    """By role a law of the board for the car of a run."""
+    """A law of the board for the car of a run, by role."""
     try:
         found = law_values(board, law, base)
         common = {role: flatten(base.configurations[role].common) for role in found}

@@ -298,7 +298,7 @@ def _identify_tyre(given: argparse.Namespace, command: str) -> None:
 
 
 def _given(given: argparse.Namespace) -> tuple[dict[str, Any], dict[str, Any]]:
-    """What file and options say of the vehicle, by dotted name, and of the rest, by ROLE.PARAMETER."""
+    """Values of the vehicle, by dotted name, and of the rest, by ROLE.PARAMETER."""
     changed = overrides(given)
     stated, beside = vehicle_file(given.vehicle).values_for("/ev/plant"), dict[str, Any]()
     for role in ROLES_OF_REPLAY:
@@ -385,7 +385,7 @@ def _part(text: str) -> tuple[float, float]:
 def _parted(
     changed: Overrides, with_estimators: bool
 ) -> tuple[Overrides, dict[str, dict[str, Any]]]:
-    """What is given for the graph, and by their names what for corridors and estimators."""
+    """Split values for the graph from those for corridors and estimators, by their names."""
     found: dict[str, dict[str, Any]] = {name: {} for name in (CORRIDOR, *estimators())}
     for file in map(ParameterFile, changed.files):
         for name, values in found.items():

@@ -43,7 +43,7 @@ def run_replay(argv: Sequence[str]) -> None:
         "--node",
         required=True,
         metavar="NODE[=METHOD_OR_COMMAND]",
-        help="what is played anew: by the recorded method, by another one, or by your own node",
+        help="what is played again: by the recorded method, by another one, or by your own node",
     )
     parser.add_argument(
         "--namespace", default="", metavar="NS", help="that of the topics, if a bag has several"

@@ -1,4 +1,4 @@
-"""What an identification leaves behind: the car with intervals, what the record cannot tell, before and after."""
+"""Files of an identification: the car with intervals, unknown combinations, before and after."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ CONSTANT = 0.5
 
 @dataclass(frozen=True)
 class Identified:
-    """A fit, what it knows, and by part of the record the replays of start and result.
+    """A fit, its certainty, and the replays of start and result by part of the record.
 
-    `stated` is what was given of the vehicle by dotted name, `beside` what else by ROLE.PARAMETER.
+    `stated` are given values of the vehicle by dotted name, `beside` others by ROLE.PARAMETER.
     `moved` is by input what one per cent of its sensor's scale moves each parameter by,
-    (parameters,), empty if nobody asks.
+    (parameters,), empty if it is not wanted.
     """
 
     free: Sequence[FreeParameter]
@@ -49,7 +49,7 @@ class Identified:
 
     @cached_property
     def judged(self) -> Mapping[str, tuple[Validation, Validation]]:
-        """By part before and after."""
+        """Validations before and after, by part."""
         points = np.array([[each.start for each in self.free], self.fitted.values])
         found = {}
         for part, replay in self.replays.items():
@@ -125,7 +125,7 @@ class Identified:
         return found
 
     def notes(self) -> list[str]:
-        """By parameter in one line: interval and deviation, or why it has none."""
+        """A line for each parameter: interval and deviation, or why it has none."""
         lines = []
         for place, (each, (low, high)) in enumerate(zip(self.free, self.intervals, strict=True)):
             unit = f" {each.unit}" if each.unit not in ("", "1") else ""
@@ -217,7 +217,7 @@ class Identified:
         self.judged[part][1].write(folder, self.command, page, self.as_json(source), self.table())
 
     def as_json(self, source: str) -> dict[str, Any]:
-        """What summary.json has besides the validation."""
+        """Content of summary.json besides the validation."""
         parameters = {
             each.name: {
                 **{

@@ -1,4 +1,4 @@
-"""What the identification of a tyre leaves behind: its property file, its errors, and curves over data."""
+"""Files of the identification of a tyre: its property file, its errors, and curves over data."""
 
 from __future__ import annotations
 

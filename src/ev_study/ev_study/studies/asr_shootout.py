@@ -64,7 +64,7 @@ class Situation:
     curvature: float = 0.0  # of the path behind the first metres [1/m]
 
     def values(self) -> tuple[tuple[str, str, Any], ...]:
-        """What differs from the scenario's own file."""
+        """Values that differ from the scenario's own file."""
         values = [
             ("driver", "pedals.time", [0.0, 0.5, 0.7, 1.5]),
             ("driver", "pedals.drive_torque", [0.0, 0.0, 0.2 * self.torque, self.torque]),
@@ -145,7 +145,7 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
 
 
 def _samples_in(seconds: float, recording: Recording) -> int:
-    """How many samples a time takes, one at least."""
+    """Number of samples in a time, one at least."""
     return max(round(seconds * (len(recording.time) - 1) / recording.duration), 1)
 
 
@@ -177,7 +177,7 @@ def _farthest(recording: Recording, run: Run) -> float:
 def _wheel(
     recording: Recording, name: str, vehicle: Vehicle
 ) -> tuple[np.ndarray, float, float | None, int]:
-    """What is measured of one driven wheel: its slip over time, energy [J], ripple [N m], false triggers."""
+    """Measures of one driven wheel: slip over time, energy [J], ripple [N m], false triggers."""
     time = recording.time
     of_tyre = ("slip_ratio", "longitudinal_force", "load", "friction_coefficient")
     slip, force, load, friction = (channel(recording, f"tire_forces.{of}.{name}") for of in of_tyre)
@@ -203,7 +203,7 @@ def _ripple(values: np.ndarray, time: np.ndarray) -> float | None:
 
 
 def _recovery(recording: Recording, vehicle: Vehicle) -> float | None:
-    """From where the friction has risen under a wheel until it gets most of its request, the longest time [s]."""
+    """Longest time [s] from a rise of the friction until a wheel gets most of its request."""
     times = []
     for name in vehicle.driven_wheels:
         rises = np.flatnonzero(
@@ -302,7 +302,7 @@ def name_of(road: str, control: str) -> str:
 
 
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
-    """For each control the sums over all roads."""
+    """Sums over all roads for each control."""
     roads, names = _chosen(given)
 
     def all_of(control: str, quantity: str) -> np.ndarray:

@@ -25,7 +25,7 @@ from ev_stack.command_line.offered_commands import STUDIES
 from ev_stack.report.summary import PACKAGES, versions
 from ev_stack.scenarios.about import REPORTS
 
-SOURCES = "ev_stack.sources"  # of entry points, whose published.csv reports may measure by
+SOURCES = "ev_stack.sources"  # of entry points; reports may measure by their published.csv
 _GROUPS = (STUDIES, REPORTS, SOURCES, "ev_stack.methods")
 _INSTALLED = frozenset(("site-packages", "dist-packages"))
 
@@ -95,7 +95,7 @@ def text_of_study(name: str) -> str:
 
 
 def text_of_report(name: str) -> str:
-    """The same of a report, and of what sources have published: ours judges by ours, somebody else's by any of them."""
+    """Text of a report and of published numbers: of ours, or of any for a user's report."""
     module, sources = offered(REPORTS).get(name, ""), sorted(offered(SOURCES).values())
     if not module:
         return ""
@@ -105,7 +105,7 @@ def text_of_report(name: str) -> str:
 
 @cache
 def _texts_of(module: str) -> str:
-    """A digest of somebody else's module, of what it imports, and of the data files of its package."""
+    """A digest of a user's module, of what it imports, and of the data files of its package."""
     if module.partition(".")[0] in ("", *OURS):
         return ""
     files = {(path.name, path) for path in imported_files(module, but=(*OURS, *PACKAGES))}

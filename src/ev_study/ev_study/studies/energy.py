@@ -71,7 +71,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         default=[],
         metavar="TEXT",
-        help="cars whose name has one of these texts",
+        help="cars with one of these texts in their names",
     )
 
 
@@ -225,7 +225,7 @@ def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
 def tables(given: argparse.Namespace, results: Results) -> str:
     """The assumptions, the rows, and the errors in sum."""
     names = ("quantity", "class", "value", "unit")
-    # The codes of the fitted cars only for a fit of this list, whose assumptions somebody may want
+    # The codes of the fitted cars only for a fit of this list: a user may want its assumptions
     # to keep.
     shown = [row for row in assumption_rows(_assumptions(given)) if given.fit or row[0] != FITTED]
     assumed = text_table(names, shown, left=names[:2])

@@ -40,11 +40,11 @@ class Key:
 
     @property
     def name(self) -> str:
-        """What the row is called in the store."""
+        """Name of the row in the store."""
         return f"{self.digest}.row"
 
     def refuse_changed(self) -> None:
-        """RunFailed if a file is another one by now: each job reads it anew."""
+        """RunFailed if a file is another one by now: each job reads it again."""
         for path, digest in self.files.items():
             if not (Path(path).is_file() and digest_of(Path(path)) == digest):
                 raise RunFailed(f"{path} has changed since the runs began: start them again")
@@ -117,7 +117,7 @@ class KeptRows(Generic[Row]):
 
     @property
     def names(self) -> list[str]:
-        """What they are called in the store."""
+        """Names of the rows in the store."""
         return list(dict.fromkeys(key.name for key in self._keys.values()))
 
     def get(self, name: Hashable) -> Row | None:

@@ -23,10 +23,10 @@ Answer = Callable[[np.ndarray, Callable[[np.ndarray], np.ndarray]], np.ndarray]
 
 
 def robust_cost(costs: np.ndarray) -> np.ndarray:
-    """What candidates are compared by, of the costs of their runs along the last axis.
+    """Cost of candidates for their comparison, of the costs of their runs along the last axis.
 
-    Their interquartile mean and their worst tenth, which both rank laws; the tenth counts as the
-    tenth that it is.
+    It is their interquartile mean and their worst tenth, which both rank laws; the tenth counts as
+    the tenth that it is.
     """
     return interquartile_mean(costs) + WORST * tail_mean(costs)
 
@@ -77,7 +77,7 @@ class Training:
 
     @property
     def runs(self) -> int:
-        """Of one candidate."""
+        """Number of runs of one candidate."""
         return len(self._cells) * self._board.draws
 
     @property

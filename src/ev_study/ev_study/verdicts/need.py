@@ -1,4 +1,4 @@
-"""What has to be driven for a verdict, each run once, and what a verdict gets of it."""
+"""Runs that verdicts need, each driven once, and their results for a verdict."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class ScenarioNeed:
 
     @property
     def command(self) -> str:
-        """What drives the same from the command line."""
+        """Words that drive the same from the command line."""
         changed = [f"--set {node}.{name}={_word(value)}" for node, name, value in self.values]
         duration = [f"--duration {self.duration:g}"] if self.duration else []
         return " ".join([self.scenario, *changed, *duration])
@@ -71,7 +71,7 @@ class StudyNeed:
 
     @property
     def command(self) -> str:
-        """What drives the same from the command line."""
+        """Words that drive the same from the command line."""
         return " ".join([self.study, *self.options])
 
 
@@ -124,7 +124,7 @@ class ScenarioRuns:
 
 @dataclass(frozen=True)
 class StudyCases:
-    """What a study has measured, and the options that it was given."""
+    """Results of a study, and the options that it was given."""
 
     results: Results
     given: argparse.Namespace
@@ -137,7 +137,7 @@ _ONLY_JUDGES = (*NEVER_DRIVES, "ev_study/verdicts", "ev_stack/figures")
 
 
 def kept_by_user(folder: Path | None = None) -> ResultStore:
-    """What was driven for verdicts before, by all sources, configuration files and packages as they are."""
+    """Results kept for verdicts, by all sources, configuration files and packages as they are."""
     return ResultStore(digest_of_sources(_ONLY_JUDGES, config=True, others=True), folder)
 
 
@@ -229,12 +229,12 @@ def drive(needs: Iterable[Need], kept: ResultStore, drive_cases: Drive) -> dict[
 
 
 def _signals(kept: ResultStore, key: Key) -> Path:
-    """Where the signals of a run are kept."""
+    """Path of the signals of a run."""
     return kept.path(f"{key.digest}{RECORDING}")
 
 
 def cases_of(need: Need) -> list[Case]:
-    """What has to be driven for a need."""
+    """Cases to drive for a need."""
     return _resolved(need)[0]
 
 

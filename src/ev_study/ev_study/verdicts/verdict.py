@@ -43,7 +43,7 @@ def sort_of(text: str) -> str:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What was published, what came out, and what that is worth; `note` is its text with what was driven filled in."""
+    """A published number, ours, and their agreement; `note` is its text with ours filled in."""
 
     published: Published
     metrics: Mapping[str, Metric]
@@ -69,7 +69,7 @@ class Verdict:
 
     @property
     def assumption(self) -> str:
-        """What had to be added to the source, empty if nothing."""
+        """Assumption added to the source, empty if none."""
         return self.note if self.published.note in (ASSUMPTION, IN_PART) else ""
 
     @property
@@ -103,7 +103,7 @@ class Verdict:
 
     @property
     def run(self) -> str:
-        """What was driven for it."""
+        """Runs that were driven for it."""
         driven = "; ".join(need.command for need in self.published.needs)
         return driven or ("closed form" if self.published.is_judged else "")
 
@@ -133,7 +133,10 @@ def verdict(of: Published, results: Sequence[Driven]) -> Verdict:
 
 
 def wanted(only: Sequence[str], quick: bool) -> list[tuple[str, Published]]:
-    """What some sources published, with their names, or some ids (all if none is named); `quick`: no slow needs."""
+    """Published numbers of some sources, with names, or some ids (all if none).
+
+    `quick`: no slow needs.
+    """
     return [
         (source, each)
         for source in sources()
@@ -185,7 +188,7 @@ def plain_table(verdicts: Sequence[Verdict], width: int) -> str:
 
 
 def counts(verdicts: Sequence[Verdict]) -> str:
-    """How many verdicts there are of each sort, in one line."""
+    """Numbers of verdicts of each sort, in one line."""
     found = Counter(sort_of(each.text) for each in verdicts)
     return ", ".join(
         [f"{len(verdicts)} ids", *(f"{found[sort]} {sort}" for sort in SORTS if found[sort])]

@@ -1,4 +1,4 @@
-"""What a board has given: scores of all laws, records of all runs, and all that is written of them."""
+"""Result of a board: scores of all laws, records of all runs, and what is written of them."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ from ev_study.benchmark.ranking.varied import Varied, differences_by_variation
 
 
 class _Counted(NamedTuple):
-    """Of each cell which runs are unstable, what they meet of the demand and cost, (laws, draws), and what is recorded.
+    """Counts of each cell: unstable runs, met demand and costs, (laws, draws), recorded metrics.
 
-    The cells themselves, and how many runs were driven in all of them.
+    With them come the cells themselves, and the number of runs driven in all of them.
     """
 
     unstable: list[np.ndarray]
@@ -65,7 +65,7 @@ class BoardResult:
 
     @cached_property
     def _counted(self) -> _Counted:
-        """What counts of all cells: one after the other, to spare memory."""
+        """Counts of all cells: one after the other, to spare memory."""
         board, counted = self.board, _Counted([], [], {cost: [] for cost in COSTS}, [], {}, 0)
         for cell in self.cells:
             manoeuvre, of_laws = (
@@ -91,7 +91,7 @@ class BoardResult:
 
     @cached_property
     def unstable(self) -> np.ndarray:
-        """Which runs are, (laws, cells, draws): slid too far, with a number that is not finite, or not clean."""
+        """Mask of runs, (laws, cells, draws): slid too far, not finite, or not clean."""
         return np.stack(self._counted.unstable, axis=1)
 
     @cached_property
@@ -101,17 +101,17 @@ class BoardResult:
 
     @cached_property
     def costs(self) -> dict[str, np.ndarray]:
-        """By cost what each run costs, (laws, cells, draws)."""
+        """Costs of each run by cost, (laws, cells, draws)."""
         return {cost: np.stack(of, axis=1) for cost, of in self._counted.costs.items()}
 
     @cached_property
     def middles(self) -> dict[str, np.ndarray]:
-        """By cost the interquartile mean of each law in each cell, (laws, cells)."""
+        """Interquartile mean of each law in each cell by cost, (laws, cells)."""
         return {cost: interquartile_mean(of) for cost, of in self.costs.items()}
 
     @cached_property
     def _bootstraps(self) -> dict[str, np.ndarray]:
-        """By what counts a score the `bootstrap` of all laws; those of some of them are its columns."""
+        """The `bootstrap` of all laws by score; those of some of them are its columns."""
         handling, energy, seed = self.costs["handling"], self.costs["energy"], self.board.seed
         return {
             "handling": bootstrap(handling, interquartile_mean, seed),
@@ -121,7 +121,7 @@ class BoardResult:
 
     @cached_property
     def scores(self) -> dict[str, list[Score]]:
-        """By what counts a score of each law: middle half and worst tenth of handling, middle half of energy."""
+        """Scores of each law: middle half and worst tenth of handling, middle half of energy."""
         return self.scores_among(range(len(self.laws)))
 
     def scores_among(self, laws: Sequence[int]) -> dict[str, list[Score]]:
@@ -130,12 +130,12 @@ class BoardResult:
 
     @cached_property
     def profiles(self) -> dict[str, Estimate]:
-        """By cost the performance profile of each law, (laws, costs shown)."""
+        """Performance profile of each law by cost, (laws, costs shown)."""
         return {cost: performance_profiles(of, self.board.seed) for cost, of in self.costs.items()}
 
     @cached_property
     def improvement(self) -> dict[str, Estimate]:
-        """By cost the probability that a law is better than another one, (laws, laws)."""
+        """Probability that a law is better than another one, by cost, (laws, laws)."""
         return {cost: improvement(of, self.board.seed) for cost, of in self.costs.items()}
 
     @property
@@ -145,19 +145,22 @@ class BoardResult:
 
     @property
     def driven(self) -> int:
-        """How many runs were driven, those among them that looked for an entry speed."""
+        """Number of driven runs, those for an entry speed among them."""
         return self._counted.driven
 
     @cached_property
     def recorded(self) -> dict[str, np.ndarray]:
-        """By name of what counts in no cost the median over all runs that have it, (laws,); NaN if none has."""
+        """Medians of metrics without a cost, over all runs that have them, (laws,).
+
+        NaN if none has.
+        """
         return {
             name: medians(np.concatenate(of, axis=1)) for name, of in self._counted.recorded.items()
         }
 
     @cached_property
     def varied(self) -> dict[str, Varied]:
-        """By variation how the costs of handling and unstable runs of each law differ."""
+        """Differences of handling and unstable runs of each law by variation."""
         counted = {"handling": self.costs["handling"], "unstable": self.unstable}
         return differences_by_variation(self.board, self.places, counted)
 
@@ -246,7 +249,7 @@ def _number(value: float) -> float | None:
 
 
 def medians(values: np.ndarray) -> np.ndarray:
-    """Of each row the median over the runs that have a number, (laws,); NaN if none has."""
+    """Median of each row over the runs that have a number, (laws,); NaN if none has."""
     rows = [of[~np.isnan(of)] for of in values]
     return np.array([np.median(of) if of.size else math.nan for of in rows])
 

@@ -90,7 +90,7 @@ _FLIPPED = {SIDESLIP} | {
 
 @dataclass(frozen=True, slots=True)
 class ColumnParameters:
-    """What a column of a record is."""
+    """Meaning of a column of a record."""
 
     column: str = setting(
         "", about="name in the header of the file; of a bag TOPIC:FIELD, such as /imu:angular_velocity.z; of a CAN log "
@@ -124,7 +124,7 @@ class ColumnParameters:
         unit="m",
         low=0.0,
         high=2.0,
-        about="of the wheel whose speed is in km/h, mph or m/s; 0: it is in rad/s",
+        about="of a wheel with a speed in km/h, mph or m/s; 0: it is in rad/s",
     )
     noise: float = setting(
         0.0, unit="1", low=0.0, high=1e6, about="standard deviation of the numbers of the column, in their unit: a fit "
@@ -136,14 +136,14 @@ class ColumnParameters:
             raise ParameterError(f"sign is {self.sign:g}, expected 1 or -1")
 
     def factor(self, channel: str) -> float:
-        """From the numbers of the column to SI and REP-103."""
+        """Factor from the numbers of the column to SI and REP-103."""
         factor = UNITS[self.unit] / self.radius if self.radius else UNITS[self.unit]
         return factor * self.sign * (-1.0 if self.frame == "sae" and channel in _FLIPPED else 1.0)
 
 
 @dataclass(frozen=True, slots=True)
 class MaskParameters:
-    """Where a record is not believed."""
+    """Limits beyond which a record is not believed."""
 
     steering_rate: float = parameter(
         3.0,
@@ -227,8 +227,8 @@ def measured(
     """The record of columns in SI and REP-103, at the places of their sensors, each over its own times.
 
     Its instants are as far apart as the samples of the yaw rate, or of the first column, from the
-    instant on at which all columns have begun to that at which the first ends. Samples whose times
-    do not increase are passed over. ParameterError if there are no such instants, or if most of the
+    instant on at which all columns have begun to that at which the first ends. Samples at times
+    that do not increase are passed over. ParameterError if there are no such instants, or if most of the
     times do not increase.
     """
     if not columns:
@@ -321,7 +321,7 @@ def _left_out(samples: Mapping[str, Sampled], begin: float, end: float) -> tuple
 def _stopped(
     samples: Mapping[str, Sampled], channels: Mapping[str, np.ndarray], instants: np.ndarray
 ) -> dict[str, np.ndarray]:
-    """By channel where its sensor shows one number though the car turns, (n,) bool."""
+    """Mark by channel where its sensor shows one number though the car turns, (n,) bool."""
     if LONGITUDINAL not in channels:
         return {}
     speed = channels[LONGITUDINAL]

@@ -85,7 +85,7 @@ def _where_cut(what: str, cuts: Sequence[Cut]) -> str:
     times = ", ".join(f"{behind:.2f}" for _, behind in cuts[:_NAMED]) + (
         " ..." if len(cuts) > _NAMED else ""
     )
-    return f"; it {what} at {times} s, where windows begin anew"
+    return f"; it {what} at {times} s, where windows restart"
 
 
 def without_spikes(
@@ -166,13 +166,13 @@ def believed(time: np.ndarray) -> np.ndarray:
     places = places[_longest_rise(time[places])]
     passed_over, steps = np.diff(places) - 1, np.diff(time[places])
     # Samples with wrong times leave a pause of their own length; those of another drive leave none.
-    anew = (
+    restarts = (
         (passed_over > _ANOTHER) & (passed_over * np.median(steps) > 2.0 * steps)
         if len(steps)
         else steps > 0.0
     )
-    if anew.any() and 4 * len(places) > len(time):
-        at = int(places[np.flatnonzero(anew)[0]]) + 1
+    if restarts.any() and 4 * len(places) > len(time):
+        at = int(places[np.flatnonzero(restarts)[0]]) + 1
         before, behind = believed(time[:at]), believed(time[at:])
         kept = before.sum() >= behind.sum()
         return np.concatenate([before & kept, behind & ~kept])

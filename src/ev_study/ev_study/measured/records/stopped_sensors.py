@@ -28,7 +28,7 @@ _OF_STEPS = 3.0
 def stopped(
     sensor: Sampled, followed: np.ndarray, speed: np.ndarray, instants: np.ndarray
 ) -> np.ndarray:
-    """Where a sensor stands still though the moving car does not, (n,) bool.
+    """Mark where a sensor stands still though the moving car does not, (n,) bool.
 
     `followed` has what it follows, in any unit, and `speed` that of the car [m/s] at the instants
     [s] of the record, (n,) each.

@@ -1,4 +1,4 @@
-"""What estimators make of a record, beside what was measured: `ev_core.methods.estimator` says what is offered."""
+"""Estimates on a record beside what was measured; `ev_core.methods.estimator` offers them."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Estimate:
     judged: Judged
 
     def as_json(self) -> dict[str, Any]:
-        """For summary.json."""
+        """Content for summary.json."""
         return {
             "estimates": self.channel,
             "parameters": dict(self.parameters),
@@ -41,10 +41,11 @@ class Estimate:
 def estimates_of(
     replay: OpenLoop, values: Mapping[str, Mapping[str, Any]]
 ) -> tuple[list[Estimate], list[str]]:
-    """What each estimator with values by its name makes of the record, and a line for each that lacks a channel.
+    """Estimate by each estimator with values by its name.
 
-    Each begins where the record does and anew behind what is masked, and is judged in the windows
-    of the replay. ParameterError for a value that is refused, or if none of them has its channels.
+    A line for each without its channels. Each begins where the record does and restarts behind what
+    is masked, and is judged in the windows of the replay. ParameterError for a value that is
+    refused, or if none of them has its channels.
     """
     record, windows = replay.record, replay.windows
     given = {**record.channels, ROAD_WHEEL_ANGLE: replay.road_wheel_angle}

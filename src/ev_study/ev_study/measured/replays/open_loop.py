@@ -38,7 +38,7 @@ COMPARED = {
 }
 # [s], ten times the lag of the loads: wheels, carcasses and loads settle while the body is held
 HOLD = 0.2
-# [s] that a car drives ahead of a window whose lateral velocity nobody has measured, to have its
+# [s] that a car drives ahead of a window without a measured lateral velocity, to have its
 # own
 LEAD = 1.0
 IMPOSED = ("speed", "pedals", "torques")  # besides the angle
@@ -59,7 +59,7 @@ class Windows:
     at_rest: int = 0
 
     def __len__(self) -> int:
-        """How many there are."""
+        """Number of windows."""
         return len(self.first)
 
     def of(self, values: np.ndarray) -> np.ndarray:
@@ -76,9 +76,9 @@ def windows_of(
 ) -> Windows:
     """Windows of `length` [s] one behind the other, between two shares of the record's duration.
 
-    A window begins anew behind what is masked, or `LEAD` behind it and behind the begin of the
-    record where the car has to find its own lateral velocity; one in which the car stands
-    throughout is passed over. ParameterError if not one fits.
+    A window restarts behind what is masked, or `LEAD` behind it and behind the begin of the record
+    where the car has to find its own lateral velocity; one in which the car stands throughout is
+    passed over. ParameterError if not one fits.
     """
     least, most = (FEWEST - 1) * record.period, len(record.valid) * record.period
     if most < least:
@@ -140,7 +140,7 @@ _OF_TORQUES = {"electronic_differential": ("time", "drive", "brake")}
 def graph(
     vehicle: str, period: float, changed: Overrides | None = None, imposed: str = "speed"
 ) -> dict[str, Configuration]:
-    """A car whose road-wheel angle is imposed and what `imposed` names, and what the graph needs besides, at rest.
+    """A car with imposed road-wheel angle and `imposed`, and the rest of its graph, at rest.
 
     `vehicle` is a name or a path. ParameterError, in one line, for what is refused.
     """
@@ -190,8 +190,8 @@ class OpenLoop:
     pedals or the torque of each wheel. Velocities and yaw rate are those that were measured when
     the window begins, all else follows. The speed that is imposed and what a window begins from are
     smoothed with a `cut_off` [Hz], by their noise for None (`smoothing`), so that noise is no
-    force; 0 takes the samples as they are. A car whose lateral velocity was not measured begins
-    `LEAD` before the window without any. `notes` has what was made of speed and torques.
+    force; 0 takes the samples as they are. A car without a measured lateral velocity begins
+    `LEAD` before the window with none. `notes` has what was made of speed and torques.
     ParameterError if the record lacks the yaw rate or what is imposed.
     """
 
@@ -281,14 +281,14 @@ class OpenLoop:
 
     @property
     def road_wheel_angle(self) -> np.ndarray:
-        """As it was measured, (n,) [rad], or by the angle of the steering wheel and the car's ratio."""
+        """Measured angle, (n,) [rad], or that of the steering wheel over the car's ratio."""
         if ROAD_WHEEL_ANGLE in self.record.channels:
             return self.record[ROAD_WHEEL_ANGLE]
         ratio = self.configurations["plant"].common.vehicle.steering_ratio
         return self.record[STEERING_WHEEL_ANGLE] / ratio
 
     def _wheel_torques(self) -> dict[str, np.ndarray]:
-        """By KIND.WHEEL the torque [N m]; none where the record has none, of which a note is made."""
+        """Torques [N m] by KIND.WHEEL; none where the record has none, with a note."""
         channels = {
             f"{kind}.{wheel}": f"torque_command.{kind}.{wheel}"
             for kind in _PEDALS
@@ -323,7 +323,7 @@ class OpenLoop:
         return [name for name in COMPARED if name in self.record.channels and name not in given]
 
     def measured(self, signal: str) -> np.ndarray:
-        """What the record has, (windows, size)."""
+        """Windows of a signal of the record, (windows, size)."""
         return self.windows.of(self.record[signal])
 
     def simulate(self, cars: Sequence[Mapping[str, Any]] = ({},)) -> dict[str, np.ndarray]:

@@ -1,4 +1,4 @@
-"""Whether the channels of a record agree: r with u delta/L, lateral acceleration with u r, longitudinal with du/dt.
+"""Agreement of channels: r with u delta/L, lateral acceleration with u r, longitudinal with du/dt.
 
 A car that understeers, slides or leans stays far inside these limits. Outside are sensors of
 another sign or unit, velocities of another frame, and channels that nothing measures.

@@ -84,7 +84,10 @@ def smoothed_values(record: MeasuredRecord, values: np.ndarray, cut_off: float) 
 
 
 def rate_of(record: MeasuredRecord, values: np.ndarray) -> np.ndarray:
-    """How fast a series of a record changes, (n,); not across a mask, behind which another drive may begin."""
+    """Rate of a series of a record, (n,).
+
+    Not across a mask, behind which another drive may begin.
+    """
     found = np.zeros(len(values))
     for stretch in record.stretches:
         if stretch.stop - stretch.start > 1:

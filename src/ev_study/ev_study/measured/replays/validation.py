@@ -66,12 +66,12 @@ class Validation:
 
     @property
     def acceleration(self) -> np.ndarray:
-        """What was imposed of the lateral acceleration, speed times measured yaw rate [m/s^2], (windows, samples)."""
+        """Speed times measured yaw rate, as imposed [m/s^2], (windows, samples)."""
         return self.replay.measured(LONGITUDINAL) * self.replay.measured(YAW_RATE)
 
     @cached_property
     def judged(self) -> Mapping[str, Judged]:
-        """How far it is from the record, by signal."""
+        """Errors against the record, by signal."""
         period, acceleration = self.replay.record.period, self.acceleration
         return {
             n: judged(COMPARED[n], self.simulated[n], self.replay.measured(n), acceleration, period)
@@ -85,7 +85,7 @@ class Validation:
 
     @cached_property
     def spun(self) -> np.ndarray:
-        """Which windows left the record (`errors.spins`)."""
+        """Mask of the windows that left the record (`errors.spins`)."""
         simulated = self.simulated[SIDESLIP]
         known = SIDESLIP in self.replay.record.channels
         if known:
@@ -106,7 +106,7 @@ class Validation:
         return self.replay.record.time[self.replay.windows.first]
 
     def notes(self) -> tuple[str, ...]:
-        """What was masked or made of inputs, and the windows that left the record, with why."""
+        """Notes on masks and inputs, and on the windows that left the record, with why."""
         record = self.replay.record
         found = [
             *record.notes,
@@ -126,7 +126,7 @@ class Validation:
         return tuple(found)
 
     def _not_followed(self) -> list[str]:
-        """By how much drives with lag, limits and losses miss the measured torques that they were asked for."""
+        """Note on drives with lag, limits and losses that miss their measured torques."""
         wheels = self.replay.driven_one_by_one
         if not wheels:
             return []
@@ -138,12 +138,12 @@ class Validation:
         return [f"RMS of what the simulated drives do not follow of the measured torques: {each}"]
 
     def table(self) -> str:
-        """What the terminal shows: errors by signal and range, those of estimators, and what lies in corridors."""
+        """Table for the terminal: errors by signal and range, of estimators, and corridors."""
         estimated = {f"{e.name}: {e.channel}": e.judged for e in self.estimates}
         return f"{error_table({**self.judged, **estimated})}\n\n{corridor_table(self.corridors)}"
 
     def metrics(self) -> dict[str, Metric]:
-        """For summary.json and the page."""
+        """Metrics for summary.json and the page."""
         found: dict[str, Metric] = {}
         for name, each in self.judged.items():
             found |= each.metrics(name)
@@ -303,7 +303,7 @@ def _panel(
 
 
 def signals_to_show() -> Sequence[str]:
-    """What a validation has to simulate."""
+    """Signals that a validation has to simulate."""
     return (
         [n for n in COMPARED if n != SIDESLIP]
         + [ROAD_WHEEL_ANGLE]
