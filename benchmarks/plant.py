@@ -32,7 +32,7 @@ from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
 from ev_sim.plant.planar.body import Equations
-from ev_sim.plant.planar.given import PlanarParameters
+from ev_sim.plant.planar.planar import PlanarPlantParameters
 from ev_sim.plant.planar.planar_state import INTEGRATED_SIZE
 from ev_stack.scenarios.files import vehicle_of
 
@@ -40,7 +40,7 @@ STEP = 1e-3  # [s]
 SPEED = 15.0  # [m/s]
 COMMAND = WheelTorqueCommand(Wheels.front(120.0, 120.0))
 COLUMN = SteeringColumnState(0.0, 0.0, 0.0, 0.02, 0.0)
-PARAMETERS = PlanarParameters(initial_speed=SPEED)
+PARAMETERS = PlanarPlantParameters(initial_speed=SPEED)
 AUDI = Vehicle()
 REFERENCE = "planar plant, one compiled loop"
 MAIN_PEER = "commonroad single-track drift, RK4"
@@ -69,9 +69,10 @@ def best_time(make: Callable[[], Callable[[], Any]], repeats: int) -> float:
 class PlanarPlant:
     """A car at 15 m/s on dry asphalt, with drives, losses and battery, between two frames."""
 
-    def __init__(self, period: float, method: str = "planar", vehicle: Vehicle = AUDI) -> None:
-        self._method = find_method("plant", method)
-        self.part = CompiledPart(self._method, PARAMETERS, vehicle, period)
+    def __init__(self, period: float, electrical: bool = False, vehicle: Vehicle = AUDI) -> None:
+        parameters = PlanarPlantParameters(initial_speed=SPEED, electrical=electrical)
+        self._method = find_method("plant", "planar").with_options(parameters)
+        self.part = CompiledPart(self._method, parameters, vehicle, period)
         self._here, self._there = Frame(), Frame()
         for signal in (COMMAND, COLUMN):
             self._here.numbers[PLACES[type(signal)]] = numbers_of(
@@ -119,8 +120,8 @@ def own_rows(repeats: int) -> Iterator[Row]:
     steps = 3000
     PlanarPlant(STEP).advance()  # compiles
 
-    def fused(method: str = "planar", vehicle: Vehicle = AUDI) -> Callable[[], Any]:
-        car = PlanarPlant(steps * STEP, method, vehicle)
+    def fused(electrical: bool = False, vehicle: Vehicle = AUDI) -> Callable[[], Any]:
+        car = PlanarPlant(steps * STEP, electrical, vehicle)
         return lambda: car.advance()
 
     def one_call_per_step() -> Callable[[], Any]:
@@ -132,10 +133,10 @@ def own_rows(repeats: int) -> Iterator[Row]:
         return lambda: [(car.advance(), car.outputs()) for _ in range(steps // 10)]
 
     yield Row(REFERENCE, best_time(fused, repeats) / steps)
-    fused("planar_electrical")()  # compiles
+    fused(electrical=True)()  # compiles
     yield Row(
         "the same with its electrical side",
-        best_time(lambda: fused("planar_electrical"), repeats) / steps,
+        best_time(lambda: fused(electrical=True), repeats) / steps,
     )
     believable = vehicle_of("compact_ev")
     yield Row(

@@ -67,7 +67,8 @@ def law_table() -> str:
 
 def driven(role: str, name: str) -> tuple[str, Run, Recording]:
     """The scenario and the first run with a law that there is, and its begin as recorded."""
-    methods = {role: name, **own_methods(role)[name].requires}
+    required = own_methods(role)[name].requires
+    methods = {role: name} | {of: needed for of, needed in required.items() if "." not in of}
     for scenario, run in _candidates(role, name):
         changed = overrides(
             method=methods, duration=min(SECONDS, load_scenario(scenario).parameters.duration)

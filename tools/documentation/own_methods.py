@@ -14,5 +14,13 @@ def own_methods(role: str) -> dict[str, Method]:
 
 
 def writing_methods(role: str, signal: type) -> list[str]:
-    """Names of the methods of a role that write a signal."""
-    return [name for name, method in own_methods(role).items() if signal in method.writes]
+    """Names of the methods of a role that write a signal, with the option that it takes for that."""
+    found: list[str] = []
+    for name, method in own_methods(role).items():
+        if signal in method.writes:
+            found.append(name)
+            continue
+        for switches, changed in method.law.options.items() if method.law else ():
+            if signal in changed.get("writes", ()):
+                found.append(f"{name} with {' and '.join(switches)}")
+    return found

@@ -48,19 +48,16 @@ def test_set_points_are_out_of_reach_but_for_wheels_that_slip(name):
 def test_drives_in_torque_mode_are_refused():
     """Drives in torque mode take no set-points; drives in speed mode need a law that sets them."""
 
-    def refused(plant: str, asr: str) -> str:
+    def refused(speed_mode: bool, asr: str) -> str:
         chosen = {role: configure(role, {}) for role in REQUIRED}
         chosen |= {
-            "plant": configure("plant", {"method": plant}),
+            "plant": configure("plant", {"method": "planar", "speed_mode": speed_mode}),
             "asr": configure("asr", {"method": asr}),
         }
         with pytest.raises(ParameterError) as error:
             check_graph(chosen)
         return str(error.value)
 
-    assert "requires plant method planar_speed_mode, but planar is chosen" in refused(
-        "planar", "speed_by_slip"
-    )
-    assert "reads WheelSpeedCommand, which none of the chosen" in refused(
-        "planar_speed_mode", "off"
-    )
+    required = refused(speed_mode=False, asr="speed_by_slip")
+    assert "requires plant.speed_mode true, but false is chosen" in required
+    assert "reads WheelSpeedCommand, which none" in refused(speed_mode=True, asr="off")

@@ -42,7 +42,7 @@ def drives(run, of: str) -> np.ndarray:
         (
             "layout_1_8_c",
             1500.0,
-            {"plant.method": "planar_electrical", "*.vehicle.battery.discharge_power": 15000.0},
+            {"plant.electrical": True, "*.vehicle.battery.discharge_power": 15000.0},
         ),
         ("compact_ev", 1500.0, {"*.vehicle.battery.discharge_power": 15000.0}),
         ("compact_ev", 2000.0, {"*.vehicle.motor.gear_efficiency": 0.7}),
@@ -53,9 +53,8 @@ def drives(run, of: str) -> np.ndarray:
 def test_limits_of_a_car_are_no_loss(vehicle, torque, more):
     """A battery of 15 kW at 20 m/s, a gear that takes 30 %, a car as it is: the request passes to the bit."""
     values = pedal(torque, 20.0, **more)
-    method = {**LIMP, **({"plant": values.pop("plant.method")} if "plant.method" in values else {})}
     run = ev_stack.run(
-        "step_steer", ["left"], vehicle=vehicle, method=method, set=values, duration=1.8
+        "step_steer", ["left"], vehicle=vehicle, method=LIMP, set=values, duration=1.8
     ).runs["left"]
     assert (drives(run, "torque_command") == drives(run, "torque_request")).all()
     assert drives(run, "torque_command")[:, -1].sum() == pytest.approx(torque, rel=1e-12)

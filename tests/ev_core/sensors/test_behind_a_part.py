@@ -22,6 +22,8 @@ PLANT = [quantity.name for quantity in QUANTITIES if quantity.signal in ROLES["p
 def frames(role: str, method: str, errors: dict[str, float], steps: int = 0) -> np.ndarray:
     """Outputs of a role with sensors (quantity.error), from the start on, under wheel torques."""
     values = {f"sensors.{name}": value for name, value in errors.items()}
+    if method == "planar":
+        values["electrical"] = True
     parts = compiled_parts(configure(role, {"method": method, **values}))
     rows = np.zeros((steps + 1, frame.SIZE))
     for k in range(steps + 1):
@@ -38,7 +40,7 @@ def test_a_bias_shows_in_its_own_numbers_and_nowhere_else(quantity):
     """A heading shows it as that of a quaternion about the vertical axis; wheels without a circuit have no sensors."""
     role = next(role.name for role in ROLES.values() if quantity.signal in role.writes)
     methods = {
-        "plant": "planar_electrical",
+        "plant": "planar",
         "steering_column": "powered",
         "rear_steering": "speed_dependent",
     }

@@ -21,7 +21,6 @@ from helpers.ros_graph import (
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
-from ev_core.lockstep.finding import find_method
 from ev_core.sensors.row import QUANTITIES
 from ev_msgs_py.contract.frame import Frame, numbers_of
 from ev_msgs_py.contract.roles import REQUIRED
@@ -269,7 +268,7 @@ def test_the_urban_cycle_is_the_same_over_dds(driver, differential, asr, tmp_pat
         ("electronic_differential", "method", differential),
         ("asr", "method", asr),
         ("plant", "speed", "imposed" if driver == "imposed_speed" else "free"),
-        ("plant", "method", find_method("asr", asr).requires.get("plant", "planar")),
+        ("plant", "method", "planar"),
     ]
     (run,) = load_scenario("urban_mixed", Overrides((), values, 20.0)).runs
     with graph(run, tmp_path) as nodes:

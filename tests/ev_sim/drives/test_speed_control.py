@@ -49,9 +49,10 @@ def test_the_integral_holds_where_the_torque_is_limited(error, limit):
     assert abs(speed_control_without_windup(BOTH_WAYS, integral, -error)[1]) < abs(integral)
 
 
-def plant(method: str, **values) -> CompiledObject:
-    found = find_method("plant", method)
-    return CompiledObject(found, build(found.parameters, values), CAR, PERIOD)
+def plant(speed_mode: bool = True, **values) -> CompiledObject:
+    found = find_method("plant", "planar")
+    parameters = build(found.parameters, {"speed_mode": speed_mode, **values})
+    return CompiledObject(found.with_options(parameters), parameters, CAR, PERIOD)
 
 
 def signals(car: CompiledObject) -> dict[type, tuple]:
@@ -65,7 +66,7 @@ def test_drive_reaches_its_set_point_within_the_torque_and_never_pulls_back():
     The speed control of these gains has a damping ratio of 0.6 with the car, 2 rad/s of natural
     frequency: 10 s are many times its settling.
     """
-    car = plant("planar_speed_mode", **{"road.grade": (0.05,)})
+    car = plant(**{"road.grade": (0.05,)})
     command = WheelTorqueCommand(Wheels.front(300.0, 300.0), NO_WHEELS)
     torques = []
     for n in range(1050):
@@ -86,7 +87,7 @@ def test_an_integral_that_waited_at_the_limit_does_not_overshoot(
 ):
     """The overshoot from rest is that of the PI itself; windup would make 0.27 rad/s on ice and 0.67 on the hill."""
     road = {"road.left": (surface,), "road.right": (surface,), "road.grade": (sense * grade,)}
-    car = plant("planar_speed_mode", **road)
+    car = plant(**road)
     command = WheelTorqueCommand(Wheels.front(sense * torque, sense * torque), NO_WHEELS)
     reached = []
     for _ in range(800):
@@ -98,7 +99,7 @@ def test_an_integral_that_waited_at_the_limit_does_not_overshoot(
 
 def test_a_set_point_that_comes_into_reach_takes_over_without_a_jump():
     """A wheel at its own speed keeps its torque, because the integral follows it beyond reach."""
-    car = plant("planar_speed_mode")
+    car = plant()
     command = WheelTorqueCommand(Wheels.front(250.0, 250.0), NO_WHEELS)
     for _ in range(50):
         car.advance(
@@ -115,7 +116,7 @@ def test_a_set_point_that_comes_into_reach_takes_over_without_a_jump():
 @pytest.mark.slow
 def test_a_set_point_out_of_reach_is_torque_mode_to_the_bit():
     """Forwards, off the pedal, and generating, which has the set-point behind the car."""
-    free, set_ = plant("planar"), plant("planar_speed_mode")
+    free, set_ = plant(speed_mode=False), plant()
     fastest = CAR.motor.maximum_speed / CAR.gear_ratio
     for torque in [250.0] * 60 + [0.0] * 20 + [-80.0] * 40:
         command = WheelTorqueCommand(Wheels.front(torque, torque), NO_WHEELS)
@@ -128,10 +129,11 @@ def test_a_set_point_out_of_reach_is_torque_mode_to_the_bit():
 
 def test_coupled_wheels_are_refused():
     """One motor behind a differential cannot give each wheel a speed."""
-    found = find_method("plant", "planar_speed_mode")
+    found = find_method("plant", "planar")
+    speed_mode = build(found.parameters, {"speed_mode": True})
     coupled = dataclasses.replace(
         Vehicle(), driveline=dataclasses.replace(Vehicle().driveline, coupling="open")
     )
     (need,) = found.factory.needs
-    assert need(found.parameters(), coupled) == "driveline.coupling individual"
-    assert need(found.parameters(), Vehicle()) == ""
+    assert need(speed_mode, coupled) == "driveline.coupling individual"
+    assert need(speed_mode, Vehicle()) == need(found.parameters(), coupled) == ""

@@ -90,7 +90,6 @@ def test_zero_sideslip_holds_forwards_and_in_reverse(speed):
     steered = (("rear_steering", "method", "zero_sideslip"), ("steering_column", "scale", 0.1))
     run = driven(
         "left",
-        ("plant", "method", "planar_rear_steering"),
         *slow,
         *steered,
         scenario="step_steer",
@@ -114,7 +113,6 @@ def test_without_trail_straight_wheels_are_those_of_the_plain_plant():
     apart = driven(
         "",
         ("*", "vehicle.mass", CAR.mass),
-        ("plant", "method", "planar_rear_steering"),
         ("rear_steering", "method", "speed_dependent"),
         ("rear_steering", "ratio", [0.0, 0.0, 0.0, 0.0]),
         ("rear_steering", "trail", 0.0),
@@ -177,16 +175,16 @@ def test_points_that_are_none_are_refused(speed, ratio, named):
 
 
 def test_a_plant_that_turns_no_rear_wheels_is_refused_in_one_line():
-    with pytest.raises(
-        ParameterError, match="requires plant method planar_rear_steering, but planar is chosen"
-    ):
-        load_scenario(
-            "double_lane_change", Overrides((), [("rear_steering", "method", "zero_sideslip")])
-        )
+    steered = ("rear_steering", "method", "zero_sideslip")
+    off = ("plant", "rear_steering", False)
+    with pytest.raises(ParameterError, match=r"requires plant\.rear_steering true, but false is"):
+        load_scenario("double_lane_change", Overrides((), [steered, off]))
+
+
+def test_a_plant_whose_rear_wheels_nothing_steers_is_refused_in_one_line():
+    alone = Overrides((), [("plant", "rear_steering", True)])
     with pytest.raises(ParameterError, match="reads RearSteeringState, which none"):
-        load_scenario(
-            "double_lane_change", Overrides((), [("plant", "method", "planar_rear_steering")])
-        )
+        load_scenario("double_lane_change", alone)
 
 
 def test_side_force_of_the_road_is_within_what_the_motor_carries():

@@ -89,7 +89,7 @@ def test_ones_own_traction_control_sets_the_speeds_of_drives_in_speed_mode():
     outside = ev_stack.Simulation(
         "double_lane_change",
         without=("asr",),
-        method={"plant": "planar_speed_mode", "asr": "speed_by_slip"},
+        method={"asr": "speed_by_slip"},
         set={"plant.initial_speed": 1.0},
     )
     speeds = [name for name in outside.inputs if name.startswith("speed_command.")]

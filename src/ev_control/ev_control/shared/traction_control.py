@@ -276,7 +276,7 @@ def traction_control(
         answer = set_points
         how = {
             "writes": (signals.WheelTorqueCommand, WheelSpeedCommand),
-            "requires": {"plant": "planar_speed_mode"},
+            "requires": {"plant.speed_mode": True},
         }
     else:
         lacks = (*lacks, limp_mode_for(f"{reference.rpartition('.')[0]}.limp".lstrip(".")))

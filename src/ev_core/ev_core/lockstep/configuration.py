@@ -11,6 +11,7 @@ from ev_core.faults.fault import FaultParameters
 from ev_core.faults.row import refuse_faults
 from ev_core.lockstep.finding import find_method, text_of
 from ev_core.methods.common_parameters import CommonParameters, refuse_taken
+from ev_core.methods.former_names import with_present_name
 from ev_core.methods.hooks import ReadingFiles
 from ev_core.methods.law_error import WrongResultError, in_law
 from ev_core.methods.method_record import Method, create, refuse_layout
@@ -113,7 +114,8 @@ class Configuration:
         sensors = _replaced(rest, self.sensors, _SENSORS)
         own_faults = _replaced(rest, self.own_faults) if self.own_faults is not None else None
         extra = _replaced(rest, self.extra) if self.extra is not None else None
-        if not rest:
+        is_alike = self.method.with_options(parameters) == self.method
+        if not rest and is_alike:
             if extra is not None:
                 extra.refuse_beside(common)
             changed = {
@@ -176,7 +178,7 @@ def configure(
     method does not write, is checked and then listed as unused, so that one scenario file can serve
     several methods; `refuse_unused` is for values that are given for the chosen ones.
     """
-    rest = dict(values)
+    rest = with_present_name(role, values)
     method = resolved or chosen_method(role, rest)
     rest.pop(_METHOD, None)
     common = _take(rest, CommonParameters)
@@ -184,6 +186,7 @@ def configure(
     if extra is not None:
         refuse_taken(f"{role} method {method.name}", method.parameters, entries_by_name(extra))
     parameters: Any = _take(rest, method.parameters)
+    method = method.with_options(parameters)
     sensors: Any = _take(rest, sensors_for(method.writes), _SENSORS)
     own_faults = None if hasattr(parameters, "faults") else _take(rest, FaultParameters)
     made = Configuration(
@@ -224,7 +227,7 @@ def refuse_unused(name: str, configurations: Collection[Configuration]) -> None:
         each.name
         for each in methods_of(role).values()
         if name in entries_by_name(each.parameters)
-        or name in entries_by_name(sensors_for(each.writes), _SENSORS)
+        or name in entries_by_name(sensors_for(each.may_write), _SENSORS)
     ]
     chosen = ", ".join(dict.fromkeys(each.method.name for each in configurations))
     where = (
@@ -250,14 +253,14 @@ def _fitting(configuration: Configuration) -> Configuration:
     if isinstance(method.factory, ReadingFiles):
         parameters = _with_files(method, parameters)
     from_files += _changed(configuration.parameters, parameters)
+    method = method.with_options(parameters)
     if configuration.extra is not None:
         configuration.extra.refuse_beside(common)
     refuse_layout(method, parameters, common.vehicle)
     has_car, period = hasattr(parameters, "faults"), common.control_period
     refuse_faults(configuration.role, configuration.faults, method.writes, has_car, period)
-    return dataclasses.replace(
-        configuration, common=common, parameters=parameters, from_files=from_files
-    )
+    changed = {"common": common, "parameters": parameters, "from_files": from_files}
+    return dataclasses.replace(configuration, method=method, **changed)
 
 
 def _with_files(method: Method, parameters: Any) -> Any:

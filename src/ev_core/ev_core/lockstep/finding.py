@@ -10,9 +10,14 @@ from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Any
 
+from ev_core.methods.former_names import chosen_by
 from ev_core.methods.method_record import RECORDINGS, Method
 from ev_core.methods.playback import playback_method
-from ev_core.methods.register import load_installed_methods, methods_of, registered_by
+from ev_core.methods.register import (
+    load_installed_methods,
+    methods_of,
+    registered_by,
+)
 from ev_core.native.method import library_method
 from ev_core.parameters.data_file import TEXT, TextOfFile, find_file, read_data, tell
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
@@ -54,8 +59,9 @@ def method_of_file(role: str, name: str) -> Method:
 
 def text_of(method: Method) -> str:
     """The digest of the text of the file that has given a method; empty for one of no law file."""
+    factory = (method.declared or method).factory
     for (_, text), roles in _registered.items():
-        if any(each.factory is method.factory for each in roles.get(method.role, {}).values()):
+        if any(each.factory is factory for each in roles.get(method.role, {}).values()):
             return hashlib.sha256(text).hexdigest()
     return ""
 
@@ -112,6 +118,7 @@ def find_method(role: str, name: str) -> Method:
         tell(name)
         return found
     known = methods_of(role)
+    name = chosen_by(role, name).get("method", name)
     if not isinstance(name, str) or name not in known:
         failed = "".join(f"; not loaded: {line}" for line in load_installed_methods(role))
         raise ParameterError(f"{unknown_name(f'{role} method', name, known)}{failed}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from graphlib import CycleError, TopologicalSorter
+from typing import Any
 
 from ev_core.lockstep.configuration import Configuration
 from ev_core.parameters.declaration import flatten
@@ -117,9 +118,13 @@ def check_graph(configurations: Mapping[str, Configuration]) -> None:
                 continue
             chosen = other and (other.values().get(parameter) if parameter else other.method.name)
             if chosen != needed:
+                asked = what if parameter else f"{role} method"
+                found = f"{_as_yaml(chosen)} is chosen"
+                if parameter and other is not None and chosen is None:
+                    found = f"{role} method {other.method.name} does not have it"
                 raise ParameterError(
                     f"{configuration.role} method {configuration.method.name} requires "
-                    f"{what if parameter else f'{role} method'} {needed}, but {chosen} is chosen"
+                    f"{asked} {_as_yaml(needed)}, but {found}"
                 )
 
 
@@ -135,3 +140,8 @@ def _refuse_different_nodes(configurations: Mapping[str, Configuration]) -> None
             if name.partition(".")[0] == shared and len(set(values.values())) > 1:
                 given = ", ".join(f"{role} {value}" for role, value in values.items())
                 raise ParameterError(f"{name} differs between nodes: {given}; expected one for all")
+
+
+def _as_yaml(value: Any) -> str:
+    """A value as a parameter file has it."""
+    return str(value).lower() if isinstance(value, bool) else str(value)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import MISSING, dataclass, field, fields, is_dataclass
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass, replace
 from functools import cache, lru_cache, partial, wraps
 from types import MappingProxyType, SimpleNamespace
 from typing import Any, TypeVar, get_type_hints
@@ -30,6 +30,9 @@ F = TypeVar("F", bound=Callable[..., Any])
 # What the functions of a law may ask for by the names of their first arguments; the signals follow,
 # each as an argument or several as one NamedTuple.
 GIVEN = ("p", "car", "c", "s", "period")
+
+# Fields of a law that other ones replace, by the switches that have to be on.
+Options = Mapping[tuple[str, ...], Mapping[str, Any]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +61,9 @@ class Law:
     of `writes`. `start` makes the initial state where it is not that of the declaration.
     `in_real_time` has defaults of others there, by ROLE.PARAMETER. `notes` gives texts about the
     run so far. `mirrored` claims that left and right are alike to it (`check.mirror`).
+
+    `options` has fields that replace those of the law where switches among its parameters are on:
+    so a switch can add signals that are read or written.
     """
 
     function: Callable[..., Any]
@@ -74,11 +80,20 @@ class Law:
     writes: tuple[type, ...] | None = None
     heavy: bool = False
     mirrored: bool = False
+    options: Options = field(default_factory=lambda: MappingProxyType({}))
 
     @property
     def is_compilable(self) -> bool:
         """True if its functions are marked as `compilable`."""
         return self.function in FUNCTIONS and (self.outputs is None or self.outputs in FUNCTIONS)
+
+    def with_options(self, parameters: Any) -> Law:
+        """The law with the options whose switches are on in these parameters."""
+        changes: dict[str, Any] = {}
+        for switches, changed in self.options.items():
+            if all(getattr(parameters, switch) for switch in switches):
+                changes |= changed
+        return replace(self, **changes) if changes else self
 
     def names(self) -> list[str]:
         """One name for each number of the state."""
@@ -128,6 +143,11 @@ def signals_in(asked: type) -> tuple[type, ...]:
     if asked in PLACES or asked is Instant or not hasattr(asked, "_fields"):
         return (asked,)
     return tuple(signal for each in get_type_hints(asked).values() for signal in signals_in(each))
+
+
+def signals_read(function: Callable[..., Any]) -> tuple[type, ...]:
+    """The signals that the function of a law reads, in the order of its arguments."""
+    return tuple(signal for asked in asked_for(function) for signal in signals_in(asked))
 
 
 def _record_of(asked: type, signals: Iterator[Any]) -> Any:
@@ -185,6 +205,10 @@ def declared_law(label: str, function: Callable[..., Any], how: Mapping[str, Any
         raise TypeError(
             f"{label}: {state.__name__}.{name} begins as {kind}, expected a number: entry(0.0, unit=...)"
         )
+    switches = {name for several in law.options for name in several}
+    if unknown := switches - {each.name for each in fields(law.parameters)}:
+        expected = f"a switch of {law.parameters.__name__}"
+        raise TypeError(f"{label}: options= asks for {min(unknown)}, expected {expected}")
     if not isinstance(law.needs, tuple | list):
         raise TypeError(f"{label}: needs= is no tuple, write needs=(...,)")
     asked = inspect.signature(function).parameters

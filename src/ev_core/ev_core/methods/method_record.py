@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import inspect
 import sys
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
-from ev_core.methods.law import Law
+from ev_core.methods.law import Law, signals_read
 from ev_core.methods.law_error import in_law
 from ev_core.vehicle.car import refusal
 from ev_msgs_py.contract.roles import EXTRA, INTEGRATED, MASTER, ROLES, RoleKind
@@ -27,6 +27,18 @@ class Method:
     factory: Any
     reads: tuple[type, ...]
     parameters: type
+    declared: Method | None = None
+    """The method without its options, where a configuration has put some of them on."""
+
+    def with_options(self, parameters: Any) -> Method:
+        """The method with the options of its law that are on in these parameters."""
+        declared = self.declared or self
+        if declared.law is None or not declared.law.options:
+            return declared
+        law = declared.law.with_options(parameters)
+        if law is declared.law:
+            return declared
+        return replace(declared, factory=law, reads=signals_read(law.function), declared=declared)
 
     @property
     def inputs(self) -> tuple[type, ...]:
@@ -57,7 +69,26 @@ class Method:
         return ROLES[self.role].writes if known is None else known
 
     @property
-    def requires(self) -> dict[str, str]:
+    def switches(self) -> tuple[str, ...]:
+        """Names of the parameters that put options of its law on."""
+        options = self.law.options if self.law else ()
+        return tuple(dict.fromkeys(name for switches in options for name in switches))
+
+    def with_switches_on(self, switches: Iterable[str]) -> Method:
+        """The method with the options of its law that take no other switches."""
+        parameters = self.parameters()
+        return self.with_options(replace(parameters, **dict.fromkeys(switches, True)))
+
+    @property
+    def may_write(self) -> tuple[type, ...]:
+        """The signals it writes with any of its options on."""
+        found = dict.fromkeys(self.writes)
+        for changed in self.law.options.values() if self.law else ():
+            found |= dict.fromkeys(changed.get("writes", ()))
+        return tuple(found)
+
+    @property
+    def requires(self) -> dict[str, Any]:
         """Methods by role, or values by ROLE.PARAMETER, without which this one makes no sense."""
         return getattr(self.factory, "requires", {})
 

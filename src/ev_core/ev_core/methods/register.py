@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from typing import Any, TypeVar, get_type_hints
 
@@ -87,21 +88,10 @@ def method(role: str, name: str, **how: Any) -> Callable[[T], T]:
         else:
             refuse_lacking(role, name, factory)
         refuse_undeclared(label, factory.parameters)
-        refuse_wrong_declaration(label, ROLES[role], factory)
-        hook = "advance" if ROLES[role].kind is RoleKind.INTEGRATES else "step"
-        function = factory.function if isinstance(factory, Law) else getattr(factory, hook)
-        hints = get_type_hints(function)
-        given = given_names(function) if is_law else ("self",)
-        arguments = [name for name in inspect.signature(function).parameters if name not in given]
-        if bare := [name for name in arguments if name not in hints]:
-            raise TypeError(f"{label}: argument {bare[0]} has no annotation that names its signal")
-        reads: tuple[Any, ...] = ()
-        for argument in arguments:
-            reads += signals_in(hints[argument]) if is_law else (hints[argument],)
-        for signal in reads:
-            if signal is not Instant and signal not in ROLES[role].reads:
-                asked = getattr(signal, "__name__", signal)
-                raise TypeError(f"{label}: a {role} does not read {asked} (see roles.py)")
+        reads = _reads(label, role, factory)
+        if is_law:
+            for changed in factory.options.values():
+                _reads(label, role, replace(factory, **changed))
         try:
             refuse_taken(label, factory.parameters)
         except ParameterError as error:
@@ -112,6 +102,30 @@ def method(role: str, name: str, **how: Any) -> Callable[[T], T]:
         return defined
 
     return register
+
+
+def _reads(label: str, role: str, factory: Any) -> tuple[Any, ...]:
+    """The signals that a law or class reads.
+
+    TypeError for a wrong declaration of what it reads or writes.
+    """
+    refuse_wrong_declaration(label, ROLES[role], factory)
+    is_law = isinstance(factory, Law)
+    hook = "advance" if ROLES[role].kind is RoleKind.INTEGRATES else "step"
+    function = factory.function if is_law else getattr(factory, hook)
+    hints = get_type_hints(function)
+    given = given_names(function) if is_law else ("self",)
+    arguments = [name for name in inspect.signature(function).parameters if name not in given]
+    if bare := [name for name in arguments if name not in hints]:
+        raise TypeError(f"{label}: argument {bare[0]} has no annotation that names its signal")
+    reads: tuple[Any, ...] = ()
+    for argument in arguments:
+        reads += signals_in(hints[argument]) if is_law else (hints[argument],)
+    for signal in reads:
+        if signal is not Instant and signal not in ROLES[role].reads:
+            asked = getattr(signal, "__name__", signal)
+            raise TypeError(f"{label}: a {role} does not read {asked} (see roles.py)")
+    return reads
 
 
 @cache

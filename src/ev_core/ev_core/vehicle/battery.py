@@ -14,7 +14,10 @@ _of_cell = partial(
 
 @dataclass(frozen=True, slots=True)
 class Cells:
-    """Equal cells in series, of the plant `planar_electrical`; their charge is the battery's `capacity`."""
+    """Equal cells in series, of a plant with its electrical side.
+
+    Their charge is the battery's `capacity`.
+    """
 
     in_series: int = setting(
         150,

@@ -20,6 +20,7 @@ from ev_core.lockstep.graph import polling_order
 from ev_core.lockstep.parts import hand_over, is_compiled, part_of
 from ev_core.lockstep.stepper import WRITERS, Answer, Stepper, arrival_place
 from ev_core.methods.common_parameters import CommonParameters
+from ev_core.methods.former_names import note_on
 from ev_core.methods.part import Part
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, RECORDER, ROLES
@@ -50,9 +51,8 @@ class SteppedNode(Spinnable, Node):
         super().__init__(
             role, automatically_declare_parameters_from_overrides=True, **node_arguments
         )
-        configuration = configure(
-            role, ros_parameters.given(self, node_arguments), self.extra_parameters
-        )
+        given = ros_parameters.given(self, node_arguments)
+        configuration = configure(role, given, self.extra_parameters)
         self.configuration = configuration
         self.polling_place = _POLLING_ORDER.index(role)
         self.reports = Reports(self, role)
@@ -81,6 +81,8 @@ class SteppedNode(Spinnable, Node):
         self._waiting = Waiting(self.reports.runner)
         for lacking in ask_for(configuration.common):
             self.reports.note(lacking, lacking)
+        if note := note_on(role, given.get("method")):
+            self.get_logger().warning(note)
         if configuration.unused:
             names = ", ".join(configuration.unused)
             self.get_logger().info(f"method {configuration.method.name} does not use: {names}")

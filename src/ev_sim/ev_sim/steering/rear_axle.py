@@ -52,7 +52,7 @@ rear_steering = partial(
     method,
     "rear_steering",
     outputs=shown,
-    requires={"plant": "planar_rear_steering"},
+    requires={"plant.rear_steering": True},
     mirrored=True,
 )
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from ev_core.lockstep.finding import find_method
+from ev_core.methods.former_names import chosen_by
 from ev_core.methods.method_record import Method
 from ev_core.methods.register import all_methods
 from ev_core.vehicle.description import Vehicle
@@ -54,7 +55,9 @@ def _named(name: str) -> list[Unit]:
     if method:
         if role not in ROLES:
             raise unknown_name("node", role, ROLES)
-        units = [_by_default(find_method(role, method))]
+        former = chosen_by(role, method)
+        found = find_method(role, method)
+        units = [_by_default(found.with_switches_on(name for name in former if name != "method"))]
     else:
         played = [each for run in load_scenario(name).runs for each in run.configurations.values()]
         units = [*map(unit_of, played), *of_reports(played)]
@@ -63,7 +66,11 @@ def _named(name: str) -> list[Unit]:
 
 def everything() -> list[Unit]:
     """What steps methods, sensors and observers, and all methods; those together that share functions of one type."""
-    methods = [method for of_role in all_methods().values() for method in of_role.values()]
+    methods: list[Method] = []
+    for of_role in all_methods().values():
+        for method in of_role.values():
+            options = (method.with_switches_on([switch]) for switch in method.switches)
+            methods += [method, *options]
     units = [_together([*filter(None, map(_by_default, group))]) for group in sharing(methods)]
     return [*units, *stepping(in_nodes=True), *stepping(in_nodes=False), *_behind_parts()]
 

@@ -83,7 +83,10 @@ def _of_run(run: Run, before: Run) -> Iterator[Difference]:
 
 
 def _defaults(configuration: Configuration) -> dict[str, Any]:
-    """Parameters that a node would have if only its method and its car were chosen."""
+    """Parameters that a node would have if only its method and its car were chosen.
+
+    Options of the method that are on count as off, but their sensors have defaults.
+    """
     given = {
         name: value
         for name, value in configuration.values().items()
@@ -91,7 +94,9 @@ def _defaults(configuration: Configuration) -> dict[str, Any]:
     }
     given["method"] = configuration.method.name
     extra = type(configuration.extra) if configuration.extra is not None else None
-    plain = configure(configuration.role, given, extra).values()
+    options = {name: configuration.values()[name] for name in configuration.method.switches}
+    with_sensors = configure(configuration.role, {**given, **options}, extra).values()
+    plain = {**with_sensors, **configure(configuration.role, given, extra).values()}
     return {**plain, "method": ROLES[configuration.role].default_method}
 
 

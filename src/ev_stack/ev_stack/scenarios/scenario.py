@@ -22,6 +22,7 @@ from typing import Any
 
 from ev_core.lockstep.configuration import Configuration, chosen_method, configure
 from ev_core.lockstep.graph import check_graph
+from ev_core.methods.former_names import note_on, with_present_name
 from ev_core.methods.law_error import LawError
 from ev_core.parameters.section import matches
 from ev_msgs_py.contract.roles import MASTER, ROLES
@@ -102,7 +103,14 @@ def load_scenario(
         switched = {node for node, key, _ in overrides.values if key == "method"}
         notes += unused_in_files(runs, sources, switched)
     notes += notes_on(runs, overrides.values)
+    notes += _former_names(sources)
     return Scenario(name, about, tuple(runs), own.path, tuple(notes))
+
+
+def _former_names(sources: Sequence[Sources]) -> list[str]:
+    """A note for each method that is chosen by a former name."""
+    notes = {note_on(role, each.values(role).get("method")) for each in sources for role in ROLES}
+    return sorted(notes - {""})
 
 
 def _without_its_car(
@@ -168,7 +176,7 @@ def _needs_ramp(run: Run, given: Sources, about: ScenarioParameters, own: Parame
 
 def _configured_run(name: str, given: Sources, duration: float, about: ScenarioParameters) -> Run:
     """The graph of one run; its duration may be 0 if a course has one."""
-    values = {role: given.values(role) for role in ROLES}
+    values = {role: with_present_name(role, given.values(role)) for role in ROLES}
     _state_times(values[MASTER], duration, about)
     _choose_methods(values)
     played = [role for role in ROLES if _is_played(role, values)]
@@ -212,9 +220,9 @@ def _choose_methods(values: Values) -> None:
             method = chosen_method(role, values[role])
         except ParameterError as error:
             raise ParameterError(f"{role}: {error}") from None
-        for other, needed in method.requires.items():
-            if other in values:
-                values[other].setdefault("method", needed)
+        for what, needed in method.requires.items():
+            other, _, parameter = what.partition(".")
+            values[other].setdefault(parameter or "method", needed)
         if values[role].get("mode") == "realtime":
             for place, value in method.in_real_time.items():
                 node, _, parameter = place.partition(".")

@@ -12,10 +12,8 @@ from typing import Any
 import numpy as np
 
 from ev_core.elementary import hypot
-from ev_core.lockstep.finding import find_method
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.driveline import drive_train_numbers
-from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.driver.path import nearest, path_of, point_at
 from ev_stack.figures.panels import Curve, Panel, readable
@@ -42,11 +40,10 @@ def controls() -> list[str]:
 
 
 def values_of(control: str) -> tuple[tuple[str, str, Any], ...]:
-    """The parameters of a control, and of the plant if it needs a certain one: (node, parameter, value)."""
+    """The parameters of a control: (node, parameter, value)."""
     method, *changed = VARIANTS.get(control, (control,))
-    plant = find_method("asr", method).requires.get(MASTER)
     of_asr = [("method", method), *([changed] if changed else [])]
-    return (*(("asr", *each) for each in of_asr), *([(MASTER, "method", plant)] if plant else []))
+    return tuple(("asr", *each) for each in of_asr)
 
 
 STRAIGHT, BEND = 5.0, 200.0  # lengths of a path with a bend [m]

@@ -14,7 +14,8 @@ from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.motor import Motor
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
-from ev_sim.plant.planar.given import PlanarParameters, body_constants
+from ev_sim.plant.planar.given import body_constants
+from ev_sim.plant.planar.planar import PlanarPlantParameters
 from ev_sim.plant.planar.planar_state import (
     DEFLECTION_X,
     DEFLECTION_Y,
@@ -39,15 +40,16 @@ FOUR_MOTORS = dataclasses.replace(CAR, driven_wheels=WHEEL_NAMES)
 X, Y = index("x"), index("y")
 
 
-def parameters_of(**values) -> PlanarParameters:
+def parameters_of(**values) -> PlanarPlantParameters:
     """A double underscore stands for the dot."""
     return build(
-        PlanarParameters, {name.replace("__", "."): value for name, value in values.items()}
+        PlanarPlantParameters, {name.replace("__", "."): value for name, value in values.items()}
     )
 
 
 def plant(car: Vehicle = CAR, period: float = 0.01, **parameters) -> CompiledObject:
-    return CompiledObject(PLANAR, parameters_of(**parameters), car, period)
+    found = parameters_of(**parameters)
+    return CompiledObject(PLANAR.with_options(found), found, car, period)
 
 
 def outputs(car: CompiledObject) -> dict[type, tuple]:

@@ -6,9 +6,8 @@ import dataclasses
 
 import pytest
 from helpers.compiled_object import CompiledObject
-from plant.planar.car import STRAIGHT, command, drive, outputs, parameters_of
+from plant.planar.car import STRAIGHT, command, drive, outputs, plant
 
-from ev_core.lockstep.finding import find_method
 from ev_core.vehicle.battery import Battery, Cells
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.motor import Motor, ThermalParameters
@@ -30,9 +29,7 @@ CAR = Vehicle(gear_ratio=GEAR, mass=2000.0, motor=MOTOR, battery=BATTERY)
 
 
 def electrical(car: Vehicle = CAR, period: float = 0.01, **parameters) -> CompiledObject:
-    return CompiledObject(
-        find_method("plant", "planar_electrical"), parameters_of(**parameters), car, period
-    )
+    return plant(car, period, electrical=True, **parameters)
 
 
 def with_thermal(**values: float) -> Vehicle:
@@ -180,6 +177,6 @@ def test_cold_cells_are_not_charged_and_hot_ones_give_nothing():
 
 def test_brushless_drives_have_no_electrical_side():
     with pytest.raises(
-        ParameterError, match="planar_electrical needs drive torque_controlled, not switched"
+        ParameterError, match="electrical needs drive torque_controlled, not switched"
     ):
         electrical(drive="switched")

@@ -1,4 +1,4 @@
-"""Motors and cells of the plant `planar_electrical`, and the energies of a test bench."""
+"""Motors and cells of the plant with its electrical side, and the energies of a test bench."""
 
 from __future__ import annotations
 

@@ -4,7 +4,8 @@ How it works: a control period is divided into equal steps. Before them the guar
 commands, and faults are looked up. Each step finds the road, turns the wheels, lets the drives set
 the torques of the wheels, integrates body and wheels by Runge-Kutta, moves the car on, and books
 its energies. A variant puts functions of its own in the place of `apply_drives`, which sets the
-torques, or of `account`, which books, or does something before or behind the period.
+torques, or of `account`, which books, or does something before or behind the period. Options of
+the plant are switches among its parameters (`OPTIONS`): electrical side, rear steering, speed mode.
 """
 
 from __future__ import annotations
@@ -14,7 +15,20 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
 
-from ev_core.law import Car, Vehicle, cos, group, inlined, method, per_wheel, sin, working_memory
+from ev_core.law import (
+    Car,
+    Vehicle,
+    cos,
+    group,
+    inlined,
+    method,
+    per_wheel,
+    setting,
+    sin,
+    working_memory,
+)
+from ev_core.methods.former_names import formerly
+from ev_core.methods.law import Options
 from ev_core.vehicle.driveline import has_own_motors
 from ev_msgs_py.contract.optional_signals import RearSteeringState, WheelSpeedCommand
 from ev_msgs_py.contract.signals import WheelTorqueCommand
@@ -43,7 +57,7 @@ from ev_sim.plant.planar.powertrain import account, apply_drives
 from ev_sim.plant.planar.prepare import PlanarConstants, prepare, prepare_electrical
 from ev_sim.profiles.profile import value_at
 
-# Options of all methods of this plant, which a variant may replace.
+# Declaration of the plant, which its options and other plants like it may replace in part.
 PLANAR: dict[str, Any] = {
     "state": state.PlanarState,
     "prepare": prepare,
@@ -55,14 +69,30 @@ PLANAR: dict[str, Any] = {
     "heavy": True,
     "mirrored": True,
 }
-ELECTRICAL: dict[str, Any] = PLANAR | {
-    "prepare": prepare_electrical,
-    "outputs": shown.electrical_outputs,
-    "writes": shown.ELECTRICAL_SIGNALS,
-}
 
 
-@method("plant", "planar", **PLANAR)
+@dataclass(frozen=True, slots=True)
+class PlanarPlantParameters(PlanarParameters):
+    """The planar plant, and its options, which go with each other."""
+
+    electrical: bool = setting(
+        False,
+        about="electrical side of the motors, and cells: docs/electrical.md",
+        read_only=True,
+    )
+    rear_steering: bool = setting(
+        False,
+        about="rear wheels that the node rear_steering steers: docs/rear_steering.md",
+        read_only=True,
+    )
+    speed_mode: bool = setting(
+        False,
+        about="drives that control the speeds that `speed_command` sets, as some asr do",
+        read_only=True,
+    )
+    speed_control: SpeedModeParameters = group(SpeedModeParameters)
+
+
 @inlined
 def planar(
     p: PlanarParameters,
@@ -189,24 +219,6 @@ def hold_motion(p: PlanarParameters, y: state.Row) -> None:
         y[state.VX] = p.initial_speed
 
 
-@method("plant", "planar_electrical", **ELECTRICAL)
-@inlined
-def planar_electrical(
-    p: PlanarParameters,
-    car: Car,
-    c: PlanarConstants,
-    s: state.PlanarState,
-    period: float,
-    commanded: Commanded,
-) -> None:
-    """The planar plant with the electrical side of its motors, and cells (docs/electrical.md).
-
-    It writes currents, voltages and temperatures. Voltage of the DC link and temperatures limit the
-    torque.
-    """
-    planar(p, car, c, s, period, commanded)
-
-
 class SteeredBehind(NamedTuple):
     """The commands, and the actuator of the rear wheels."""
 
@@ -214,10 +226,9 @@ class SteeredBehind(NamedTuple):
     rear: RearSteeringState
 
 
-@method("plant", "planar_rear_steering", **PLANAR)
 @inlined
-def planar_rear_steering(
-    p: PlanarParameters,
+def with_rear_steering(
+    p: PlanarPlantParameters,
     car: Car,
     c: PlanarConstants,
     s: state.PlanarState,
@@ -227,22 +238,25 @@ def planar_rear_steering(
     """The planar plant with rear wheels that an actuator steers.
 
     Its angle adds to what the `rear_steering_ratio` of the car gives.
-    Over a period the rear angle goes on at its rate, as the front one does, within the same limit.
     """
-    limit = c.limits.angle
-    s.rear_angle = accepted(s.guard, read.rear.angle, s.rear_angle, -limit, limit)
-    least = (-limit - s.rear_angle) / period
-    most = (limit - s.rear_angle) / period
-    s.rear_rate = accepted(s.guard, read.rear.rate, 0.0, least, most)
+    begin_rear(c, s, period, read.rear)
     planar(p, car, c, s, period, read.commanded)
     s.rear_angle += s.rear_rate * period
 
 
-@dataclass(frozen=True, slots=True)
-class PlanarSpeedModeParameters(PlanarParameters):
-    """The same, and the speed control of the drives."""
+@inlined
+def begin_rear(
+    c: PlanarConstants, s: state.PlanarState, period: float, rear: RearSteeringState
+) -> None:
+    """Take the angle of the actuator, and the rate at which it goes on over a period [s].
 
-    speed_control: SpeedModeParameters = group(SpeedModeParameters)
+    Both stay within the limit of the front wheels.
+    """
+    limit = c.limits.angle
+    s.rear_angle = accepted(s.guard, rear.angle, s.rear_angle, -limit, limit)
+    least = (-limit - s.rear_angle) / period
+    most = (limit - s.rear_angle) / period
+    s.rear_rate = accepted(s.guard, rear.rate, 0.0, least, most)
 
 
 @dataclass(slots=True)
@@ -264,20 +278,16 @@ class SpeedCommanded(NamedTuple):
     speeds: WheelSpeedCommand
 
 
-def a_motor_for_each_wheel(_parameters: PlanarSpeedModeParameters, vehicle: Vehicle) -> str:
-    """A drive controls the speed of its own wheel."""
-    return "" if has_own_motors(vehicle) else "driveline.coupling individual"
+def a_motor_for_each_wheel(parameters: PlanarPlantParameters, vehicle: Vehicle) -> str:
+    """A drive in speed mode controls the speed of its own wheel."""
+    if parameters.speed_mode and not has_own_motors(vehicle):
+        return "driveline.coupling individual"
+    return ""
 
 
-@method(
-    "plant",
-    "planar_speed_mode",
-    needs=(a_motor_for_each_wheel,),
-    **PLANAR | {"state": SpeedModeState, "start": partial(shown.begin, kind=SpeedModeState)},
-)
 @inlined
-def planar_speed_mode(
-    p: PlanarSpeedModeParameters,
+def with_speed_mode(
+    p: PlanarPlantParameters,
     car: Car,
     c: PlanarConstants,
     s: SpeedModeState,
@@ -329,3 +339,59 @@ def _controlled_torque(plant: Plant, i: int) -> float:
     if (command > 0.0 and asked < most) or (command < 0.0 and asked > least):
         return gear * min(max(asked, least), most)
     return command
+
+
+class SteeredBehindBySpeed(NamedTuple):
+    """The commands, the actuator of the rear wheels, and the set-points of the wheel speeds."""
+
+    commanded: Commanded
+    rear: RearSteeringState
+    speeds: WheelSpeedCommand
+
+
+@inlined
+def with_rear_steering_and_speed_mode(
+    p: PlanarPlantParameters,
+    car: Car,
+    c: PlanarConstants,
+    s: SpeedModeState,
+    period: float,
+    read: SteeredBehindBySpeed,
+) -> None:
+    """The planar plant with both."""
+    begin_rear(c, s, period, read.rear)
+    with_speed_mode(p, car, c, s, period, SpeedCommanded(read.commanded, read.speeds))
+    s.rear_angle += s.rear_rate * period
+
+
+# Each option replaces fields of the declaration. The electrical side is one of constants and
+# signals, so it goes with every function; the two others read signals, so both together need one
+# function more.
+OPTIONS: Options = {
+    ("electrical",): {
+        "prepare": prepare_electrical,
+        "outputs": shown.electrical_outputs,
+        "writes": shown.ELECTRICAL_SIGNALS,
+    },
+    ("rear_steering",): {"function": with_rear_steering},
+    ("speed_mode",): {
+        "function": with_speed_mode,
+        "state": SpeedModeState,
+        "start": partial(shown.begin, kind=SpeedModeState),
+    },
+    ("rear_steering", "speed_mode"): {"function": with_rear_steering_and_speed_mode},
+}
+
+method(
+    "plant",
+    "planar",
+    **PLANAR,
+    parameters=PlanarPlantParameters,
+    needs=(a_motor_for_each_wheel,),
+    options=OPTIONS,
+)(planar)
+
+# Each option was a plant of its own. Scenarios may have these names for one release more.
+formerly("plant", "planar_electrical", "planar", electrical=True)
+formerly("plant", "planar_rear_steering", "planar", rear_steering=True)
+formerly("plant", "planar_speed_mode", "planar", speed_mode=True)

@@ -202,11 +202,9 @@ def prepare_electrical(
 ) -> PlanarConstants:
     """The same with cells and the electrical side of the motors."""
     if parameters.drive in DRIVE_MODELS:
-        raise ParameterError(
-            f"planar_electrical needs drive torque_controlled, not {parameters.drive}"
-        )
+        raise ParameterError(f"electrical needs drive torque_controlled, not {parameters.drive}")
     if vehicle.engine.peak_power > 0.0:
-        raise ParameterError("planar_electrical needs motors, not vehicle.engine")
+        raise ParameterError("electrical needs motors, not vehicle.engine")
     c, cells = prepare(parameters, vehicle, period), vehicle.battery.cells
     power = c.power._replace(
         voltage=tuple(cells.in_series * voltage for voltage in cells.open_circuit_voltage),

@@ -1,0 +1,137 @@
+"""Options of the planar plant: each adds its signals, and they go with each other."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import pytest
+from plant.planar.car import STRAIGHT, command, outputs, plant, steered
+
+from ev_core.lockstep.configuration import configure
+from ev_core.lockstep.finding import find_method
+from ev_msgs_py.contract.optional_signals import (
+    CellCondition,
+    MotorElectrics,
+    MotorTemperatures,
+    RearSteeringState,
+    WheelSpeedCommand,
+)
+from ev_msgs_py.contract.signals import BodyVelocity, SteeringColumnState, WheelTorqueCommand
+from ev_msgs_py.contract.wheels import Wheels
+from ev_msgs_py.refusal import ParameterError
+from ev_stack.recording.offline import run_offline
+from ev_stack.scenarios.scenario import Overrides, load_scenario
+
+OPTIONS = ("electrical", "rear_steering", "speed_mode")
+FREE = WheelSpeedCommand(Wheels.all(1e4))  # out of reach, so that the torque counts
+PULLING = command((200.0, 200.0, 0.0, 0.0))
+FORMER = {f"planar_{option}": option for option in OPTIONS}
+
+
+def rear(angle: float) -> RearSteeringState:
+    return RearSteeringState(angle, 0.0, 0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("chosen", [*product((False, True), repeat=3)])
+def test_each_option_adds_its_signals_beside_the_others(chosen):
+    """Eight plants of one name: their signals are those of the plain one, and those of each option."""
+    values = dict(zip(OPTIONS, chosen, strict=True))
+    method = configure("plant", values | {"method": "planar"}).method
+    plain = configure("plant", {"method": "planar"}).method
+    reads = {WheelTorqueCommand, SteeringColumnState}
+    reads |= {RearSteeringState} if values["rear_steering"] else set()
+    reads |= {WheelSpeedCommand} if values["speed_mode"] else set()
+    electrics = {MotorElectrics, MotorTemperatures, CellCondition}
+    assert {*method.reads} == reads
+    assert {*method.writes} == {*plain.writes} | (electrics if values["electrical"] else set())
+
+
+def test_an_option_that_is_put_off_leaves_the_plain_plant():
+    """Its sensors go with its signals, and come back with their defaults."""
+    plain = configure("plant", {"method": "planar"})
+    named = {"sensors.motor_current.bias": 1.0}
+    electrical = plain.changed({"electrical": True, **named})
+    assert electrical.values()["sensors.motor_current.bias"] == 1.0
+    off = electrical.changed({"electrical": False})
+    assert off.method == plain.method
+    assert {*named} <= {*off.unused}
+
+
+def test_rear_wheels_and_speed_mode_act_together_as_each_alone():
+    """Straight rear wheels leave speed mode to the bit, a set-point out of reach leaves rear steering."""
+    steered_rear = plant(rear_steering=True, initial_speed=15.0)
+    by_speed = plant(speed_mode=True, initial_speed=15.0)
+    straight, free = (
+        plant(rear_steering=True, speed_mode=True, initial_speed=15.0) for _ in range(2)
+    )
+    slow = WheelSpeedCommand(Wheels.all(20.0))
+    for n in range(40):
+        angle = min(0.001 * n, 0.02)
+        steered_rear.advance(PULLING, STRAIGHT, rear(angle))
+        free.advance(PULLING, STRAIGHT, rear(angle), FREE)
+        by_speed.advance(PULLING, STRAIGHT, slow)
+        straight.advance(PULLING, STRAIGHT, rear(0.0), slow)
+    assert straight.outputs() == by_speed.outputs()
+    assert free.outputs() == steered_rear.outputs()
+    # Rear wheels to the left turn the car to the right.
+    assert outputs(free)[BodyVelocity].yaw_rate < -0.01
+    assert outputs(straight)[BodyVelocity].yaw_rate == 0.0
+
+
+def test_all_options_mirror_to_the_bit():
+    """Steered to the left and to the right, the car of all options has mirrored yaw rates."""
+    options = dict.fromkeys(OPTIONS, True)
+    left, right = (plant(initial_speed=15.0, **options) for _ in range(2))
+    speeds = WheelSpeedCommand(Wheels.all(60.0))
+    for _ in range(40):
+        left.advance(PULLING, steered(0.03), rear(-0.01), speeds)
+        right.advance(PULLING, steered(-0.03), rear(0.01), speeds)
+    turning = outputs(left)[BodyVelocity].yaw_rate
+    assert turning > 0.1
+    assert outputs(right)[BodyVelocity].yaw_rate == -turning
+
+
+def test_the_electrical_side_does_not_move_a_car_whose_torque_it_does_not_limit():
+    """Rear steering at 80 km/h takes a tenth of the torque: motion to the bit, and the losses as heat."""
+    driven = {
+        run: run_offline(loaded.runs[0].configurations, loaded.runs[0].duration).channels
+        for run in ("zero_sideslip", "electrical")
+        for loaded in [load_scenario("rear_steering", Overrides((), (), 3.0), (run,))]
+    }
+    plain, electrical = driven["zero_sideslip"], driven["electrical"]
+    for name in ("twist.lateral", "imu.yaw_rate", "rear_steering.state.angle"):
+        assert np.abs(plain[name]).max() > 0.0
+        assert electrical[name].tobytes() == plain[name].tobytes(), name
+    winding = electrical["motor_temperatures.winding.front_left"]
+    assert winding[-1] > winding[0]
+
+
+@pytest.mark.parametrize(("name", "option"), [*FORMER.items()])
+def test_a_former_name_is_the_plant_with_its_option_for_one_release(name, option):
+    """A value beside it counts before what the name stands for; a line names the present way."""
+    now = configure("plant", {"method": "planar", option: True})
+    assert configure("plant", {"method": name}) == now
+    assert configure("plant", {"method": name, option: False}).method.reads == (
+        find_method("plant", "planar").reads
+    )
+    asked = {"planar_rear_steering": ("rear_steering", "method", "zero_sideslip")}
+    asked["planar_speed_mode"] = ("asr", "method", "speed_by_slip")
+    values = [("plant", "method", name), *([asked[name]] if name in asked else [])]
+    notes = load_scenario("double_lane_change", Overrides((), values)).notes
+    (note,) = (each for each in notes if "old name" in each)
+    assert note.startswith(f"plant method {name} is now planar with {option} true")
+
+
+@pytest.mark.parametrize(
+    ("role", "law", "option"),
+    [("rear_steering", "zero_sideslip", "rear_steering"), ("asr", "speed_by_slip", "speed_mode")],
+)
+def test_a_law_puts_the_option_on_that_it_requires(role, law, option):
+    """The scenario need not name it; where it names the contrary it is refused."""
+    chosen = (role, "method", law)
+    (run,) = load_scenario("double_lane_change", Overrides((), [chosen])).runs
+    assert getattr(run.configurations["plant"].parameters, option) is True
+    contrary = ("plant", option, False)
+    with pytest.raises(ParameterError, match=rf"requires plant\.{option} true, but false is"):
+        load_scenario("double_lane_change", Overrides((), [chosen, contrary]))
