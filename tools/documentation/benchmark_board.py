@@ -13,19 +13,17 @@ import numpy as np
 
 from documentation.markdown import code, table
 from ev_core.parameters.data_file import find_in_config
+from ev_stack.report.tables import Table
 from ev_study.benchmark.added import with_added
 from ev_study.benchmark.board import Board, read_board
 from ev_study.benchmark.held_out import held_out
 from ev_study.benchmark.ranking.result import BoardResult
 from ev_study.benchmark.ranking.scores import difference, interquartile_mean, tail_mean
 from ev_study.benchmark.ranking.tables import (
-    CELL_COLUMNS,
-    LAW_COLUMNS,
-    SCORE_COLUMNS,
-    cell_rows,
+    cell_table,
     closed_division,
-    law_rows,
-    score_rows,
+    law_table,
+    score_table,
 )
 from ev_study.commands.benchmark import drive_board
 
@@ -42,24 +40,26 @@ def board_tables(result: BoardResult) -> dict[str, str]:
     driven = (
         f"{len(result.cells)} cells, {result.board.draws} draws, hash of all runs `{result.hash}`."
     )
-    closed, laws = (
-        score_rows(result, division) for division in (closed_division(result), result.laws)
-    )
+    closed = score_table(result, closed_division(result))
+    laws = score_table(result, result.laws)
     return {
-        "closed": table(SCORE_COLUMNS, [[code(law), *of] for law, *of in closed]),
-        "open": f"{table(SCORE_COLUMNS, [[code(law), *of] for law, *of in laws])}\n{driven}\n",
-        "laws": table(LAW_COLUMNS, [[code(law), *of] for law, *of in law_rows(result)]),
-        "cells": cell_table(result),
+        "closed": _with_code(closed),
+        "open": f"{_with_code(laws)}\n{driven}\n",
+        "laws": _with_code(law_table(result)),
+        "cells": marked_cells(result),
     }
 
 
-def cell_table(result: BoardResult) -> str:
+def _with_code(shown: Table) -> str:
+    """A table in Markdown with its laws as code."""
+    return table(shown.columns, [[code(law), *of] for law, *of in shown.rows])
+
+
+def marked_cells(result: BoardResult) -> str:
     """A row for each cell."""
-    rows = [
-        [code(cell), *of, code(signals), code(command)]
-        for cell, *of, signals, command in cell_rows(result)
-    ]
-    return table(CELL_COLUMNS, rows)
+    shown = cell_table(result)
+    rows = [[code(cell), *of, code(hash), code(line)] for cell, *of, hash, line in shown.rows]
+    return table(shown.columns, rows)
 
 
 def drive_small(pattern: str = "*") -> BoardResult:

@@ -24,7 +24,7 @@ from ev_study.benchmark.cell_runs import run_of, values_of
 from ev_study.benchmark.draws import drawn
 from ev_study.benchmark.driving import drive_cell
 from ev_study.benchmark.ranking.result import BoardResult
-from ev_study.benchmark.ranking.tables import closed_division, law_rows, score_rows
+from ev_study.benchmark.ranking.tables import closed_division, law_table, score_table
 from ev_study.commands.benchmark import run_benchmark
 
 SMALL = replace(read_board("small"), draws=3)
@@ -85,9 +85,9 @@ def test_the_reference_costs_one_and_the_control_lowers_the_energy_of_a_step(res
     assert (result.costs["handling"][0] == 1.0).all()
     assert result.scores["energy"][1].value < 0.99
     assert not result.unstable.any()
-    assert [row[0] for row in score_rows(result, LAWS)] == ["equal_torque", "pi"]
+    assert [row[0] for row in score_table(result, LAWS).rows] == ["equal_torque", "pi"]
     assert closed_division(result) == []
-    ((law, handling, energy, step, wins, breaks),) = law_rows(result)
+    ((law, handling, energy, step, wins, breaks),) = law_table(result).rows
     assert (law, step, wins) == ("pi", "-", "nowhere")
     assert (handling.split()[0], energy.split()[0]) == ("0", "100")
     assert breaks.startswith("layout_1_8_c:all:step_steer:wet: ")
@@ -143,7 +143,7 @@ def test_the_command_writes_scores_and_all_runs(tmp_path: Path, capsys):
         in printed
     )
     assert "driven before" not in printed
-    part = next(Path(os.environ["EV_STACK_RESULTS"]).glob("*/*.cell"))
+    part = next(Path(os.environ["EV_STACK_RESULTS"]).glob("*/*.row"))
     part.write_bytes(part.read_bytes()[::-1])
     main([*words, "--no-report"])
     printed, errors = capsys.readouterr()

@@ -17,7 +17,7 @@ from ev_study.benchmark.board import Cell, read_board
 from ev_study.benchmark.driving import DrivenCell, DrivenLaw
 from ev_study.benchmark.ranking import run_files
 from ev_study.benchmark.ranking.result import BoardResult
-from ev_study.benchmark.ranking.tables import cell_rows
+from ev_study.benchmark.ranking.tables import cell_table
 
 BOARD = replace(read_board("small"), draws=4)
 LAWS = [BOARD.reference, "pi"]
@@ -93,7 +93,7 @@ def test_no_more_than_two_cells_are_held_at_once(
     """Memory does not grow with the cells: one that is looked at while the next one is read."""
     monkeypatch.setattr(run_files, "MOST_IN_JSON", 1)
     result.as_json()
-    cell_rows(result)
+    cell_table(result)
     run_files.write_runs(tmp_path, result)
     assert len(result.cells) == 18
     assert result.cells.most == 2

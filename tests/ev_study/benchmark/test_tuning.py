@@ -256,7 +256,6 @@ def test_a_search_goes_on_only_while_no_file_of_its_runs_has_changed(tmp_path: P
         (["none"], "unknown electronic_differential method 'none'"),
         (["pi", "lqr", "--free", "pi.*,none"], "unknown number of law pi 'none'"),
         (["pi", "--free", ""], "unknown number of law pi ''"),
-        (["pi", "--budget", "1"], "--budget 1 is refused, expected 2 or more"),
         (["pi", "--board", "full", "--cells", "*:skidpad:dry:*"], "--cells leaves none to tune on"),
     ],
 )
@@ -264,3 +263,19 @@ def test_what_cannot_be_tuned_is_one_line(words: list[str], line: str, tmp_path:
     with pytest.raises(ParameterError) as refused:
         run_tune([*words, "--out", str(tmp_path)])
     assert line in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("command", "words", "expected"),
+    [
+        (run_tune, ["pi", "--budget", "1"], "--budget: '1' is refused, expected a whole number, 2"),
+        (run_tune, ["pi", "--draws", "0"], "--draws: '0' is refused, expected a whole number, 1"),
+        (run_benchmark, ["--draws", "0"], "--draws: '0' is refused, expected a whole number, 1"),
+        (run_benchmark, ["--held-out", "-1"], "--held-out: '-1' is refused"),
+        (run_benchmark, ["--workers", "0"], "--workers: '0' is refused"),
+    ],
+)
+def test_a_number_out_of_bounds_ends_a_command_at_once(command, words, expected, capsys):
+    with pytest.raises(SystemExit):
+        command(words)
+    assert expected in capsys.readouterr().err

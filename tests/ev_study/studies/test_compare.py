@@ -229,7 +229,7 @@ def test_a_law_with_which_the_car_spins_is_marked_and_does_not_flatten_the_axes(
     results = {"equal_torque": spun, "limited_slip": drive_case(case, compare.measure)}
     lines = compare.tables(asked(), results).splitlines()[2:]
     assert [line.startswith("equal_torque (spun)") for line in lines] == [True, False]
-    assert [row[0] for row in compare.table(asked(), results)[1]] == [
+    assert [row[0] for row in compare.table(asked(), results).rows] == [
         "equal_torque",
         "limited_slip",
     ]

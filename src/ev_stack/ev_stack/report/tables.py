@@ -13,6 +13,7 @@ import shutil
 import sys
 import textwrap
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
 from html import escape
 from importlib.util import find_spec
 from pathlib import Path
@@ -122,6 +123,23 @@ def tables_by_width(
         text_table([columns[i] for i in c], [[row[i] for i in c] for row in rows], left)
         for c in chosen
     )
+
+
+@dataclass(frozen=True)
+class Table:
+    """Columns and rows, of which the first `left` columns name a row and stand to the left.
+
+    `better` has by column which values are better, LOWER or HIGHER.
+    """
+
+    columns: Sequence[str]
+    rows: Sequence[Sequence[Any]]
+    left: int = 1
+    better: Mapping[str, str] = field(default_factory=dict)
+
+    def text(self) -> str:
+        """Return it for the terminal, from rows of texts."""
+        return text_table(self.columns, self.rows, self.columns[: self.left])
 
 
 METRIC_COLUMNS = ("metric", "value", "unit", "reference", "band", "verdict")

@@ -23,7 +23,6 @@ from ev_stack.commands.drive_scenario import drive_scenario
 from ev_stack.figures.saving import save_figures
 from ev_stack.figures.sheets import drawn
 from ev_stack.report.summary import versions, write_summary
-from ev_stack.report.tables import text_table
 from ev_stack.running.output_folder import OutputFolder
 from ev_study.benchmark.added import check_laws, with_added
 from ev_study.benchmark.board import Board, Cell, read_board
@@ -34,13 +33,7 @@ from ev_study.benchmark.ranking.drawing import board_sheet
 from ev_study.benchmark.ranking.law_pages import law_page, overview
 from ev_study.benchmark.ranking.result import BoardResult
 from ev_study.benchmark.ranking.run_files import RUNS, write_runs
-from ev_study.benchmark.ranking.tables import (
-    CELL_COLUMNS,
-    SCORE_COLUMNS,
-    cell_rows,
-    closed_division,
-    score_rows,
-)
+from ev_study.benchmark.ranking.tables import cell_table, closed_division, score_table
 from ev_study.benchmark.step_times import step_times
 from ev_study.studies.digests import digest_of_sources
 from ev_study.studies.driving import load_for
@@ -259,12 +252,12 @@ def _laws(board: Board, names: str | None, added: Sequence[str]) -> list[str]:
 def _print(result: BoardResult, given: argparse.Namespace) -> None:
     """Print the cells, unless the board is secret, and the scores of both divisions."""
     if not given.secret:
-        print(text_table(CELL_COLUMNS, cell_rows(result), left=CELL_COLUMNS))
+        print(cell_table(result).text())
     divisions = {"closed": closed_division(result), "open": result.laws}
     for title, laws in divisions.items():
         if laws:
             print(f"\n{title} division")
-            print(text_table(SCORE_COLUMNS, score_rows(result, laws), left=("law",)))
+            print(score_table(result, laws).text())
 
 
 def _write(

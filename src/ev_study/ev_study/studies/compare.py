@@ -19,20 +19,20 @@ from ev_stack.figures.panels import Curve, Panel, readable
 from ev_stack.figures.sheets import Sheet
 from ev_stack.measures import motion
 from ev_stack.measures.metric import Metric, channel
-from ev_stack.measures.own_metrics import listed, named_metric
+from ev_stack.measures.own_metrics import listed
 from ev_stack.measures.registry import METRICS
 from ev_stack.recording.recording import Recording
 from ev_stack.report.reports import further_metrics, measured_metrics, row_of
-from ev_stack.report.tables import tables_by_width
+from ev_stack.report.tables import Table, tables_by_width
 from ev_stack.scenarios.records import Run
-from ev_study.studies.study import (
-    Case,
-    CaseResult,
-    Results,
-    better_by_column,
+from ev_study.studies.metric_table import (
+    Units,
+    metric_table,
     not_measured,
-    run_of_command,
+    shown_metrics,
+    values_of,
 )
+from ev_study.studies.study import Case, CaseResult, Results, run_of_command
 
 ABOUT = "Every electronic differential on the same car in any scenario, one table and one figure"
 ROLE = "electronic_differential"
@@ -109,73 +109,55 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
     }
 
 
-def _shown(given: argparse.Namespace, results: Results) -> dict[str, str]:
-    """Units of the metrics that are shown, by name."""
-    units: dict[str, str] = {}
-    for result in results.values():
-        units |= result.measured.get("units", {})
-    texts = listed(given.metrics) or QUANTITIES
-    names = [text if text in units else named_metric(text).name for text in texts]
-    return {name: units.get(name, "") for name in names}
+def _shown(given: argparse.Namespace, results: Results) -> Units:
+    return shown_metrics(listed(given.metrics) or QUANTITIES, results)
+
+
+def _driven(results: Results) -> dict[str, CaseResult]:
+    """Results of the methods that could be driven."""
+    return {law: result for law, result in results.items() if not result.refused}
 
 
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     """Each metric of each method that could be driven."""
-    shown, driven = (
-        _shown(given, results),
-        {n: r.measured for n, r in results.items() if not r.refused},
-    )
-    return {
-        f"{name}_{law}": Metric(
-            measured["metrics"].get(name),
-            unit,
-            reason=measured["reasons"].get(name, ""),
-            better=METRICS[name].better if name in METRICS else "",
-        )
-        for law, measured in driven.items()
-        for name, unit in shown.items()
-    }
+    shown = _shown(given, results)
+    found = {}
+    for law, result in _driven(results).items():
+        for name, unit in shown.items():
+            found[f"{name}_{law}"] = Metric(
+                values_of(result).get(name),
+                unit,
+                reason=result.measured["reasons"].get(name, ""),
+                better=METRICS[name].better if name in METRICS else "",
+            )
+    return found
 
 
-def table(given: argparse.Namespace, results: Results) -> tuple[Sequence[str], list[list[Any]]]:
-    """Columns, and for each method that could be driven a row of its metrics."""
-    shown, driven = (
-        _shown(given, results),
-        {n: r.measured for n, r in results.items() if not r.refused},
-    )
-    columns = ("method", *(f"{name} [{unit}]" for name, unit in shown.items()))
-    return columns, [
-        [law, *(measured["metrics"].get(name) for name in shown)]
-        for law, measured in driven.items()
-    ]
-
-
-def better(given: argparse.Namespace, results: Results) -> dict[str, str]:
-    """Metrics of which more or less is better."""
-    return better_by_column(_shown(given, results), results)
+def table(given: argparse.Namespace, results: Results) -> Table:
+    """A row of metrics for each method that could be driven."""
+    called = [((law,), result) for law, result in _driven(results).items()]
+    return metric_table(("method",), called, _shown(given, results))
 
 
 def tables(given: argparse.Namespace, results: Results) -> str:
     """The metrics of each method that could be driven."""
-    columns, rows = table(given, results)
-    texts = [
-        (marked(law, results[law]), *("-" if value is None else f"{value:.4g}" for value in values))
-        for law, *values in rows
-    ]
-    lacking = not_measured(list(_shown(given, results)), results)
-    return "\n".join(filter(None, (tables_by_width(columns, texts, 1, left=columns[:1]), lacking)))
+    found = table(given, results)
+    texts = []
+    for law, *values in found.rows:
+        numbers = ("-" if value is None else f"{value:.4g}" for value in values)
+        texts.append((marked(law, results[law]), *numbers))
+    shown = tables_by_width(found.columns, texts, 1, left=found.columns[:1])
+    lacking = not_measured(_shown(given, results), results)
+    return "\n".join(filter(None, (shown, lacking)))
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
     """Paths, and yaw rate, sideslip angle, speed and torque difference over time, all methods one over the other."""
-    driven = {name: result for name, result in results.items() if not result.refused}
+    driven = _driven(results)
 
     def over_time(title: str, ylabel: str, quantity: str, factor: float = 1.0) -> Panel:
-        return Panel(
-            title,
-            ylabel,
-            [_curve(name, of, "time", quantity, factor) for name, of in driven.items()],
-        )
+        curves = [_curve(name, of, "time", quantity, factor) for name, of in driven.items()]
+        return Panel(title, ylabel, curves)
 
     panels = [
         over_time("Yaw rate", "yaw rate [deg/s]", "yaw_rate", math.degrees(1.0)),

@@ -31,7 +31,7 @@ def drive_cases(
     before these. Raises what `perform_jobs` does.
     """
     if workers.scheduler is None:
-        load_for(_alike(cases))
+        load_for(run_of_each_kind(cases))
     measures = [measure] * len(cases) if callable(measure) else measure
     given = zip(cases, measures, strict=True)
     jobs = [Job(case.name, drive_case, (case, of_case)) for case, of_case in given]
@@ -46,8 +46,8 @@ def drive_cases(
     return [results[number] for number in range(len(jobs))]
 
 
-def _alike(cases: Sequence[Case]) -> list[Run]:
-    """Return a run of each kind of cases: what differs within a kind needs no other code."""
+def run_of_each_kind(cases: Sequence[Case]) -> list[Run]:
+    """Return a run of each kind of cases: within a kind all have the same methods."""
     kinds = {}
     for case in cases:
         methods = [f"{node} {value}" for node, name, value in case.values if name == "method"]

@@ -8,7 +8,6 @@ import math
 import shutil
 import time
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import timedelta
 from pathlib import Path
@@ -33,17 +32,17 @@ from ev_stack.recording.outcome import RunFailed, announce
 from ev_stack.recording.recording import OF_ALL_RUNS, PAGE, SUMMARY
 from ev_stack.report.latex import DIGITS
 from ev_stack.report.summary import versions, write_summary
-from ev_stack.report.tables import TABLES, print_metrics, text_table, write_tables
+from ev_stack.report.tables import TABLES, Table, print_metrics, write_tables
 from ev_stack.running.output_folder import OutputFolder
 from ev_stack.scenarios.parameter_file import ParameterFile
 from ev_stack.scenarios.records import Overrides
 from ev_stack.scenarios.unused import refuse_unused_values
 from ev_study.studies.digests import digest_of_sources
-from ev_study.studies.driving import drive_cases, estimated_time
+from ev_study.studies.driving import drive_cases, estimated_time, run_of_each_kind
 from ev_study.studies.kept_rows import KeptRows, MeasureAndSave, keys_of_cases
 from ev_study.studies.options import add_driving, once_more, workers_of
 from ev_study.studies.result_store import RECORDING, ResultStore
-from ev_study.studies.study import Case, CaseResult, Results, Study, run_of, study_named
+from ev_study.studies.study import Case, CaseResult, Results, Study, study_named
 
 SIGNALS = "signals"  # folder with those of each run, where they are kept
 _EVERY_NODE, _FILE = "*", "file"
@@ -122,14 +121,7 @@ def _refuse_unused(study: Study, given: argparse.Namespace, cases: Sequence[Case
     named = [*overrides(given).values, *places]
     if not named:
         return
-    kinds = {}
-    for case in cases:
-        methods = [str(value) for value in case.values if value[1] == "method"]
-        kinds[case.scenario, case.run, case.files, *methods] = case
-    runs = []
-    for case in kinds.values():
-        with suppress(ParameterError):  # a case that cannot be driven comes back as refused
-            runs.append(run_of(case))
+    runs = run_of_each_kind(cases)
     if runs:
         refuse_unused_values(named, runs)
 
@@ -254,28 +246,22 @@ def _drive(
 
 @dataclass(frozen=True)
 class SummedUp:
-    """What a study makes of its rows: metrics, figures, what it prints, and the table for files.
-
-    The table has columns, rows, and by column which values are better; None without one.
-    """
+    """What a study makes of its rows: metrics, figures, what it prints, and a table for files."""
 
     metrics: dict[str, Metric]
     sheets: dict[str, Sheet]
     text: str
-    table: tuple[Sequence[str], Sequence[Sequence[Any]], Mapping[str, str]] | None
+    table: Table | None
 
 
 def _summed_up(study: Study, given: argparse.Namespace, results: Results) -> SummedUp:
     """Sum results up; RunFailed if a case lacks that the study needs for it."""
     try:
-        sheets = figures_of(study, given, results)
-        table = None
-        if hasattr(study, "table"):
-            columns, rows = study.table(given, results)
-            wanted = given.bold and hasattr(study, "better")
-            table = columns, rows, study.better(given, results) if wanted else {}
         return SummedUp(
-            study.metrics(given, results), sheets, printed(study, given, results), table
+            metrics=study.metrics(given, results),
+            sheets=figures_of(study, given, results),
+            text=printed(study, given, results),
+            table=study.table(given, results) if hasattr(study, "table") else None,
         )
     except Exception as error:
         lacking = next((result for result in results.values() if result.refused), None)
@@ -294,9 +280,9 @@ def printed(study: Study, given: argparse.Namespace, results: Results) -> str:
     """Return what a study prints above its metrics, as aligned text; may be empty."""
     if hasattr(study, "tables"):
         return study.tables(given, results)
-    left = study.COLUMNS[: getattr(study, "LEFT", 1)]
-    table = text_table(study.COLUMNS, study.rows(given, results), left=left)
-    return f"{study.HEADING}\n{table}" if hasattr(study, "HEADING") else table
+    left = getattr(study, "LEFT", 1)
+    text = Table(study.COLUMNS, study.rows(given, results), left).text()
+    return f"{study.HEADING}\n{text}" if hasattr(study, "HEADING") else text
 
 
 def _write(
@@ -313,8 +299,9 @@ def _write(
     save_figures(figures, folder.directory)
     write_summary(folder.directory / SUMMARY, content)
     if found.table is not None:
-        columns, rows, better = found.table
-        write_tables(folder.directory, columns, rows, given.digits, better)
+        table = found.table
+        best = table.better if given.bold else {}
+        write_tables(folder.directory, table.columns, table.rows, given.digits, best)
     if given.no_report:
         return
     from ev_stack.report.page.writing import Page, images_of, measured_signals, write_page

@@ -127,26 +127,6 @@ def run_of(case: Case) -> Run:
     return scenario_of(case).runs[0]
 
 
-def not_measured(names: Sequence[str], results: Results) -> str:
-    """A line for each metric that no run has, with the reason that one of them gives; empty if there is none."""
-    found = []
-    for name in names:
-        reasons = [
-            result.measured["reasons"].get(name) for result in results.values() if result.measured
-        ]
-        if reasons and all(reasons):
-            found.append(f"not measured: {name}: {reasons[0]}")
-    return "\n".join(found)
-
-
-def better_by_column(units: Mapping[str, str], results: Results) -> dict[str, str]:
-    """Which values are better by column `METRIC [UNIT]`, of those metrics that have it in the row of a run."""
-    better: dict[str, str] = {}
-    for result in results.values():
-        better |= result.measured.get("better", {})
-    return {f"{name} [{unit}]": better[name] for name, unit in units.items() if name in better}
-
-
 def run_of_command(given: argparse.Namespace) -> Run:
     """The run that a command names by its scenario and --run, the first if it names none, with what it changes.
 
@@ -188,13 +168,13 @@ class Study(Protocol):
 
     # A study may also have
     #
-    # - `add_options(parser)`, which declares the options that it has beyond those of all studies,
+    # - `add_options(parser)`, which declares its options beyond those of all studies,
     # - `SUMS`, with which the metrics begin that sum the rows up,
     # - `figures(given, results)`, by the name of their file without suffix,
-    # - `tables(given, results)`, the text that is printed above the metrics; without it these are its rows below
-    #   COLUMNS, of which the first LEFT ones are set to the left, below a line HEADING if there is one,
-    # - `table(given, results)`, whose columns and rows of values are kept as files,
-    # - `better(given, results)`, by column of that table which values are better, `metric.LOWER` or `metric.HIGHER`,
+    # - `tables(given, results)`, the text that is printed above the metrics; without it these are
+    #   its rows below COLUMNS, of which the first LEFT ones are set to the left, below a line
+    #   HEADING if there is one,
+    # - `table(given, results)`, a Table (`ev_stack.report.tables`) that is kept in files,
     # - `variations(given)`, by NODE.PARAM the values that it varies itself,
     # - `SHORTEST`, the least simulated time with which there is anything to measure [s].
 

@@ -18,20 +18,20 @@ from ev_stack.figures.other_axes import band, colour_map, mean_of_seeds
 from ev_stack.figures.panels import IN_FIGURES, readable
 from ev_stack.figures.sheets import Sheet
 from ev_stack.measures.metric import Metric
-from ev_stack.measures.own_metrics import listed, named_metric
+from ev_stack.measures.own_metrics import listed
 from ev_stack.recording.recording import Recording
 from ev_stack.report.reports import further_metrics, measured_metrics, row_of
-from ev_stack.report.tables import cell, tables_by_width
+from ev_stack.report.tables import Table, cell, tables_by_width
 from ev_stack.scenarios.parameter_file import read_yaml
 from ev_stack.scenarios.records import Run
-from ev_study.studies.study import (
-    Case,
-    CaseResult,
-    Results,
-    better_by_column,
+from ev_study.studies.metric_table import (
+    Units,
+    metric_table,
     not_measured,
-    run_of_command,
+    shown_metrics,
+    values_of,
 )
+from ev_study.studies.study import Case, Results, run_of_command
 
 ABOUT = "Any parameters of any scenario over values and seeds - a row for each run, lines with bands or maps"
 SEED = "seed"
@@ -164,62 +164,39 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
     return row_of(measured_metrics(recording, run))
 
 
-def _shown(given: argparse.Namespace, results: Results) -> dict[str, str]:
-    """Units of the shown metrics by name: those that are asked for, else all that some run has."""
-    units: dict[str, str] = {}
-    for result in results.values():
-        units |= result.measured.get("units", {})
-    chosen = [text if text in units else named_metric(text).name for text in listed(given.metrics)]
-    known = {name for result in results.values() for name in _values_of(result)}
-    return {name: units.get(name, "") for name in chosen or units if chosen or name in known}
+def _shown(given: argparse.Namespace, results: Results) -> Units:
+    return shown_metrics(listed(given.metrics), results)
 
 
-def _values_of(result: CaseResult) -> Mapping[str, float]:
-    """Metrics of a run that have a value, by name; none of one that was refused."""
-    return result.measured.get("metrics", {})
-
-
-def table(given: argparse.Namespace, results: Results) -> tuple[list[str], list[list[Any]]]:
-    """Columns and rows: the values and the metrics of each run, None for what could not be measured."""
-    varied, shown = variations(given), _shown(given, results)
-    columns = [*varied, *(f"{name} [{unit}]" for name, unit in shown.items())]
-    combined = zip(itertools.product(*varied.values()), results.values(), strict=True)
-    return columns, [
-        [*values, *(_values_of(result).get(name) for name in shown)] for values, result in combined
-    ]
+def table(given: argparse.Namespace, results: Results) -> Table:
+    """The varied values and the metrics of each run."""
+    varied = variations(given)
+    called = zip(itertools.product(*varied.values()), results.values(), strict=True)
+    return metric_table(list(varied), called, _shown(given, results))
 
 
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     """The least and the largest of each metric over all runs."""
     found = {}
     for name, unit in _shown(given, results).items():
-        values = [of[name] for of in map(_values_of, results.values()) if name in of]
+        values = [of[name] for of in map(values_of, results.values()) if name in of]
         if values:
-            found |= {
-                f"{name}_least": Metric(min(values), unit),
-                f"{name}_largest": Metric(max(values), unit),
-            }
+            found[f"{name}_least"] = Metric(min(values), unit)
+            found[f"{name}_largest"] = Metric(max(values), unit)
     return found
 
 
-def better(given: argparse.Namespace, results: Results) -> dict[str, str]:
-    """Metrics of which more or less is better."""
-    return better_by_column(_shown(given, results), results)
-
-
 def tables(given: argparse.Namespace, results: Results) -> str:
-    """The rows as aligned text, and a line for each metric that no run has, or if there is none at all."""
-    columns, rows = table(given, results)
-    given_ones = len(variations(given))
-    texts = [[*map(_shown_value, row[:given_ones]), *map(cell, row[given_ones:])] for row in rows]
-    hint = (
-        ""
-        if columns[given_ones:]
-        else f"\nno metric was measured: scripts/run.sh {given.scenario} says why"
-    )
-    lacking = not_measured(list(_shown(given, results)), results)
-    shown = tables_by_width(columns, texts, given_ones, left=())
-    return "\n".join(filter(None, (shown, lacking, hint, _alike(results))))
+    """Rows as aligned text, and a line for each metric that no run has, or if there is none."""
+    found = table(given, results)
+    heads = found.left
+    texts = [[*map(_shown_value, row[:heads]), *map(cell, row[heads:])] for row in found.rows]
+    parts = [tables_by_width(found.columns, texts, heads, left=())]
+    parts.append(not_measured(_shown(given, results), results))
+    if not found.columns[heads:]:
+        parts.append(f"\nno metric was measured: scripts/run.sh {given.scenario} says why")
+    parts.append(_alike(results))
+    return "\n".join(filter(None, parts))
 
 
 def _alike(results: Results) -> str:
@@ -245,17 +222,16 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
         return {}
     panels = []
     for name, unit in _shown(given, results).items():
-        found = [_values_of(result).get(name) for result in results.values()]
-        values = np.array([math.nan if value is None else value for value in found]).reshape(
-            *lengths, seeds
-        )
+        values = np.array([values_of(result).get(name, math.nan) for result in results.values()])
+        values = values.reshape(*lengths, seeds)
         shown, factor = IN_FIGURES.get(unit, (unit, 1.0))
-        title, (*y, x) = readable(name), axes.items()
-        panels.append(
-            colour_map(title, x, y[0], shown, factor * mean_of_seeds(values))
-            if y
-            else band(title, x, f"{title} [{shown}]", factor * values)
-        )
+        title = readable(name)
+        *y, x = axes.items()
+        if y:
+            means = factor * mean_of_seeds(values)
+            panels.append(colour_map(title, x, y[0], shown, means))
+        else:
+            panels.append(band(title, x, f"{title} [{shown}]", factor * values))
     return {"sweep": Sheet(panels)}
 
 

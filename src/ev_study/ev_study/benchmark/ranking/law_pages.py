@@ -11,7 +11,7 @@ from ev_study.benchmark.board import COSTS, Cell
 from ev_study.benchmark.ranking.drawing import undominated
 from ev_study.benchmark.ranking.result import BoardResult
 from ev_study.benchmark.ranking.scores import interquartile_mean, tail_mean
-from ev_study.benchmark.ranking.tables import SCORE_COLUMNS, score_rows, short_id
+from ev_study.benchmark.ranking.tables import score_table, short_id
 
 PART_COLUMNS = ("where", "handling", "worst tenth", "energy", "unstable [%]", "best law there")
 VARIED_COLUMNS = ("what varies", "least", "most", "mean handling", "unstable [points]")
@@ -26,7 +26,8 @@ _GROUPS: tuple[Callable[[Cell], str], ...] = (
 
 def overview(result: BoardResult) -> str:
     """The scores of all laws, and the medians of what is recorded beside them, over all runs that have it."""
-    tables = [markdown_table(SCORE_COLUMNS, score_rows(result, result.laws))]
+    scores = score_table(result, result.laws)
+    tables = [markdown_table(scores.columns, scores.rows)]
     if recorded := result.recorded:
         rows = [
             [law, *(f"{of[i]:.3g}" for of in recorded.values())]

@@ -1,11 +1,11 @@
-"""Result of a board: scores of all laws, records of all runs, and what is written of them."""
+"""Result of a board: scores of all laws, and records of all runs."""
 
 from __future__ import annotations
 
 import hashlib
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -35,26 +35,23 @@ from ev_study.benchmark.ranking.scores import (
 from ev_study.benchmark.ranking.varied import Varied, differences_by_variation
 
 
-class _Counted(NamedTuple):
-    """Counts of each cell: unstable runs, met demand and costs, (laws, draws), recorded metrics.
+class _CountedCell(NamedTuple):
+    """Numbers of a cell that count, (laws, draws), and of its runs those that were driven."""
 
-    With them come the cells themselves, and the number of runs driven in all of them.
-    """
-
-    unstable: list[np.ndarray]
-    met: list[np.ndarray]
-    costs: dict[str, list[np.ndarray]]
-    places: list[Cell]
-    recorded: dict[str, list[np.ndarray]]
+    cell: Cell
+    unstable: np.ndarray
+    met: np.ndarray
+    costs: Mapping[str, np.ndarray]
+    recorded: Mapping[str, np.ndarray]
     driven: int
 
 
 @dataclass(frozen=True)
 class BoardResult:
-    """A board, the laws and cells of it that were driven, in this order; `words` of the command that drives a cell.
+    """A board, and the laws and cells of it that were driven, in this order.
 
-    `step_times` are what was read of a clock (`step_times.step_times`), so that they count in no
-    hash.
+    `words` are of the command that drives a cell. `step_times` were read of a clock
+    (`step_times.step_times`), so they count in no hash.
     """
 
     board: Board
@@ -64,45 +61,53 @@ class BoardResult:
     step_times: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
-    def _counted(self) -> _Counted:
-        """Counts of all cells: one after the other, to spare memory."""
-        board, counted = self.board, _Counted([], [], {cost: [] for cost in COSTS}, [], {}, 0)
-        for cell in self.cells:
-            manoeuvre, of_laws = (
-                board.manoeuvres[cell.cell.manoeuvre],
-                [cell.laws[law].metrics for law in self.laws],
-            )
-            sideslip = np.array([of["peak_sideslip"] for of in of_laws])
-            unstable = ~(sideslip < board.unstable) | ~np.array(
-                [cell.laws[law].clean for law in self.laws]
-            )
-            counted.unstable.append(unstable)
-            counted.met.append(
-                np.broadcast_to(demand_met(board, manoeuvre, cell.metrics), unstable.shape)
-            )
-            for cost, of in counted.costs.items():
-                of.append(costs_of(board, manoeuvre, cost, cell.metrics, unstable))
-            for name in named_metrics(manoeuvre.metrics("recorded")):
-                counted.recorded.setdefault(name, []).append(np.array([of[name] for of in of_laws]))
-            counted.places.append(cell.cell)
-            driven = sum(int(of[DRIVEN].sum()) if DRIVEN in of else board.draws for of in of_laws)
-            counted = counted._replace(driven=counted.driven + driven)
-        return counted
+    def _counted(self) -> list[_CountedCell]:
+        # One cell after the other: each is read when it is asked for, and all are too many.
+        return [self._count(cell) for cell in self.cells]
+
+    def _count(self, cell: DrivenCell) -> _CountedCell:
+        board = self.board
+        manoeuvre = board.manoeuvres[cell.cell.manoeuvre]
+        of_laws = [cell.laws[law] for law in self.laws]
+
+        def measured(name: str) -> np.ndarray:
+            return np.array([of.metrics[name] for of in of_laws])
+
+        is_clean = np.array([of.clean for of in of_laws])
+        unstable = ~(measured("peak_sideslip") < board.unstable) | ~is_clean
+        driven = 0
+        for of in of_laws:
+            driven += int(of.metrics[DRIVEN].sum()) if DRIVEN in of.metrics else board.draws
+        met = demand_met(board, manoeuvre, cell.metrics)
+        recorded = named_metrics(manoeuvre.metrics("recorded"))
+        return _CountedCell(
+            cell.cell,
+            unstable,
+            np.broadcast_to(met, unstable.shape),
+            {cost: costs_of(board, manoeuvre, cost, cell.metrics, unstable) for cost in COSTS},
+            {name: measured(name) for name in recorded},
+            driven,
+        )
 
     @cached_property
     def unstable(self) -> np.ndarray:
-        """Mask of runs, (laws, cells, draws): slid too far, not finite, or not clean."""
-        return np.stack(self._counted.unstable, axis=1)
+        """Runs that slid too far, have a number that is not finite, or are not clean.
+
+        (laws, cells, draws).
+        """
+        return np.stack([each.unstable for each in self._counted], axis=1)
 
     @cached_property
     def met(self) -> np.ndarray:
-        """The share of the demand that each run meets, (laws, cells, draws)."""
-        return np.stack(self._counted.met, axis=1)
+        """Share of the demand that each run meets, (laws, cells, draws)."""
+        return np.stack([each.met for each in self._counted], axis=1)
 
     @cached_property
     def costs(self) -> dict[str, np.ndarray]:
-        """Costs of each run by cost, (laws, cells, draws)."""
-        return {cost: np.stack(of, axis=1) for cost, of in self._counted.costs.items()}
+        """Costs of each run by kind, (laws, cells, draws)."""
+        return {
+            cost: np.stack([each.costs[cost] for each in self._counted], axis=1) for cost in COSTS
+        }
 
     @cached_property
     def middles(self) -> dict[str, np.ndarray]:
@@ -112,7 +117,9 @@ class BoardResult:
     @cached_property
     def _bootstraps(self) -> dict[str, np.ndarray]:
         """The `bootstrap` of all laws by score; those of some of them are its columns."""
-        handling, energy, seed = self.costs["handling"], self.costs["energy"], self.board.seed
+        handling = self.costs["handling"]
+        energy = self.costs["energy"]
+        seed = self.board.seed
         return {
             "handling": bootstrap(handling, interquartile_mean, seed),
             "worst tenth": bootstrap(handling, tail_mean, seed),
@@ -135,32 +142,31 @@ class BoardResult:
 
     @cached_property
     def improvement(self) -> dict[str, Estimate]:
-        """Probability that a law is better than another one, by cost, (laws, laws)."""
+        """Probability that a law is better than another one by cost, (laws, laws)."""
         return {cost: improvement(of, self.board.seed) for cost, of in self.costs.items()}
 
-    @property
+    @cached_property
     def places(self) -> list[Cell]:
         """The cells without what was driven, which may be on disk."""
-        return self._counted.places
+        return [each.cell for each in self._counted]
 
     @property
     def driven(self) -> int:
-        """Number of driven runs, those for an entry speed among them."""
-        return self._counted.driven
+        """Number of runs that were driven, with those that looked for an entry speed."""
+        return sum(each.driven for each in self._counted)
 
     @cached_property
     def recorded(self) -> dict[str, np.ndarray]:
-        """Medians of metrics without a cost, over all runs that have them, (laws,).
-
-        NaN if none has.
-        """
-        return {
-            name: medians(np.concatenate(of, axis=1)) for name, of in self._counted.recorded.items()
-        }
+        """Medians of what counts in no cost over all runs that have it, (laws,); NaN if none."""
+        found: dict[str, list[np.ndarray]] = {}
+        for cell in self._counted:
+            for name, values in cell.recorded.items():
+                found.setdefault(name, []).append(values)
+        return {name: medians(np.concatenate(of, axis=1)) for name, of in found.items()}
 
     @cached_property
     def varied(self) -> dict[str, Varied]:
-        """Differences of handling and unstable runs of each law by variation."""
+        """Differences of the handling and of the unstable runs of each law by variation."""
         counted = {"handling": self.costs["handling"], "unstable": self.unstable}
         return differences_by_variation(self.board, self.places, counted)
 
@@ -170,23 +176,21 @@ class BoardResult:
         return f"{words} --cells '{self.places[cell].id('*')}' --drive {self.laws[law]}:{draw}"
 
     def runs(self) -> Iterator[dict[str, Any]]:
-        """A record of each run: its metrics, None where there is no number, signal hash, and what drives it again."""
+        """Give a record of each run: metrics, None without a number, and what drives it again."""
         for n, cell in enumerate(self.cells):
             for i, law in enumerate(self.laws):
                 driven = cell.laws[law]
                 for draw, command in enumerate(driven.commands):
-                    numbers = {name: float(values[draw]) for name, values in driven.metrics.items()}
-                    costs = {
-                        f"{cost}_cost": float(of[i, n, draw]) for cost, of in self.costs.items()
-                    }
                     yield {
                         "cell": cell.cell.id("*"),
                         "law": law,
                         "draw": draw,
                         "unstable": bool(self.unstable[i, n, draw]),
                         "demand_met": float(self.met[i, n, draw]),
-                        **costs,
-                        **{name: _number(value) for name, value in numbers.items()},
+                        **{
+                            f"{cost}_cost": float(of[i, n, draw]) for cost, of in self.costs.items()
+                        },
+                        **{name: _number(of[draw]) for name, of in driven.metrics.items()},
                         "signal_hash": driven.hashes[draw],
                         "command": command,
                         "once_more": self.once_more(n, i, draw),
@@ -194,51 +198,56 @@ class BoardResult:
 
     @cached_property
     def hash(self) -> str:
-        """SHA-256 of what was drawn and measured in all runs, and of their signals: a list of JSON, run by run."""
-        digest, before = hashlib.sha256(b"["), b""
+        """SHA-256 of what was drawn and measured in all runs, and of their signals.
+
+        It is that of a list of JSON, taken run by run.
+        """
+        digest = hashlib.sha256(b"[")
+        before = b""
         for run in self.runs():
-            kept = {name: value for name, value in run.items() if name != "once_more"}
-            digest.update(before + json.dumps(kept, sort_keys=True).encode())
+            del run["once_more"]
+            digest.update(before + json.dumps(run, sort_keys=True).encode())
             before = b", "
         digest.update(b"]")
         return digest.hexdigest()
 
     def as_json(self) -> dict[str, Any]:
-        """The scores of all laws, profiles, probabilities of improvement, and the hash of all runs."""
+        """Return scores of all laws, profiles, probabilities of improvement, hash of all runs."""
+
+        def of_each_law(of: Callable[[int], Any]) -> dict[str, Any]:
+            return {law: of(i) for i, law in enumerate(self.laws)}
+
+        def scores(i: int) -> dict[str, Any]:
+            unstable = float(self.unstable[i].mean())
+            met = float(self.met[i].mean())
+            found = {of: each[i]._asdict() for of, each in self.scores.items()}
+            return {**found, "unstable": unstable, "demand_met": met}
+
+        def over_others(i: int) -> dict[str, Any]:
+            found = {}
+            for k, other in enumerate(self.laws):
+                if k != i:
+                    found[other] = {
+                        cost: {name: float(of[i, k]) for name, of in each._asdict().items()}
+                        for cost, each in self.improvement.items()
+                    }
+            return found
+
         return {
             "board": self.board.name,
             "version": self.board.version,
             "draws": self.board.draws,
             "runs_driven": self.driven,
             "cells": [each.id("*") for each in self.places],
-            "scores": {
-                law: {of: each[i]._asdict() for of, each in self.scores.items()}
-                | {
-                    "unstable": float(self.unstable[i].mean()),
-                    "demand_met": float(self.met[i].mean()),
-                }
-                for i, law in enumerate(self.laws)
+            "scores": of_each_law(scores),
+            "recorded": of_each_law(
+                lambda i: {name: _number(of[i]) for name, of in self.recorded.items()}
+            ),
+            "profiles": {
+                "cost": COSTS_SHOWN.tolist(),
+                **of_each_law(lambda i: {c: _lists(of, i) for c, of in self.profiles.items()}),
             },
-            "recorded": {
-                law: {name: _number(of[i]) for name, of in self.recorded.items()}
-                for i, law in enumerate(self.laws)
-            },
-            "profiles": {"cost": COSTS_SHOWN.tolist()}
-            | {
-                law: {c: _lists(of, i) for c, of in self.profiles.items()}
-                for i, law in enumerate(self.laws)
-            },
-            "probability_of_improvement": {
-                law: {
-                    other: {
-                        cost: {n: each[k] for n, each in _lists(of, i).items()}
-                        for cost, of in self.improvement.items()
-                    }
-                    for k, other in enumerate(self.laws)
-                    if k != i
-                }
-                for i, law in enumerate(self.laws)
-            },
+            "probability_of_improvement": of_each_law(over_others),
             "step_time_ns": {law: round(of) for law, of in self.step_times.items()},
             "hash": self.hash,
         }
@@ -249,7 +258,7 @@ def _number(value: float) -> float | None:
 
 
 def medians(values: np.ndarray) -> np.ndarray:
-    """Median of each row over the runs that have a number, (laws,); NaN if none has."""
+    """Return the median of each row over the runs that have a number, (laws,); NaN if none."""
     rows = [of[~np.isnan(of)] for of in values]
     return np.array([np.median(of) if of.size else math.nan for of in rows])
 
