@@ -136,7 +136,7 @@ INSTALLING = "installing ROS 2 and the tools of requirements.lock (once) ..."
 
 
 @pytest.mark.slow
-def test_the_uv_of_the_lock_installs_the_lock_as_pip_is_told_to(checkout):
+def test_the_uv_of_the_lock_installs_the_lock_with_the_options_of_pip(checkout):
     """Packages are installed with their hashes.
 
     The next call does nothing; another lock is installed into the same .venv.
@@ -381,7 +381,7 @@ def test_what_is_compiled_ahead_is_what_runs_look_for(words):
     assert done.stdout + done.stderr == ""
 
 
-def test_uv_is_told_what_pip_is_told(monkeypatch):
+def test_uv_has_the_options_of_pip(monkeypatch):
     """A variable of pip goes before its files, and one of uv before both, by its older name too."""
     for name in (*os.environ,):
         if name.startswith(("UV_", "SSL_")) or name.upper().endswith("_PROXY"):

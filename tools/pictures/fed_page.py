@@ -20,15 +20,15 @@ from ev_stack.views.car import view_channels
 
 
 class FedPage:
-    """A server in a thread; `wishes` are what its pages ask for."""
+    """A server in a thread; `requests` are what its pages ask for."""
 
     def __init__(self) -> None:
-        self.wishes: list[dict[str, Any]] = []
+        self.requests: list[dict[str, Any]] = []
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever)
         self._thread.start()
         self.pages: Pages = self._in_loop(
-            lambda: Pages("a page", listening(0), self.wishes.append, list)
+            lambda: Pages("a page", listening(0), self.requests.append, list)
         )
 
     def _in_loop(self, call: Callable[[], Any]) -> Any:
@@ -71,9 +71,9 @@ class FedPage:
         """A message to all pages."""
         self._in_loop(lambda: self.pages.tell(message))
 
-    def wait_for_wish(self, wish: dict[str, Any]) -> None:
+    def wait_for_request(self, request: dict[str, Any]) -> None:
         """Return when a page has asked for this; the time limit of the test ends what never does."""
-        while wish not in self.wishes:
+        while request not in self.requests:
             self._in_loop(lambda: None)
             time.sleep(0.01)
 

@@ -152,7 +152,7 @@ def test_without_the_operators_enabling_nothing_is_switched_on():
 
 
 @pytest.mark.parametrize(("rate", "waits"), [(125e3, True), (1e6, False)])
-def test_a_run_whose_drives_could_not_be_enabled_has_a_note(rate, waits):
+def test_a_run_without_enabled_drives_has_a_note(rate, waits):
     """A bus that is too slow brings no feedback: nothing is latched, and the car has no torque."""
     values = {f"{role}.{name}": value for role, name, value in HEALTHY}
     run = ev_stack.run("bench_fault", set={**values, "test_bench.bus.bit_rate": rate})

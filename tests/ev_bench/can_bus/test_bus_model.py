@@ -61,7 +61,7 @@ def ends(s: ChannelState) -> dict[int, float]:
     return {int(place): end - s.tick_begin for place, end, *_ in rows}
 
 
-def test_the_lowest_identifier_goes_first_but_interrupts_nobody():
+def test_the_lowest_identifier_goes_first_but_interrupts_no_frame():
     """The third begins alone, the first and the second come meanwhile."""
     s = advanced(waiting((2, 0.0), (1, 50.0), (0, 60.0)), TICK)
     assert ends(s) == {0: BITS[2] + BITS[0], 1: sum(BITS[:3]), 2: BITS[2]}

@@ -92,7 +92,7 @@ def received(channel: Channel, count: int) -> list[Frame]:
     return found
 
 
-def test_who_is_too_slow_for_its_bus_takes_what_is_new():
+def test_a_reader_too_slow_for_its_bus_takes_what_is_new():
     """A slow reader drops frames older than a tenth of a second and names them."""
     with (
         channel_name("udp_multicast") as name,
@@ -223,7 +223,7 @@ def two_clients() -> Iterator[tuple[SocketcandHub, list[str], socket.socket, soc
         yield served, notes, one, other
 
 
-def test_who_joins_a_busy_bus_has_the_answer_alone_and_then_all_frames(monkeypatch):
+def test_a_client_that_joins_a_busy_bus_has_the_answer_alone_and_then_all_frames(monkeypatch):
     """python-can takes for the answer whatever has come when it looks.
 
     The time in which frames are held back ends when the test has looked, however slow the machine
@@ -276,7 +276,7 @@ ODD = st.sampled_from(
 @example("-12", "1", ["FF"])
 @example("20B", "1", ["-1"])
 @example("7FF", "2", ["0", "fF"])
-def test_the_hub_passes_on_frames_and_sends_away_who_says_anything_else(identifier, length, data):
+def test_the_hub_passes_on_frames_and_sends_away_senders_of_anything_else(identifier, length, data):
     fits = len(identifier) in (3, 8) and length in ("0", "2", "8") and len(data) == int(length)
     fits = (
         fits
@@ -333,7 +333,7 @@ def test_a_hub_has_no_more_clients_than_it_says():
 
 
 @pytest.mark.parametrize("rubbish", [b">" * 65536, b"x" * 65536, b"< send 1 " * 7000])
-def test_who_says_much_without_sense_costs_the_hub_one_answer(rubbish, monkeypatch):
+def test_a_flood_without_sense_costs_the_hub_one_answer(rubbish, monkeypatch):
     with two_clients() as (served, notes, one, _):
         one.recv(1000)
         answers = []
@@ -428,7 +428,7 @@ def test_a_channel_that_cannot_be_had_is_one_clear_line(interface: str, channel:
     assert "\n" not in str(refused.value)
 
 
-def test_a_port_in_use_is_told_alone(caplog):
+def test_a_port_in_use_is_the_only_line(caplog):
     """python-can would warn behind it, in the line that the terminal shows, that the bus was not shut down."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
         other.bind(("", 0))
@@ -487,7 +487,7 @@ def test_mf4_says_what_it_needs(tmp_path: Path):
         bus_log(str(tmp_path / "bus.mf4"))
 
 
-def test_a_client_that_takes_nothing_holds_nobody_up():
+def test_a_client_that_takes_nothing_delays_no_other():
     """10 000 frames are far more than a socket keeps for a client; the others get all of them."""
     with hub() as port:
         idle, sender, taker = (Channel("socketcand", f"a@127.0.0.1:{port}") for _ in range(3))

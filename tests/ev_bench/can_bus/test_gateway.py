@@ -261,7 +261,7 @@ def test_beside_a_drive_that_is_in_a_fault_from_before_the_other_one_stays_off(f
 @pytest.mark.parametrize("press", [GatewayStation.disable, GatewayStation.reset])
 @given(st.integers(0, 25), st.booleans(), st.booleans())
 @settings(deadline=None)
-def test_what_somebody_takes_off_is_not_enabled_by_itself(press, cycles, loads, drives):
+def test_a_disabled_device_is_not_enabled_by_itself(press, cycles, loads, drives):
     """A device that was disabled stays so under `auto_enable`, in any cycle and after any commands.
 
     The load machines wait for nothing but their feedback and commands, so they are on before the

@@ -254,7 +254,7 @@ def test_back_in_speed_mode_at_the_present_speed_there_is_no_jolt(sense: float):
         ),
     ],
 )
-def test_a_database_whose_set_points_cannot_take_the_torque_away_is_refused(
+def test_set_points_that_cannot_take_the_torque_away_are_refused(
     tmp_path: Path, before: str, after: str, signal: str
 ):
     """Zero between two steps would go out as the nearest one: torque beyond a limit of 0, and no reset."""

@@ -96,7 +96,7 @@ def end(processes: list[subprocess.Popen]) -> list[str]:
     return [process.communicate(timeout=PATIENCE)[0] for process in processes]
 
 
-def test_a_hub_ends_without_a_word_however_often_it_is_told():
+def test_a_hub_ends_without_output_however_often_it_is_stopped():
     """However often it is interrupted, a hub ends without a line."""
     hub = started([sys.executable, "-m", "ev_bench.can_hub", "--port", "0"])
     hub.stdout.readline()

@@ -155,7 +155,7 @@ def test_buttons_and_faults_count_from_the_first_instant(waits):
     assert (gateway.waits, gateway.drive_12.enable) != (0.0, 0.0)
 
 
-def test_who_goes_on_with_the_state_of_another_does_not_begin_anew():
+def test_a_station_with_the_state_of_another_goes_on():
     """A parameter that changes in a run does not repeat a fault of the past."""
     driven = Ends()
     driven.instants(DRIVEN)

@@ -60,7 +60,7 @@ def test_the_sensors_change_nothing_else():
     assert all(np.array_equal(values, with_flow[name]) for name, values in without.items())
 
 
-def test_a_flow_sensor_errs_as_it_is_told():
+def test_a_flow_sensor_errs_as_declared():
     noisy = (
         driven(test_bench__sensors__bench_coolant_flow__bias=0.5).runs["constant_speed"].channels
     )

@@ -38,7 +38,7 @@ def test_after_an_emergency_stop_only_disconnect_is_left():
     assert stopped.after("disconnect", cooling=False) == Sequence()
 
 
-def test_who_enables_circuits_by_the_parameter_is_in_the_sequence():
+def test_circuits_enabled_by_the_parameter_are_in_the_sequence():
     """Its next step is due then; the emergency switch holds against parameters, too."""
 
     def call(name):

@@ -41,7 +41,7 @@ def test_peak_is_passed_after_as_many_steps_as_asked_for(hits):
     assert s.peak == pytest.approx(PEAK, rel=1e-9)
 
 
-def test_a_hit_begins_the_count_anew():
+def test_a_hit_restarts_the_count():
     """Every fifth step behind the peak."""
     hits_found, _ = passes(RISING, hits=5)
     hits = [n for n, is_hit in enumerate(hits_found) if is_hit]

@@ -69,7 +69,7 @@ def test_nothing_is_offered_while_braking():
     assert braking.drive == Wheels.front(500.0, 500.0)
 
 
-def test_a_changed_direction_begins_anew():
+def test_a_changed_direction_restarts_the_law():
     """The 200 N m refused forward on the left do not count in reverse."""
     law = made()
     refusing(law, PEDAL, 300.0, 500.0, 1000)

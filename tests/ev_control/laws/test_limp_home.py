@@ -166,7 +166,7 @@ def test_a_slow_drive_is_expected_to_be_slow(lag, period):
         assert limp.drive(asked, asked, 5.0 * max(lag, period)) == Wheels.front(asked, asked)
 
 
-def test_a_torque_that_nobody_can_measure_counts_as_none():
+def test_a_torque_that_cannot_be_measured_counts_as_none():
     """A broken sensor does no more than a dead motor: a command that is finite, and never a larger one."""
     for broken in (math.nan, math.inf, 1e300):
         limp = Limping()

@@ -40,7 +40,7 @@ def test_a_free_wheel_that_lies_costs_nothing_where_wheel_speeds_are_watched(law
         assert end_speed(law, faults, watch=True)[0] > 0.97 * sound
 
 
-def test_a_driven_wheel_that_nobody_sees_gets_what_its_partner_gets():
+def test_a_driven_wheel_without_sensors_gets_what_its_partner_gets():
     """Its limit is open without the watch, and it spins with all that is asked for."""
     dead = (f"constant {SPEED}.front_left 0",)
     (blind, limited), (spared, same) = (

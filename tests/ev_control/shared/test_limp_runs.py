@@ -89,7 +89,7 @@ def test_a_dead_motor_on_the_dry_side_spins_nothing_on_ice():
     assert channel(run, "torque_command.drive.front_left")[-1] < 1e-9  # its partner gives nothing
 
 
-def test_a_tripped_inverter_whose_rotor_drags_is_found():
+def test_a_tripped_inverter_with_a_dragging_rotor_is_found():
     """A dead motor shows some mN m of either sign, as real ones do: it was not found in all 0.6 s."""
     found = {"asr.limp.watch": True}
     run = ev_stack.run("bench_fault", method={"asr": "slip_window"}, set=found, duration=1.15).runs[

@@ -83,7 +83,7 @@ def test_a_finding_names_step_channel_and_values():
     assert found_in(AnsweringNan)[0].startswith("in plain Python, plausible inputs, step ")
 
 
-def test_symmetry_is_asked_of_those_who_claim_it():
+def test_symmetry_is_checked_where_it_is_claimed():
     class Modest(Leaning):
         mirrored = False
 
@@ -98,7 +98,7 @@ def test_difference_of_compiled_code_says_where():
     )
 
 
-def test_what_was_never_called_is_a_finding_and_what_was_reached_is_said():
+def test_what_was_never_called_is_a_finding_and_what_was_reached_is_reported():
     """A whole check lists uncalled functions as a finding, a smaller one in its report."""
     configuration = configuration_of(Sleeping)
     with pytest.raises(

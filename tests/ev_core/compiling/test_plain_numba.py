@@ -52,7 +52,7 @@ def test_a_touch_that_is_none_is_refused_in_one_line(monkeypatch: pytest.MonkeyP
         inside_numba.switched_off()
 
 
-def test_a_touch_whose_names_are_gone_is_not_used(
+def test_a_touch_without_its_names_is_not_used(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):
     """One line says so; all those of the installed numba are there."""

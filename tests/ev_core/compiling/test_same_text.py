@@ -124,7 +124,7 @@ def test_a_text_of_one_meaning_is_compiled(tmp_path):
     assert compiled_part(configure("asr", {"method": str(file)})).state.size == 27
 
 
-def test_what_older_rules_have_let_pass_is_looked_at_anew(tmp_path, monkeypatch):
+def test_what_older_rules_have_let_pass_is_checked_again(tmp_path, monkeypatch):
     """Code on disk is not: that of a law of a user has the rules in its key. Ours is looked at by the suite."""
     file = tmp_path / "my_law.py"
     file.write_text(f"{HEAD}{ACCEPTED}{TAIL}")

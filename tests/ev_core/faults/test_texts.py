@@ -94,7 +94,7 @@ def test_a_fault_as_short_as_a_period_strikes_once():
     configure("plant", {"faults": texts})
 
 
-def test_who_is_restarted_says_nothing_at_all():
+def test_a_restarted_node_sends_nothing_at_all():
     """A node that is killed cannot go on with some of its numbers, nor with another topic."""
     part = "restarted torque_command.drive.front_left"
     message = "unknown topic of this node 'torque_command.drive.front_left'"

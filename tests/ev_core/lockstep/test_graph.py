@@ -51,7 +51,7 @@ def test_the_chain_of_the_design():
 
 
 @given(st.permutations(range(6)), st.data())
-def test_whoever_is_read_speaks_first(order, data):
+def test_a_role_that_is_read_answers_first(order, data):
     """Any graph without a cycle, declared in any order."""
     roles = []
     for place, name in enumerate(order):
@@ -91,7 +91,7 @@ def test_two_writers_of_one_signal_are_refused():
 
 
 @pytest.mark.parametrize("kind", RoleKind)
-def test_a_signal_that_nobody_writes_is_refused(kind):
+def test_a_signal_without_a_writer_is_refused(kind):
     with pytest.raises(GraphError, match="one reads Signal0, which no role writes"):
         step_order(graph(role("one", [SIGNALS[0]], [], kind)))
 

@@ -590,7 +590,7 @@ def test_realtime_holds_an_input_that_is_lost_and_goes_on():
 
 
 @pytest.mark.parametrize("lost", [DriverCommand, WheelStates])
-def test_realtime_answers_to_nobody_who_is_gone(lost):
+def test_realtime_answers_to_no_node_that_is_gone(lost):
     """An input is held for a while only.
 
     Else its last torque would be repeated for ever, each time as a new one, and never be too old
@@ -631,7 +631,7 @@ def test_realtime_holds_for_two_steps_whatever_their_period(period):
     assert box.complete() == 2 * period
 
 
-def test_realtime_hears_who_is_late_each_time():
+def test_realtime_takes_messages_that_are_late_each_time():
     """A command that always comes when its step has been taken without it stands in the next one."""
     box = HoldingInbox(
         Inputs((DriverCommand, WheelStates), PERIOD), frozenset({WheelStates}), neutral=True
@@ -669,7 +669,7 @@ def test_the_plant_says_first_what_the_others_wait_for():
     assert max((BodyPose, DriverCommand, SteeringColumnState), key=arrival_place) is DriverCommand
 
 
-def test_who_integrates_is_followed_by_the_master():
+def test_integrating_nodes_are_followed_by_the_master():
     """Every other integrating role speaks to the master, else one of them could be left behind.
 
     The master reads something of an optional one where it is played, and hears none where it is

@@ -48,7 +48,7 @@ def test_two_packages_do_not_share_a_name(offer):
         report_for("coast_down")
 
 
-def test_what_does_not_load_is_one_line_and_harms_only_who_wants_it(offer):
+def test_what_does_not_load_is_one_line_and_harms_its_users_only(offer):
     offer("braking", "other_package.report")
     with pytest.raises(
         ParameterError,

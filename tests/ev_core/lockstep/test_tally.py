@@ -73,7 +73,7 @@ def test_both_ends_have_the_sum_of_the_definition(steps):
 
 @settings(deadline=None)
 @given(steps=STEPS, data=st.data())
-def test_whoever_changes_numbers_changes_the_sum(steps, data):
+def test_changed_numbers_change_the_sum(steps, data):
     """Also where only signs are turned, numbers change places, or steps do; zero and minus zero are two numbers."""
     others = [list(numbers) for numbers in steps]
     for _ in range(data.draw(st.integers(1, 3))):
@@ -138,7 +138,7 @@ def test_another_key_gives_another_sum():
     assert tallied(steps) != tallied(steps, key=b"another key")
 
 
-def test_a_run_that_begins_anew_is_added_up_anew():
+def test_a_restarted_run_is_added_up_from_zero():
     tally, frame = Tally(KEY, (WheelTorqueCommand,)), Frame()
     frame.numbers[COMMAND] = memoryview(np.arange(1.0, 1.0 + WIDTH))
     for _ in range(2):

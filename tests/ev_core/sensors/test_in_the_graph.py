@@ -37,7 +37,7 @@ def differing(one: Recording, other: Recording) -> set[str]:
     return {name for name in one.channels if (one.channels[name] != other.channels[name]).any()}
 
 
-def test_a_sensor_that_nobody_reads_changes_its_own_channels_only():
+def test_an_unread_sensor_changes_its_own_channels_only():
     """Shchur's laws do not read the imu: truth stays truth, and another sensor's noise stays the same."""
     true = run_offline(graph(), 2.0)
     assert signal_hash(run_offline(graph(seed=5), 2.0)) == signal_hash(true)

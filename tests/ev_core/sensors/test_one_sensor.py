@@ -148,7 +148,7 @@ def test_a_charge_is_its_share_of_the_capacity():
 
 
 @pytest.mark.parametrize("value", [math.inf, -math.inf, math.nan])
-def test_what_is_not_finite_is_left_to_whoever_publishes_it(value):
+def test_what_is_not_finite_is_left_to_the_publisher(value):
     """The number passes unchanged: its message is refused by name."""
     assert shown(np.array([value]), quantisation=0.1).tolist() == pytest.approx(
         [value], nan_ok=True
@@ -183,7 +183,7 @@ def test_compiled_sensors_show_the_same_bits(seed):
         assert part.state.tobytes() == np.array(plain.state).tobytes()
 
 
-def test_a_row_that_begins_anew_shows_the_same_again():
+def test_a_restarted_row_shows_the_same_again():
     """And a view of memory, as nodes have it, is as good as a list."""
     row = SensorRow(sensors({"wheel_speed": EVERYTHING, "imu_yaw_rate": EVERYTHING}), 3)
     runs = []

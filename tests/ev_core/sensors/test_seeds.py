@@ -91,7 +91,7 @@ def test_without_a_seed_own_ones_are_as_they_are():
     assert configure("plant", {"method": "planar", "road.pattern": "random"}).has_random_method
 
 
-def test_what_a_node_shows_of_its_own_seed_is_what_it_was_told():
+def test_a_node_shows_the_seed_that_it_was_given():
     """Else a change of another parameter would mix it twice."""
     plant = configure("plant", {"method": "planar", "road.pattern": "random", "seed": 5})
     again = plant.changed({"step": 5e-4})

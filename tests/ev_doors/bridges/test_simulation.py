@@ -182,7 +182,7 @@ def test_time_and_state_are_reset_together(simulator):
         assert simulator.graph.time == 0.0
 
 
-def test_who_else_stops_time_is_seen(simulator):
+def test_time_stopped_by_another_client_is_seen(simulator):
     simulator.set(State.STATE_PLAYING)
     simulator.graph.call("pause")
     simulator.until(lambda: simulator.made._paused)

@@ -101,9 +101,9 @@ def page(run: Dashboard, browser: Browser) -> Browser:
     return browser
 
 
-def asked(page: Browser, wish: dict, answer: str) -> str:
+def asked(page: Browser, request: dict, answer: str) -> str:
     """Send a request and return the line that answers it; `answer` tells it from others."""
-    page.run(f"byId('words').replaceChildren(); wish({json.dumps(wish)})")
+    page.run(f"byId('words').replaceChildren(); request({json.dumps(request)})")
     expression = f"{WORDS}.find((line) => line.includes({json.dumps(answer)}))"
     page.wait_for(expression)
     return page.run(expression)
@@ -145,7 +145,7 @@ def test_a_slider_sets_the_parameter_of_the_node(page):
 
 @needs_browser
 @pytest.mark.parametrize(
-    ("wish", "message"),
+    ("sent", "message"),
     [
         (
             set_to("-5"),
@@ -161,14 +161,14 @@ def test_a_slider_sets_the_parameter_of_the_node(page):
             {"kind": "time", "service": "stop"},
             "service 'stop' is refused, expected pause, resume, step, reset",
         ),
-        ({"kind": "drive"}, "wish 'drive' is refused, expected set or time"),
-        ({"kind": "set"}, "a wish of a page is refused: KeyError('node')"),
-        ([], "a wish of a page is refused, expected an object"),
+        ({"kind": "drive"}, "request 'drive' is refused, expected set or time"),
+        ({"kind": "set"}, "a request of a page is refused: KeyError('node')"),
+        ([], "a request of a page is refused, expected an object"),
     ],
 )
-def test_a_refusal_is_one_line_and_changes_nothing(page, wish, message):
+def test_a_refusal_is_one_line_and_changes_nothing(page, sent, message):
     before = page.run("document.querySelector('[data-name=gamma] input').value")
-    assert "\n" not in asked(page, wish, message)
+    assert "\n" not in asked(page, sent, message)
     assert page.run("document.querySelector('[data-name=gamma] input').value") == before
 
 

@@ -16,7 +16,7 @@ HANDSHAKE = (
     "GET /live HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
     "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n"
 )
-ENDS = ("reset", "half a wish", "goodbye", "goodbye and no more reading")
+ENDS = ("reset", "half a request", "goodbye", "goodbye and no more reading")
 
 
 async def _leave(pages: Pages, how: str, chance: random.Random) -> None:
@@ -28,7 +28,7 @@ async def _leave(pages: Pages, how: str, chance: random.Random) -> None:
     raw = writer.get_extra_info("socket")
     if how == "reset":
         raw.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
-    elif how == "half a wish":
+    elif how == "half a request":
         writer.write(b"\x81\xfe\x01\x00")
     # the closing handshake: the server answers, and is about to close while it has more to send
     else:
@@ -47,7 +47,7 @@ def test_a_page_that_goes_in_the_middle_of_a_message_ends_nothing():
         asyncio.get_running_loop().set_exception_handler(
             lambda _, context: failures.append(context)
         )
-        pages = Pages("a test", listening(0), lambda wish: None, lambda: [WORD])
+        pages = Pages("a test", listening(0), lambda request: None, lambda: [WORD])
         chance, over = random.Random(1), asyncio.Event()
 
         async def speak() -> None:

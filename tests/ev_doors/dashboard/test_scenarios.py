@@ -168,7 +168,7 @@ def test_a_slider_goes_on_about_the_value_at_its_end(fed, browser):
         ends.append(browser.run(f"[{slider}.min, {slider}.max].join()"))
     assert ends == ["0,10", "0,20", "0,40", "0,50", "0,2", "0,1"]
     browser.run(f"{slider}.value = 0.5; {slider}.dispatchEvent(new Event('change'))")
-    fed.wait_for_wish(
+    fed.wait_for_request(
         {"kind": "set", "node": "electronic_differential", "name": "gamma", "value": "0.5"}
     )
 

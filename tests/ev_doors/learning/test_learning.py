@@ -135,7 +135,7 @@ def test_a_picture_shows_the_car_where_it_is():
         ("steering", "driver", None),
     ],
 )
-def test_who_acts_like_the_law_gets_the_bits_of_the_plain_run(action, role, method):
+def test_actions_of_the_law_give_the_bits_of_the_plain_run(action, role, method):
     changed = {
         "set": NOISE,
         "duration": DURATION,
@@ -175,7 +175,7 @@ def test_the_seed_of_an_environment_is_that_of_its_first_episode():
 @pytest.mark.parametrize(
     "method", [name for name, each in methods_of("asr").items() if not each.requires]
 )
-def test_who_acts_like_any_traction_control_gets_the_bits_of_the_plain_run_or_one_line(method):
+def test_actions_of_any_traction_control_give_the_bits_of_the_plain_run_or_one_line(method):
     """Split friction, braked and steered: same bits, or one line for laws that brake by drives."""
     changed = {"duration": 1.5, "method": {"asr": method}, "vehicle": "audi_a2"}
     environment = Environment(

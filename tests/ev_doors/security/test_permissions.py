@@ -47,7 +47,7 @@ def test_nodes_need_no_more_than_the_policy_allows(seen):
     assert violations(ALLOWED, used.values()) == ()
 
 
-def test_the_policy_allows_no_service_that_no_node_has_and_no_topic_that_nobody_can_write(seen):
+def test_the_policy_allows_no_service_without_a_node_and_no_topic_without_a_writer(seen):
     """Methods read less than their role may; services and written topics are those of the node itself."""
     used, _, _ = seen
     for node, each in used.items():
@@ -95,7 +95,7 @@ def test_policy_file_has_one_enclave_per_node_with_its_topics():
     ]
 
 
-def test_nobody_answers_questions_about_types(seen):
+def test_no_node_answers_questions_about_types(seen):
     """A thread of the middleware that does crashed while a node was starting; config/fastdds.xml forbids it."""
     _, _, threads = seen
     assert any(name.startswith("dds.") for name in threads)

@@ -45,7 +45,7 @@ def test_fields_of_one_sensor_share_unit_and_scale():
     assert len(sensors) > 20
 
 
-def test_a_signal_whose_field_says_nothing_cannot_be_declared():
+def test_a_signal_with_an_undescribed_field_cannot_be_declared():
     class Bare(NamedTuple):
         speed: float
 

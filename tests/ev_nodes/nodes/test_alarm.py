@@ -60,7 +60,7 @@ def test_a_wait_ends_when_the_time_of_day_is_set_back(monkeypatch):
         node.destroy_node()
 
 
-def test_nobody_is_woken_up_while_the_clocks_agree(monkeypatch):
+def test_no_node_is_woken_up_while_the_clocks_agree(monkeypatch):
     """Clocks that are made to go faster, or are set forward, end no wait: that would cost time."""
     ahead = iter(range(0, 10 * HOUR, HOUR))
     seen, woken = [], []

@@ -24,13 +24,13 @@ class Publisher:
         return False
 
 
-def test_last_words_that_nobody_hears_are_given_up():
+def test_last_words_without_a_reader_are_given_up():
     publisher = Publisher()
     wait_until_heard(publisher, given_up=0.0)
     assert publisher.asked == 1
 
 
-def test_last_words_are_waited_for_while_somebody_wants_them():
+def test_last_words_are_waited_for_while_a_reader_needs_them():
     publisher = Publisher()
     wait_until_heard(publisher, float("inf"), lambda: publisher.asked < 3)
     assert publisher.asked == 3

@@ -79,7 +79,7 @@ def test_a_node_says_goodbye_unless_its_runner_leaves_too(silently):
     pytest.fail(f"known for {listened:g}, {hidden:g} and {stayed:g} s")
 
 
-def test_who_leaves_without_a_word_still_says_what_was_wrong():
+def test_a_node_that_leaves_silently_still_prints_what_was_wrong():
     node = start(0, True, "-p", "control_period:=-1.0")
     output, _ = node.communicate(timeout=PATIENCE)
     assert node.returncode == 1

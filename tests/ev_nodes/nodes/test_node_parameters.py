@@ -85,7 +85,7 @@ def test_a_described_parameter_in_full(context, law):
 
 
 @pytest.mark.parametrize("count", [3, 3500, 20000])
-def test_a_change_of_any_length_is_told_to_the_runner(context, monkeypatch, count):
+def test_a_change_of_any_length_is_reported_to_the_runner(context, monkeypatch, count):
     """The report is cut: all values would not fit into a message, or not into the socket."""
     reports = NodeReports("/ev")
     address, _ = reports.line("driver")

@@ -62,7 +62,7 @@ def without_compiling(output: str) -> str:
 @pytest.mark.parametrize(
     "kind", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.weekly)]
 )
-def test_every_node_ends_in_peace_when_it_is_told_to(kind, tmp_path):
+def test_every_node_ends_in_peace_when_it_is_stopped(kind, tmp_path):
     """Nodes that wait for each other before a run end on request.
 
     After the line that they are ready they print nothing.
@@ -274,7 +274,7 @@ def test_what_a_stop_leaves_half_made_is_destroyed_without_a_word(kind):
     assert process.communicate(timeout=PATIENCE)[0] == "stopped\n"
 
 
-def test_an_error_in_a_destructor_is_told_where_nothing_was_stopped():
+def test_an_error_in_a_destructor_is_printed_where_nothing_was_stopped():
     process = start([sys.executable, "-c", STOPPED_HALF_WAY.format(kind=None, also=True)])
     assert "OSError: an error of its own" in process.communicate(timeout=PATIENCE)[0]
 

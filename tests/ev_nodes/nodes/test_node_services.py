@@ -87,7 +87,7 @@ def test_a_granted_step_waits_for_a_node_that_joins(nodes):
     nodes.run(lambda: nodes.time == pytest.approx(paused_at + 2 * PERIOD, abs=1e-12))
 
 
-def test_reset_begins_the_run_anew_for_everybody(nodes, tmp_path):
+def test_reset_restarts_the_run_for_all_nodes(nodes, tmp_path):
     nodes.run(lambda: nodes.time >= 0.3)
     assert nodes.call("reset") == "time is zero again, at 0.0 s"
     nodes.run()

@@ -186,7 +186,7 @@ def test_the_master_says_why_nothing_comes_of_a_node_that_is_there(quality, why,
     assert "WheelTorqueCommand of asr at 0.0 s" in printed.text
 
 
-def test_the_master_reports_a_command_whose_stamp_is_the_time_of_day(tmp_path):
+def test_the_master_reports_a_command_stamped_by_the_time_of_day(tmp_path):
     """The commonest mistake in a node of one's own."""
     run = shchur(0.5)
     with graph(run, tmp_path, names=[name for name in NODES if name != "asr"]) as nodes:
@@ -241,7 +241,7 @@ def test_by_the_rule_that_a_master_names_each_car_has_a_clock_of_its_own():
     assert found == [["/car1"], ["/car2"]]
 
 
-def test_a_restarted_master_begins_the_run_anew(tmp_path):
+def test_a_restarted_master_restarts_the_run(tmp_path):
     run = shchur(0.5, plant__real_time_factor=1.0)
     with graph(run, tmp_path) as nodes:
         nodes.run(lambda: nodes.time >= 0.2)

@@ -47,7 +47,7 @@ def heard(speaker: Speaker, gid: bytes) -> bool:
     return speaker.admits({"publisher_gid": {"data": gid}})
 
 
-def test_only_the_node_whose_task_it_is_is_heard_and_another_one_is_named_once_for_each_look(wall):
+def test_only_the_node_of_the_role_is_read_and_another_one_is_named_once_for_each_look(wall):
     lines: list[str] = []
     speaker = Speaker(
         Graph(ours="plant", another="stranger"), "imu", "plant", lambda _, line: lines.append(line)
@@ -59,7 +59,7 @@ def test_only_the_node_whose_task_it_is_is_heard_and_another_one_is_named_once_f
     assert speaker.refused == 2
 
 
-def test_whose_node_is_not_known_is_heard_when_it_is_and_told_of_when_it_takes_long(wall):
+def test_a_sender_is_read_once_its_node_is_known_and_named_when_that_takes_long(wall):
     """The middleware tells the node of a publisher some milliseconds after the publisher, as a rule."""
     graph, lines = Graph(ours="_NODE_NAME_UNKNOWN_"), []
     speaker = Speaker(graph, "imu", "plant", lambda _, line: lines.append(line))
@@ -94,7 +94,7 @@ def reader_of(payloads: list[bytes]) -> Reader:
     return reader
 
 
-def test_who_speaks_faster_than_it_is_refused_does_not_keep_the_node_from_all_else(wall):
+def test_a_flood_of_refused_messages_does_not_keep_the_node_from_all_else(wall):
     """A flood of refused messages ends a look.
 
     The plant's message behind them is found in the next.
@@ -106,7 +106,7 @@ def test_who_speaks_faster_than_it_is_refused_does_not_keep_the_node_from_all_el
     assert reader.speaker.refused == 2 * QUEUE_DEPTH + 10
 
 
-def test_a_master_that_was_started_anew_before_time_went_on_is_named(wall):
+def test_a_master_that_was_restarted_before_time_went_on_is_named(wall):
     """Its state at 0 has the stamp of the one before: nodes that have answered that would take it for a repetition."""
     graph, warnings = Graph(ours="plant"), []
     reception = Reception(

@@ -84,7 +84,7 @@ def test_released_pedal_costs_eq_2_37_a_lot(driven, method):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_who_knows_the_friction_is_better_than_the_printed_method_5(driven, seed):
+def test_known_friction_is_better_than_the_printed_method_5(driven, seed):
     """Method 5 lies above 2, and above 1 by 0.02 at most: no law does better than not to slip."""
     values = {method: wheel(driven, method, "imposed_speed", seed) for method in ("1", "2", "5")}
     assert values["2"] < values["5"] <= values["1"] + 0.02
@@ -99,7 +99,7 @@ def test_pulse_with_rolling_resistance(driven, seed):
 
 
 @pytest.mark.weekly
-def test_who_follows_the_cycle_never_slips(driven):
+def test_a_driver_that_follows_the_cycle_never_slips(driven):
     """All methods are then the same car: less than 0.005 apart."""
     values = [wheel(driven, method, "tracking", 1) for method in ("1", "2", "5")]
     assert max(values) - min(values) < 0.005

@@ -80,7 +80,7 @@ def test_holds_are_counted_among_the_cases_in_which_rear_drive_spins():
     assert found["calm_k1"] == 40
 
 
-def test_every_reading_is_driven_in_all_cases_and_told_to_the_law():
+def test_every_reading_is_driven_in_all_cases_and_given_to_the_law():
     """Rear drive, K = 0.48, 0.5, 1 and the equality, three second branches, by speed and by geometry, a fixed half."""
     cases = sweep.cases(Namespace())
     assert len(cases) == 10 * 40 == len({case.name for case in cases})

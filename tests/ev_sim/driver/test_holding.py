@@ -91,7 +91,7 @@ def steepest(vehicle: Vehicle, road: str, direction: float) -> float:
 @pytest.mark.parametrize("road", ROADS)
 @pytest.mark.parametrize("name", CARS)
 @pytest.mark.sampled
-def test_a_driver_who_wants_to_stand_stands_up_to_the_steepest_slope_that_friction_holds(
+def test_a_driver_that_wants_to_stand_stands_up_to_the_steepest_slope_that_friction_holds(
     name, road, direction
 ):
     """The car stands at 97 % of the slope on which locked wheels begin to slide, at half and at a tenth of it."""

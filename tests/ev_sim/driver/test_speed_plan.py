@@ -121,7 +121,7 @@ def test_a_driver_slows_down_before_a_bend_that_the_car_cannot_take():
     assert notes == []
 
 
-def test_a_plan_that_comes_too_late_is_said():
+def test_a_plan_that_comes_too_late_has_a_note():
     """A note names the time from which on the plan is missed: 10 m before the bend it allows 14 m/s."""
     _, _, notes = into_bend(10.0)
     assert notes[0].startswith(
@@ -129,7 +129,7 @@ def test_a_plan_that_comes_too_late_is_said():
     )
 
 
-def test_a_driver_told_his_speed_does_not_slow_down():
+def test_a_driver_with_a_given_speed_does_not_slow_down():
     error, lowest, notes = into_bend(60.0, follows=False)
     assert lowest > 14.0 and error > 3.5
     assert [note.startswith("the car left the road") for note in notes] == [True]

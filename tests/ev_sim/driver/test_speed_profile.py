@@ -53,7 +53,7 @@ def test_hand_torque_profile_passes_through():
     ]
 
 
-def test_driver_reads_files_only_when_told_to(tmp_path):
+def test_driver_reads_files_only_on_request(tmp_path):
     method = find_method("driver", "speed_profile")
     path = tmp_path / "cycle.csv"
     path.write_text("t_s,v_mps\n0,7\n")

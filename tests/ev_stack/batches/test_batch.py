@@ -160,7 +160,7 @@ def test_a_run_that_ends_early_has_the_bits_of_a_shorter_one():
         ]
 
 
-def test_only_what_differs_is_prepared_anew(monkeypatch):
+def test_only_what_differs_is_prepared_again(monkeypatch):
     """Seeds concern sensors only; a parameter of the plant only the plant."""
     made = []
 

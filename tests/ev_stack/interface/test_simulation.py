@@ -72,7 +72,7 @@ def test_a_fault_of_the_plant_strikes_at_the_instants_of_a_run():
     assert signal_hash(car.recording) == signal_hash(next(iter(run.runs.values())))
 
 
-def test_ones_own_driver_and_column_are_told_what_they_do(inside):
+def test_ones_own_driver_and_column_are_inputs(inside):
     """Also a role that integrates can be left out: what it writes at an instant is given at that instant."""
     signals = inside.signals
     outside = simulation(
@@ -250,7 +250,7 @@ def test_a_copy_goes_on_with_the_same_bits_and_by_itself(copied):
     assert other.reset() == car.reset()
 
 
-def test_reset_begins_anew():
+def test_reset_restarts_the_simulation():
     car = simulation()
     start = car.frame
     first = [car.step() for _ in range(5)]

@@ -44,11 +44,11 @@ CLEAN = ((13.0, 0.0), (17.0, -3.0))
 MIRRORED = ((13.0, 0.0), (17.0, 3.0))
 
 
-def test_who_stays_in_the_lanes_passes_on_either_side():
+def test_a_car_that_stays_in_the_lanes_passes_on_either_side():
     assert judged(driven(*CLEAN)) == judged(driven(*MIRRORED)) == (1.0, 0, "measured")
 
 
-def test_who_touches_a_cone_does_not_pass():
+def test_a_car_that_touches_a_cone_does_not_pass():
     """0.8 m aside the body, 0.82 m to each side, reaches over the cones at 1.5 m of the first lane."""
     assert judged(driven((13.0, 0.8), (17.0, -3.0)))[:2] == (0.0, 4)
 
@@ -75,13 +75,13 @@ def test_the_body_lies_around_the_middle_of_the_car_not_around_its_centre_of_mas
     assert differ.sum() <= 1  # a cone at the very edge, to rounding
 
 
-def test_who_has_left_the_road_has_not_passed_it_cleanly():
+def test_a_car_that_has_left_the_road_has_not_passed_it_cleanly():
     """No cone stands where the car is: 0 of them was "measured", as of a clean run. It is 4 m aside at 14.8 m."""
     astray = driven((13.0, 0.0), (17.0, 9.0))
     assert judged(astray) == (0.0, None, "not measured: the car left the road at 2.48 s")
 
 
-def test_who_drives_beside_a_lane_has_not_passed_it():
+def test_a_car_beside_a_lane_has_not_passed_it():
     """3 m aside on the road, beside the second lane, which begins at 20 m, and its cones."""
     assert judged(driven((13.0, 0.0), (17.0, 0.0))) == (
         0.0,
@@ -150,7 +150,7 @@ def test_lanes_that_make_no_sense_are_refused(lanes, message):
         Course(**lanes)
 
 
-def test_who_is_over_before_the_end_has_not_passed_whatever_comes():
+def test_a_run_over_before_the_end_has_not_passed_whatever_comes():
     """Wavy ways, looked at each 2.5 m; some lanes aside reach across the middle, where a car may be on either side."""
     random, judgements = np.random.default_rng(1), set()
     for _ in range(200):

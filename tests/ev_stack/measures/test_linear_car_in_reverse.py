@@ -75,7 +75,7 @@ def test_the_reference_of_the_metric_is_what_the_plant_does(car, speed, side):
 
 @pytest.mark.parametrize("speed", SPEEDS)
 @pytest.mark.parametrize("car", CARS)
-def test_the_driver_who_looks_ahead_knows_the_steady_circle(car, speed):
+def test_the_driver_with_preview_knows_the_steady_circle(car, speed):
     """Angle and sideslip that he learns are those beyond the linear car: here there is nothing to learn."""
     angle, u, aside, yaw_rate = motion(settled(car, speed, "left"))
     circle = steady_circle(vehicle_of(car), np.copysign(1.0, speed))

@@ -39,7 +39,7 @@ def test_the_car_avoids_the_obstacle_with_its_drives_released():
     assert not run.signals["driver.command.brake_torque"][released].any()
 
 
-def test_who_drives_straight_on_takes_the_cones_of_the_second_lane():
+def test_a_car_that_drives_straight_on_takes_the_cones_of_the_second_lane():
     """Its body covers 0.66 to 2.34 m: the left rows of lanes 1 (1.04 m) and 3 (1.5 m), the right one of 2 (2.04 m)."""
     straight = {
         "driver.path.x": [-50.0, 200.0],

@@ -200,7 +200,7 @@ def test_nothing_is_loaded_from_anywhere(outline: Outline, text: str):
     assert "url(" not in styles and "@import" not in styles
 
 
-def test_who_cannot_see_finds_his_way(outline: Outline):
+def test_a_blind_reader_finds_the_way(outline: Outline):
     assert outline.all("html")[0]["lang"] == "en"
     levels = [int(tag[1]) for tag, _ in outline.tags if re.fullmatch("h[1-6]", tag)]
     assert levels.count(1) == 1

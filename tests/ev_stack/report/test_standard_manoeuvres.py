@@ -85,7 +85,7 @@ def test_a_car_with_slower_steering_has_its_own_angle_and_a_given_one_stays():
 
 
 def test_a_resolved_scenario_states_that_it_needs_a_ramp_and_drives_none(monkeypatch):
-    """For the run of another car; not for the one that is a slow ramp itself."""
+    """The run of another car needs one; a run that is a slow ramp itself does not."""
     monkeypatch.setattr(GraphRun, "drive", lambda *_: pytest.fail("a resolver drives"))
     scenario = load_scenario("sine_with_dwell", Overrides(vehicle=OTHER))
     needing = [run.name for run in scenario.runs if run.slow_ramp is not None]
@@ -136,7 +136,7 @@ def test_where_the_ramp_finds_nothing_the_note_says_so():
         ),
     ],
 )
-def test_a_car_too_slow_for_the_ramp_is_said_to_be_that(speed, message):
+def test_a_car_too_slow_for_the_ramp_has_a_note(speed, message):
     """The note names the ramp, not `profile.angle: 1612.0`, which the user never set.
 
     616 are 16 (4 m/s^2 2.405 m/(0.5 m/s)^2).

@@ -183,7 +183,7 @@ def test_metrics_are_those_of_the_motion_whatever_its_sensors_show(name):
 BAD = {"gain": 1.05, "noise": 0.01, "delay": 2}
 
 
-def test_what_the_commands_said_of_a_broken_yaw_rate_sensor():
+def test_metrics_under_a_broken_yaw_rate_sensor():
     """0.0 was "measured" of a car that yaws; the peak is that of the car."""
     sound = ev_stack.run("double_lane_change").metrics["peak_yaw_rate"].value
     broken = ev_stack.run("double_lane_change", set={"plant.faults": ["constant imu.yaw_rate 0"]})

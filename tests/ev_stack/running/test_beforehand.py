@@ -150,7 +150,7 @@ def test_processes_that_need_the_same_code_at_once_compile_it_once(text, kind, t
 
 
 @pytest.mark.slow
-def test_who_is_killed_while_it_compiles_keeps_nobody_from_it(tmp_path):
+def test_a_process_killed_while_it_compiles_keeps_no_other_from_it(tmp_path):
     """Waiting and later processes compile after a kill."""
     cache = tmp_path / "cache"
     holder = started(HOLD, cache)

@@ -102,7 +102,7 @@ def test_while_time_is_stopped_no_run_can_begin(clocks):
 
 
 @pytest.mark.weekly
-def test_the_nodes_of_a_run_that_has_not_begun_are_started_anew(tmp_path, monkeypatch, capsys):
+def test_the_nodes_of_a_run_that_has_not_begun_are_restarted(tmp_path, monkeypatch, capsys):
     """They write into the same folder, where the first recorder has begun a bag.
 
     The result is right and a line reports the restart.

@@ -288,7 +288,7 @@ def test_ctrl_c_is_one_line_from_the_first_moment(when, command, monkeypatch, ca
     "error", [RuntimeError("no compiled object yet"), SystemExit("error: no method is loaded")]
 )
 @pytest.mark.parametrize("interrupted", [True, False])
-def test_an_error_that_ctrl_c_has_made_is_one_line_and_any_other_is_told(
+def test_an_error_that_ctrl_c_has_made_is_one_line_and_any_other_is_shown(
     interrupted, error, command, monkeypatch, capsys
 ):
     """The compiler hears of no Ctrl-C in a callback, and goes on without what that should have brought.

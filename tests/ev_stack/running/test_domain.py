@@ -105,12 +105,12 @@ def test_when_locks_of_others_block_all_domains_one_is_named(tmp_path):
         pass
 
 
-def test_nobody_else_can_lock_our_lock_file(tmp_path):
+def test_no_other_user_can_lock_our_lock_file(tmp_path):
     with free_domain() as free:
         assert (tmp_path / f"ev_stack_domain_{free}.lock").stat().st_mode & 0o077 == 0
 
 
-def test_a_pipe_in_the_place_of_a_lock_holds_nobody_up(tmp_path):
+def test_a_pipe_in_the_place_of_a_lock_delays_no_run(tmp_path):
     """Opening it to write would wait for a reader."""
     os.mkfifo(tmp_path / "ev_stack_domain_1.lock")
     with free_domain() as found:

@@ -50,7 +50,7 @@ def test_the_end_of_the_chain_is_named(node, waits):
     assert named(waits) == f"node {node} does not answer, at 1 s of simulated time"
 
 
-def test_what_the_nodes_that_wait_know_of_the_reason_is_said():
+def test_reasons_of_waiting_nodes_are_printed():
     """The master looks into the graph, and each node knows which of its messages it has ignored."""
     waits = {"plant": ("asr",), "asr": ("electronic_differential",)}
     late = (
@@ -78,7 +78,7 @@ def test_behind_the_end_of_the_plant_only_the_recorder_is_left():
     assert "node recorder does" in named({"recorder": ("plant",)}, pids={"recorder": 1})
 
 
-def test_a_run_that_goes_on_or_rests_is_not_named_and_what_was_said_long_ago_does_not_count(
+def test_a_run_that_goes_on_or_rests_is_not_named_and_old_reports_do_not_count(
     monkeypatch,
 ):
     reports = NodeReports("/ev")
@@ -91,7 +91,7 @@ def test_a_run_that_goes_on_or_rests_is_not_named_and_what_was_said_long_ago_doe
     assert reports.waits_for("plant", 1.0) is None
 
 
-def test_a_node_says_for_whom_it_waits_once_its_steps_stand_still(monkeypatch):
+def test_a_node_reports_what_it_waits_for_once_its_steps_stand_still(monkeypatch):
     words, now = [], [0.0]
     monkeypatch.setattr(time, "monotonic", lambda: now[0])
     line = SimpleNamespace(spec=RunnerLine, tell=words.append)

@@ -78,7 +78,7 @@ def clockwork() -> dict[str, Configuration]:
     }
 
 
-def test_who_answers_is_heard_at_once_and_who_integrates_one_step_later():
+def test_answers_arrive_at_once_and_integrated_states_one_step_later():
     """roles.py: the output of an answering role at t_k follows from t_k, of an integrating one from up to t_k-1."""
     channels = run_offline(clockwork(), 0.03).channels
     times = [0.0, 0.01, 0.02, 0.03]
@@ -180,7 +180,7 @@ def test_a_number_of_a_plant_that_is_none_stops_the_run_by_its_name(bad):
 
 
 @pytest.mark.filterwarnings("ignore:overflow")
-def test_a_number_whose_square_is_infinite_is_a_number():
+def test_a_number_with_an_infinite_square_is_a_number():
     channels = run_offline(counting(1, 1e200), 0.01).channels
     assert channels["wheel_states.position.front_right"].tolist() == [1e200, 1e200]
 

@@ -145,7 +145,7 @@ def test_options_reach_the_nodes(tmp_path: Path):
     assert not (out / "bag").exists()
 
 
-def test_what_nobody_reads_is_no_error():
+def test_a_closed_output_is_no_error():
     """The reader may be gone before the first word: `scripts/run.sh --list | head`."""
     read, write = os.pipe()
     os.close(read)
@@ -392,7 +392,7 @@ def test_sigterm_stops_everything_too(way: tuple[str, ...], tmp_path: Path):
 
 @pytest.mark.weekly
 @pytest.mark.parametrize("name", ["plant", "recorder"])
-def test_a_node_that_is_told_to_stop_ends_the_run(name: str, tmp_path: Path):
+def test_a_node_that_is_stopped_ends_the_run(name: str, tmp_path: Path):
     """It ends with status 0, as these two do at the end of a run."""
     running = Running(tmp_path / "out")
     os.kill(running.node(name), signal.SIGTERM)

@@ -439,7 +439,7 @@ PROFILE = "t_s,v_mps\n0,1\n10,2\n"
 
 
 @pytest.mark.parametrize("level", ["scenario", "file", "command line", "cycle"])
-def test_points_that_a_file_says_are_refused_whoever_names_the_file(
+def test_points_that_a_file_gives_are_refused_wherever_the_file_is_named(
     scenario, more, tmp_path, level
 ):
     """They would do nothing, and rows of a sweep would stand under speeds that were not driven."""
@@ -466,7 +466,7 @@ def test_points_that_a_file_says_are_refused_whoever_names_the_file(
     assert run.configurations["driver"].parameters.speed_profile.speed == (3.0, 4.0)
 
 
-def test_a_file_goes_before_points_that_were_told_before_it(scenario, tmp_path):
+def test_a_file_goes_before_points_that_were_given_before_it(scenario, tmp_path):
     """So `--cycle` drives another cycle where the scenario lists its own."""
     (tmp_path / "profile.csv").write_text(PROFILE)
     name = scenario(

@@ -235,7 +235,7 @@ def own_node(domain) -> Iterator[Node]:
     context.try_shutdown()
 
 
-def test_a_topic_that_somebody_uses_with_another_type_is_read_with_ours(shell, own_node):
+def test_a_topic_with_another_type_as_well_is_read_with_ours(shell, own_node):
     """The other type comes first in the alphabet.
 
     Of a topic that is not ours neither type can be preferred.

@@ -130,7 +130,7 @@ def offered(monkeypatch):
     register.load_installed_methods.cache_clear()
 
 
-def test_a_broken_plug_in_harms_only_who_wants_it(offered, tmp_path, capsys):
+def test_a_broken_plug_in_harms_its_users_only(offered, tmp_path, capsys):
     offered("asr", "no_such_module_of_mine")
     assert ev_stack.run("shchur2019", duration=0.05).hash
     message = "not loaded: no_such_module_of_mine: ModuleNotFoundError: No module named 'no_such_module_of_mine'"

@@ -207,7 +207,7 @@ def test_understeer_of_ge_and_ni():
     assert characteristic_speed(GE_NI) == pytest.approx(math.sqrt(1.72 / gradient), rel=1e-12)
 
 
-def test_tyres_whose_force_follows_the_load_steer_neutrally():
+def test_tyres_with_forces_that_follow_the_load_steer_neutrally():
     """One friction curve on all wheels: C proportional to the load, m_1/C_1 = m_2/C_2 wherever the mass is."""
     for distance in (0.8, 1.2, 1.6):
         car = Vehicle(centre_of_mass_to_rear_axle=distance)

@@ -72,7 +72,7 @@ def test_what_is_broken_is_driven_again(tmp_path: Path):
     assert kept.missing() == {cells[0]: [LAWS[0]]}
 
 
-def test_what_is_driven_anew_counts_as_missing_until_it_is():
+def test_what_is_to_be_driven_again_counts_as_missing():
     cells = SMALL.cells(STEP)
     store: dict[str, bytes] = {}
     driven = drive_cell(SMALL, cells[0], LAWS)

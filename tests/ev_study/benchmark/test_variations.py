@@ -208,7 +208,7 @@ def test_differences_are_as_sure_as_they_say(cells: int, draws: int, spread: flo
     )
 
 
-def test_what_a_law_believes_is_its_own_factor_by_what_is_told(board: Board):
+def test_what_a_law_believes_is_its_own_factor_by_the_drawn_one(board: Board):
     """A law with half the friction as its own factor gets half of each drawn factor."""
     varied = replace(board, variations=[Variation(TOLD_FRICTION, factor=[0.7, 1.3])])
     (cell,) = varied.cells(STEP)

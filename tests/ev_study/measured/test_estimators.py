@@ -68,9 +68,7 @@ def test_kinematics_with_a_true_accelerometer_have_the_sideslip_and_wheels_the_s
     assert stiffer["rms"] > 3.0 * found["slip_angle_observer"]["errors"]["rms"]
 
 
-def test_an_estimator_begins_anew_behind_a_gap_and_one_without_its_channels_is_named(
-    tmp_path, capsys
-):
+def test_an_estimator_restarts_behind_a_gap_and_one_without_its_channels_is_named(tmp_path, capsys):
     """Kinematics alone lack the lateral velocity behind the gap; nothing else is off."""
     of = columns(with_wheels=False)
     lateral = driven().channels["twist.lateral"]

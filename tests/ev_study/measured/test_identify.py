@@ -150,7 +150,7 @@ def test_few_windows_do_not_make_an_interval_narrower_than_its_deviation():
     assert high >= 1.0 + 1.96 * deviation
 
 
-def test_what_cannot_be_told_is_named_by_its_parameters():
+def test_what_cannot_be_identified_is_named_by_its_parameters():
     """Two parameters of which only the sum acts: their difference is unknown, their deviation that of the prior."""
     random = np.random.Generator(np.random.PCG64(1))
     one = random.standard_normal((12, 50, 1))

@@ -112,7 +112,7 @@ def test_a_value_that_a_replay_has_from_the_record_is_refused(tmp_path, imposed,
 
 
 @pytest.mark.parametrize("gap", [(8.0, 8.0), (4.0, 4.6), (4.0, 6.0)])
-def test_a_car_whose_lateral_velocity_was_not_measured_has_it_when_a_window_begins(gap):
+def test_an_unmeasured_lateral_velocity_is_there_when_a_window_begins(gap):
     """The second before a window is driven as measured, also at a record's begin and behind a gap.
 
     The very car follows to 0.0002 rad/s then; windows that began at once would be up to 0.008 rad/s

@@ -191,7 +191,7 @@ def test_what_is_published_counts_where_a_report_judges_by_it(monkeypatch):
     assert kept_rows.row_key("sweep", case).digest != before
 
 
-def test_a_changed_study_of_ones_own_drives_its_cases_anew(tmp_path, monkeypatch):
+def test_a_changed_study_of_ones_own_drives_its_cases_again(tmp_path, monkeypatch):
     (tmp_path / "row_study.py").write_text("TIMES = 1.0\n")
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(

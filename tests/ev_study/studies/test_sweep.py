@@ -213,7 +213,7 @@ def test_words_without_sense_are_one_line(words, message):
     assert str(error.value) == message
 
 
-def test_runs_too_short_for_any_metric_are_said_to_be_that():
+def test_runs_too_short_for_any_metric_have_a_line():
     """The table had the varied values alone, and no word why. A coast-down takes 10 s to be one."""
     given = arguments("sweep", ["coast_down", "--vary", "plant.initial_speed=15.00001,15.00002"])
     short = [dataclasses.replace(case, duration=0.1) for case in sweep.cases(given)]

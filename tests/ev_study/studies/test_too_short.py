@@ -21,7 +21,7 @@ NEEDED = {
 
 
 @pytest.mark.parametrize("name", study_names())
-def test_whatever_is_too_short_is_told_in_one_line(name):
+def test_runs_that_are_too_short_have_one_line(name):
     """All studies, shorter than the command line lets them be: each case has a row or says why it has none."""
     study, given = study_named(name), arguments(name, NEEDED.get(name, ()))
     cases = study.cases(given)

@@ -157,7 +157,7 @@ def test_two_may_drive_the_same_and_what_is_cut_off_is_driven_again(tmp_path: Pa
     assert path.read_bytes() == whole
 
 
-def test_a_changed_configuration_is_driven_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_changed_configuration_is_driven_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     from ev_study.studies import digests
 
     kept_by_user(tmp_path)

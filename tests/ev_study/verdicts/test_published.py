@@ -51,7 +51,7 @@ def test_every_text_is_used_and_every_measure_is_named(source: str):
     assert {name for name in of_sources.source_named(source).MEASURES if name not in named} == set()
 
 
-def test_who_asks_for_one_source_loads_no_other():
+def test_one_source_is_loaded_without_the_others():
     """Each brings libraries of its own, which cost a second of every run of a scenario."""
     text = (
         "import sys; from ev_study.verdicts.sources import published; assert published('shchur2019'); "

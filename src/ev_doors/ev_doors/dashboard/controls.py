@@ -88,17 +88,19 @@ class Controls:
             self._next_look = now + GRAPH_PERIOD
             self._find_nodes()
 
-    def obey(self, wish: Mapping[str, Any]) -> None:
+    def obey(self, request: Mapping[str, Any]) -> None:
         """Set a parameter, or call a service of time, for a page; ValueError for anything else."""
         try:
-            if wish["kind"] == "time":
-                self._call(wish["service"])
-            elif wish["kind"] == "set":
-                self._set(wish["node"], wish["name"], wish["value"])
+            if request["kind"] == "time":
+                self._call(request["service"])
+            elif request["kind"] == "set":
+                self._set(request["node"], request["name"], request["value"])
             else:
-                raise ValueError(f"wish {quoted(wish['kind'])} is refused, expected set or time")
+                raise ValueError(
+                    f"request {quoted(request['kind'])} is refused, expected set or time"
+                )
         except (KeyError, TypeError) as error:
-            raise ValueError(f"a wish of a page is refused: {quoted(error)}") from None
+            raise ValueError(f"a request of a page is refused: {quoted(error)}") from None
 
     def say(self, text: str, refused: bool = True) -> None:
         """Have the pages show a line."""

@@ -34,7 +34,7 @@ from ev_stack.scenarios.about import NAMESPACE
 
 ADDRESS = "127.0.0.1"  # no other machine can ask
 _KEPT = 1200  # rows that a page gets when it is opened
-_LONGEST_WISH = 1 << 20  # bytes
+_LONGEST_REQUEST = 1 << 20  # bytes
 _POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; connect-src 'self';"
     " img-src data:"
@@ -78,7 +78,7 @@ class Pages:
                 ],
                 log_function=lambda handler: None,
                 websocket_ping_interval=10,
-                websocket_max_message_size=_LONGEST_WISH,
+                websocket_max_message_size=_LONGEST_REQUEST,
             )
         )
         self._server.add_sockets(sockets)
@@ -151,12 +151,12 @@ class _Socket(_Local, tornado.websocket.WebSocketHandler):
 
     def on_message(self, message: str | bytes) -> None:
         try:
-            wish = json.loads(message)
-            if not isinstance(wish, dict):
-                raise ValueError("a wish of a page is refused, expected an object")
-            self.pages.obey(wish)
+            request = json.loads(message)
+            if not isinstance(request, dict):
+                raise ValueError("a request of a page is refused, expected an object")
+            self.pages.obey(request)
         except RecursionError:
-            self.send(line("a wish of a page is refused: it is nested too deeply", refused=True))
+            self.send(line("a request of a page is refused: it is nested too deeply", refused=True))
         except ValueError as error:
             self.send(line(str(error), refused=True))
 
@@ -316,10 +316,10 @@ class _Dashboard:
         """Let the pages go."""
         self.pages.close()
 
-    def _obey(self, wish: Mapping[str, Any]) -> None:
+    def _obey(self, request: Mapping[str, Any]) -> None:
         if self._graph is None:
             raise ValueError("no run is there yet: nothing was asked for")
-        self._graph.controls.obey(wish)
+        self._graph.controls.obey(request)
 
     def _present(self) -> list[dict[str, Any]]:
         if (graph := self._graph) is None:

@@ -136,7 +136,7 @@ def test_differentials_lose_what_their_locks_take_and_no_more():
         ),
     ],
 )
-def test_drivelines_that_nobody_builds_are_refused(values, message):
+def test_drivelines_that_cannot_be_built_are_refused(values, message):
     with pytest.raises(ParameterError) as error:
         Driveline(**values)
     assert str(error.value).startswith(message) and "\n" not in str(error.value)

@@ -71,7 +71,7 @@ def test_speed_imposed_at_the_wheels_is_carried_by_the_tyres():
     assert abs(car.state[index("holding_work")] - before) / 0.01 < 0.05 * abs(wanted) * 25.0
 
 
-def test_a_car_whose_mass_is_right_of_its_middle_is_pulled_to_the_left_when_braked():
+def test_a_car_with_its_mass_right_of_the_middle_is_pulled_to_the_left_when_braked():
     """The brakes act as far left of the mass as that is right of the middle: J r' = m a y, less what the tyres hold."""
     braking = {"initial_speed": 30.0, "speed": "imposed", "imposed_speed__time": (0.0, 2.0)}
     rates = []

@@ -12,12 +12,12 @@ function keepNode({ node, parameters }) {
 }
 
 /** Show all nodes anew, and the car once: a node has only those of its parameters that are not as in the plant. */
-function showNodes(wish) {
+function showNodes(request) {
   const open = new Set([...document.querySelectorAll("#nodes details[open]")].map((card) => card.dataset.node));
   shows.clear();
   const car = [...(nodes.get("plant")?.values() ?? [])].filter(isOfCar);
-  const cards = [...nodes].map(([node, parameters]) => cardOf(node, node, [...parameters.values()].filter(isOwn), wish));
-  if (car.length) cards.push(cardOf("vehicle", "plant", car, wish));
+  const cards = [...nodes].map(([node, parameters]) => cardOf(node, node, [...parameters.values()].filter(isOwn), request));
+  if (car.length) cards.push(cardOf("vehicle", "plant", car, request));
   for (const card of cards) card.open = open.has(card.dataset.node);
   byId("nodes").replaceChildren(...cards);
   if (byId("find").value) find(byId("find").value);
@@ -30,15 +30,15 @@ function isOwn(parameter) {
   return !shared || (shared !== parameter && JSON.stringify(shared.value) !== JSON.stringify(parameter.value));
 }
 
-function cardOf(title, node, parameters, wish) {
+function cardOf(title, node, parameters, request) {
   const card = element("details", "", { "data-node": title });
   card.append(element("summary", `${title.replaceAll("_", " ")} (${parameters.length})`));
-  for (const parameter of parameters) card.append(rowOf(node, parameter, parameter.name, wish));
+  for (const parameter of parameters) card.append(rowOf(node, parameter, parameter.name, request));
   return card;
 }
 
-/** A row that shows a parameter under a label and asks for another value by `wish(node, name, value)`. */
-function rowOf(node, parameter, label, wish) {
+/** A row that shows a parameter under a label and asks for another value by `request(node, name, value)`. */
+function rowOf(node, parameter, label, request) {
   const row = element("div", "", { class: "parameter", "data-name": parameter.name });
   const id = `${node}.${parameter.name}`;
   const isFlag = typeof parameter.value === "boolean";
@@ -50,7 +50,7 @@ function rowOf(node, parameter, label, wish) {
     else field.value = typeof value === "object" ? JSON.stringify(value) : value;
     slider?.follow(value);
   };
-  const ask = (value) => wish(node, parameter.name, value);
+  const ask = (value) => request(node, parameter.name, value);
   field.addEventListener("change", () => ask(isFlag ? field.checked : field.value));
   slider?.input.addEventListener("input", () => { field.value = slider.value(); });
   slider?.input.addEventListener("change", () => ask(slider.value()));

@@ -5,7 +5,7 @@ const BESIDE = [["Speed", "twist.longitudinal"], ["Yaw rate", "imu.yaw_rate"], [
 let times = null; // {over, end, period}: when the manoeuvre is over and when the run ends [s]
 
 /** Show the sliders that the plant of the graph names, and keep its times. */
-function showLesson(wish) {
+function showLesson(request) {
   const plant = nodes.get("plant");
   if (!plant) return byId("lesson").replaceChildren();
   const value = (name) => plant.get(name)?.value;
@@ -15,7 +15,7 @@ function showLesson(wish) {
     const [node, ...rest] = name.split(".");
     const parameter = nodes.get(node)?.get(rest.join("."));
     return parameter
-      ? rowOf(node, parameter, `${node.replaceAll("_", " ")}: ${parameter.name}`, wish)
+      ? rowOf(node, parameter, `${node.replaceAll("_", " ")}: ${parameter.name}`, request)
       : element("p", `${name}: not in this run`, { class: "about" });
   }));
   if (!named.length) byId("lesson").append(element("p", "The scenario names no parameters for a lesson.", { class: "about" }));

@@ -1,5 +1,5 @@
 "use strict";
-// What comes from the graph is shown, and what is wished for is sent to it.
+// What comes from the graph is shown, and what is asked for is sent to it.
 
 const AGAIN = 1000; // ms between attempts to connect
 const STILL = 1.5; // s without another instant after which the page says so
@@ -11,7 +11,7 @@ let came = 0; // when the last row came [ms]
 let pending = false;
 clock.follows = true;
 
-function wish(what) {
+function request(what) {
   if (socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(what));
   else say({ text: "not connected: nothing was asked for", refused: true });
 }
@@ -21,7 +21,7 @@ function say({ text, refused }) {
   while (byId("words").children.length > WORDS) byId("words").lastChild.remove();
 }
 
-const set = (node, name, value) => wish({ kind: "set", node, name, value });
+const set = (node, name, value) => request({ kind: "set", node, name, value });
 
 function showParameters() {
   showNodes(set);
@@ -126,7 +126,7 @@ function connect() {
 }
 
 for (const button of document.querySelectorAll("[data-service]"))
-  button.addEventListener("click", () => wish({ kind: "time", service: button.dataset.service }));
+  button.addEventListener("click", () => request({ kind: "time", service: button.dataset.service }));
 byId("find").addEventListener("input", () => find(byId("find").value));
 byId("window").addEventListener("change", draw);
 setInterval(tellState, 250);

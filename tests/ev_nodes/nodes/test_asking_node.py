@@ -13,7 +13,9 @@ from ev_nodes import run_role
 
 
 @pytest.mark.parametrize("make", [gateway.make, bench.make], ids=["inverter_gateway", "test_bench"])
-def test_somebody_stays_when_the_asking_node_goes(make: Callable[..., Any], monkeypatch):
+def test_the_context_stays_in_the_graph_when_the_asking_node_goes(
+    make: Callable[..., Any], monkeypatch
+):
     """A context leaves the graph with its last node, and Fast DDS may lock up others for that while they start."""
     others = []
 

@@ -37,9 +37,9 @@ class Page:
 
     async def _open(self, context: Any) -> None:
         self.controls = Controls(
-            context, NAMESPACE, "wishes", lambda message: self.pages.tell(message)
+            context, NAMESPACE, "requests", lambda message: self.pages.tell(message)
         )
-        self.pages = Pages("wishes", listening(0), self.controls.obey, list)
+        self.pages = Pages("requests", listening(0), self.controls.obey, list)
         self.address = self.pages.url.replace("http", "ws")
         self.socket = await websocket_connect(f"{self.address}live")
         while NODE not in self.controls.nodes:
@@ -173,7 +173,7 @@ def test_what_the_line_says(page, name, value, message):
     assert page.set(name, value)["text"] == message
 
 
-def test_pages_of_somebody_else_have_no_socket(page):
+def test_pages_of_other_sites_have_no_socket(page):
     """Neither another site in the user's browser nor one that has its own name point to this machine."""
     own = f"127.0.0.1:{page.pages.port}"
     assert page.status(Origin=f"http://{own}") == 101
