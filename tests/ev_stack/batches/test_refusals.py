@@ -49,6 +49,12 @@ from ev_stack.batches.whole_runs import Ending
             {"*.seed": range(3), "plant.initial_speed": [20.0]},
             r"numbers of runs differ: \*.seed 3, plant.initial_speed 1",
         ),
+        (
+            {"plant.initial_speed": "20"},
+            r"plant.initial_speed: '20' is refused, expected one value for each run, such as \['20'\]",
+        ),
+        ({"plant.initial_speed": 20.0}, "plant.initial_speed: 20.0 is refused, expected one value"),
+        ({"plant.initial_speed": np.array(20.0)}, "plant.initial_speed: 20.0 is refused, expected"),
         ({"*.seed": [1.5]}, "run 0: .*: parameter seed: 1.5 is refused, expected a whole number"),
     ],
 )
@@ -86,9 +92,10 @@ def test_everything_else(given, message):
         batch(lane_change(), 1.0, **given)
 
 
-def test_a_negative_duration():
-    with pytest.raises(ParameterError, match=r"duration: -1\.0 is refused, expected 0 s or more"):
-        batch(lane_change(), -1.0)
+@pytest.mark.parametrize("duration", [-1.0, -1e-3, np.nan, np.inf])
+def test_a_duration_that_is_none(duration):
+    with pytest.raises(ParameterError, match=f"duration: {duration} is refused, expected 0 s or"):
+        batch(lane_change(), duration)
 
 
 def test_states_that_are_not_finite():

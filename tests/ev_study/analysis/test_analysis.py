@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from scipy.signal import StateSpace, lsim
 
 from ev_core.lockstep.finding import find_method
+from ev_core.parameters.data_file import files_in_config
 from ev_core.vehicle.battery import Battery
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.motor import Motor
@@ -28,8 +29,9 @@ from ev_sim.understeer import (
     critical_speed,
     understeer_gradient,
 )
+from ev_stack.scenarios.files import vehicle_of
 from ev_study.analysis.__main__ import main as analyse
-from ev_study.analysis.linear_models import SideSlipModel
+from ev_study.analysis.linear_models import SideSlipModel, single_track, yaw_damping
 from ev_study.analysis.linearised_plant import OperatingPoint, linearised
 
 CAR = SideSlipModel(
@@ -376,11 +378,29 @@ def test_command_line_prints_what_a_drive_force_does(tmp_path, capsys):
     assert float(printed["W12: excitation N, 0 if the car steers neutrally"][0]) > 0.0
 
 
-@pytest.mark.parametrize("speed", ["0", "-5"])
-def test_linear_models_are_of_a_car_that_goes_ahead(tmp_path, capsys, speed):
+@pytest.mark.parametrize("speed", ["0", "-5", "500"])
+def test_linear_models_are_of_a_car_that_goes_ahead_as_fast_as_one_may(tmp_path, capsys, speed):
     with pytest.raises(SystemExit):
         analyse(["audi_a2", f"--speed={speed}", "--out", str(tmp_path)])
-    assert f"'{speed}' is refused, expected a number, 0.1 or more" in capsys.readouterr().err
+    assert f"'{speed}' is refused, expected a number from 0.1 to 120" in capsys.readouterr().err
+
+
+@given(car=st.sampled_from(sorted(files_in_config("vehicles"))), speed=st.floats(0.5, 80.0))
+def test_damping_and_frequency_are_those_of_two_poles_of_the_car(car, speed):
+    """s^2 + 2 D w s + w^2 is 0 at two poles, and no pole is slower than the slower of both.
+
+    At about 20 m/s a real pole of many cars is slower than the complex pair.
+    """
+    system = single_track(vehicle_of(car), speed)
+    ratio, frequency = yaw_damping(system)
+    poles = np.linalg.eigvals(system.A)
+    if np.isnan(frequency):  # of a car that runs away, which swings no more
+        assert poles.real.max() > 0.0
+        return
+    found = np.roots([1.0, 2.0 * ratio * frequency, frequency**2])
+    for root in found:
+        assert np.abs(poles - root).min() < 1e-6 * frequency
+    assert found.real.max() == pytest.approx(poles.real.max())
 
 
 def test_command_line_says_in_one_line_what_is_wrong(tmp_path):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
@@ -272,12 +273,11 @@ def batch(
         raise ParameterError(
             "reductions are refused for runs that may end before, expected metrics of whole runs"
         )
-    period = next(iter(configurations.values())).period
-    times = np.array(
-        [stamps.to_seconds(n * period) for n in range(stamps.from_seconds(duration) // period + 1)]
-    )
-    if not len(times):
+    if not 0.0 <= duration < math.inf:
         raise ParameterError(f"duration: {duration!r} is refused, expected 0 s or more")
+    period = next(iter(configurations.values())).period
+    instants = stamps.from_seconds(duration) // period + 1
+    times = np.array([stamps.to_seconds(n * period) for n in range(instants)])
     observation = Observation(
         signals, every, tuple(reductions.values()), variation.runs, len(times)
     )

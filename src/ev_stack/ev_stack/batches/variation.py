@@ -16,6 +16,15 @@ _OF_ALL_RUNS = ("method", "control_period", "mode")
 _SEED = entries_by_name(CommonParameters)["seed"]
 
 
+def _column(name: str, values: Any) -> list[Any]:
+    """One value for each run; ParameterError for a single one, of which a text would be one for each letter."""
+    if isinstance(values, str) or not isinstance(values, Iterable):
+        raise ParameterError(
+            f"{name}: {values!r} is refused, expected one value for each run, such as [{values!r}]"
+        )
+    return [plain(value) for value in values]
+
+
 class Variation:
     """Differences between runs; names are ROLE.PARAMETER, or *.PARAMETER for all roles.
 
@@ -33,7 +42,7 @@ class Variation:
         self._known = {
             role: configuration.values() for role, configuration in configurations.items()
         }
-        columns = {name: list(map(plain, plain(values))) for name, values in vary.items()}
+        columns = {name: _column(name, plain(values)) for name, values in vary.items()}
         lengths = {name: len(column) for name, column in columns.items()}
         lengths.update({f"initial_states of {role}": count for role, count in runs.items()})
         if len(set(lengths.values())) > 1:

@@ -168,7 +168,11 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
         "--surface", default=REFERENCE, choices=sorted(SURFACES), help="default: %(default)s"
     )
     parser.add_argument(
-        "--speed", type=real(0.1), default=8.0, metavar="M/S", help="ahead; default: %(default)s"
+        "--speed",
+        type=real(0.1, 120.0),
+        default=8.0,
+        metavar="M/S",
+        help="ahead; default: %(default)s",
     )
     parser.add_argument(
         "--road-wheel-angle",

@@ -72,9 +72,14 @@ def yaw_gain(system: StateSpace) -> float:
 
 
 def yaw_damping(system: StateSpace) -> tuple[float, float]:
-    """Damping ratio [1] and undamped frequency [rad/s] of the slowest pair of poles, of two real ones as of a pair."""
-    slowest = sorted(np.linalg.eigvals(system.A), key=lambda pole: -pole.real)[:2]
-    product, total = (slowest[0] * slowest[1]).real, -(slowest[0] + slowest[1]).real
+    """Damping ratio [1] and undamped frequency [rad/s] of the slowest pole and its partner.
+
+    A complex pole has its conjugate. A real one is taken as of a pair with the next real one: a
+    pair of one real pole and half of a complex pair is the motion of no car.
+    """
+    slowest, *others = sorted(np.linalg.eigvals(system.A), key=lambda pole: -pole.real)
+    partner = next(pole for pole in others if (pole.imag == 0.0) == (slowest.imag == 0.0))
+    product, total = (slowest * partner).real, -(slowest + partner).real
     frequency = math.sqrt(product) if product > 0.0 else math.nan
     return total / (2.0 * frequency), frequency
 
