@@ -19,6 +19,8 @@ OPENINGS = (
     *("In", "Of", "For", "By", "With", "From", "To", "At", "On", "As", "Without"),
     *("Where", "What", "Which", "Who", "Whether", "How", "Not"),
 )
+# Words for people: a thing prints, reports or sends, and is a "that".
+PERSONAL = ("told", "said", "who", "whose", "whoever", "nobody", "somebody")
 _LAYOUT = (tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER)
 
 
@@ -32,6 +34,7 @@ class Reading:
     long_signatures: int
     odd_docstrings: int
     long_lines: int
+    personal_words: int
 
     @property
     def density(self) -> float:
@@ -46,7 +49,7 @@ class Reading:
 
 def reading_of(paths: Iterable[Path]) -> Reading:
     """Count some files of Python."""
-    tokens = code_lines = comments = signatures = odd = long = 0
+    tokens = code_lines = comments = signatures = odd = long = personal = 0
     for path in paths:
         text = path.read_text(encoding="utf-8")
         lines = set()
@@ -63,7 +66,8 @@ def reading_of(paths: Iterable[Path]) -> Reading:
         signatures += sum(_arguments(node) >= MANY_ARGUMENTS for node in ast.walk(ast.parse(text)))
         odd += len(re.findall(rf'"""(?:{"|".join(OPENINGS)})\b', text))
         long += sum(len(line) > WIDTH for line in text.splitlines())
-    return Reading(tokens, code_lines, comments, signatures, odd, long)
+        personal += len(re.findall(rf"\b(?:{'|'.join(PERSONAL)})\b", text, re.IGNORECASE))
+    return Reading(tokens, code_lines, comments, signatures, odd, long, personal)
 
 
 def _arguments(node: ast.AST) -> int:
@@ -80,6 +84,7 @@ def main() -> None:
     print(f"functions with {MANY_ARGUMENTS} arguments or more: {found.long_signatures}")
     print(f"docstrings that begin with a preposition or a question word: {found.odd_docstrings}")
     print(f"lines of more than {WIDTH} characters: {found.long_lines}")
+    print(f"words for people ({', '.join(PERSONAL)}): {found.personal_words}")
 
 
 if __name__ == "__main__":
