@@ -50,7 +50,10 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out what is not asked for. The long form of a property test takes as long as it takes."""
+    """Leave out what is not asked for.
+
+    The long form of a property test takes as long as it takes.
+    """
     if "EV_CASES" in os.environ:
         for item in items:
             item.add_marker(pytest.mark.timeout(0))
@@ -68,7 +71,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 @pytest.fixture(autouse=True)
 def nothing_left_behind() -> Iterator[None]:
-    """No test leaves to the next one of its process what no new process has: which one is next, the workers decide.
+    """No test leaves to the next one of its process what no new process has.
+
+    Which one is next, the workers decide.
 
     What a module of an installed package registers, when it is imported at last, is there for all.
     """

@@ -1,4 +1,7 @@
-"""Imports go one way, as .importlinter declares; the page names what is there; rooms and files keep their size."""
+"""Imports go one way, as .importlinter declares.
+
+The page names what is there; rooms and files keep their size.
+"""
 
 from __future__ import annotations
 
@@ -76,7 +79,10 @@ def test_the_step_is_ten_sentences_and_a_drawing_of_ten_boxes():
 
 
 def test_no_circle_leads_through_a_room_and_the_folder_that_holds_it():
-    """Also by annotations; the contract of .importlinter looks only at rooms that stand side by side."""
+    """Also by annotations.
+
+    The contract of .importlinter looks only at rooms that stand side by side.
+    """
     graph = grimp.build_graph(*(name for layer in layers() for name in layer), cache_dir=None)
     room = {
         name: name if graph.find_children(name) else name.rpartition(".")[0]

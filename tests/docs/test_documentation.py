@@ -205,7 +205,10 @@ def test_yaw_feedback_lowers_the_error_that_the_page_says():
 
 
 def errors_of_yaw_rate(module: str, *given: dict) -> list[str]:
-    """Errors in `double_lane_change` [rad/s]: with equal torques, and with the law of an example and these values."""
+    """Errors in `double_lane_change` [rad/s].
+
+    With equal torques, and with the law of an example and these values.
+    """
     code = (
         f"import {module}, ev_stack; from ev_stack.measures.handling import yaw_rate_error as error\n"
         f"for name, values in (('equal_torque', {{}}), *(({module!r}, each) for each in {given!r})):\n"

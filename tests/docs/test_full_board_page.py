@@ -1,4 +1,7 @@
-"""The full board takes hours: its page is held against the numbers that were kept of it, and some runs are driven."""
+"""The full board takes hours.
+
+Its page is held against the numbers that were kept of it, and some runs are driven.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""A source comes in by one folder (docs/examples/own_source) and goes out with one: nothing else names it."""
+"""A source comes in by one folder (docs/examples/own_source) and goes out with one.
+
+Nothing else names it.
+"""
 
 import json
 import os

@@ -22,7 +22,10 @@ def extent(strip: np.ndarray, colour: str) -> tuple[int, int]:
 
 
 def test_the_car_without_a_law_turns_across_the_road_and_the_other_one_does_not(tmp_path: Path):
-    """Before the brakes both cars lie along the road; two seconds after them one is turned by about 100 degrees."""
+    """Before the brakes both cars lie along the road.
+
+    Two seconds after them one is turned by about 100 degrees.
+    """
     split_friction.save_moving_picture(tmp_path, (split_friction.BEGIN, 3.0))
     with Image.open(tmp_path / split_friction.NAME) as picture:
         assert (picture.size, picture.n_frames) == (split_friction.SIZE, 2)

@@ -1,4 +1,7 @@
-"""scripts/setup.sh on a bare machine, in a checkout with small packages: by uv, by pip, interrupted, side by side."""
+"""scripts/setup.sh on a bare machine, in a checkout with small packages.
+
+By uv, by pip, interrupted, side by side.
+"""
 
 from __future__ import annotations
 

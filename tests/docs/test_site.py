@@ -1,4 +1,7 @@
-"""The pages whole, and as a site: all tables, titles in place of file names, a reference, nothing from the network."""
+"""The pages whole, and as a site.
+
+All tables, titles in place of file names, a reference, nothing from the network.
+"""
 
 import re
 import subprocess
@@ -63,7 +66,10 @@ def rows(page: Path, marks: str) -> list[str]:
 
 
 def test_a_built_page_has_all_tables_that_the_repository_does_not_keep(pages: Path):
-    """Each with a row for everything that it is about; no mark is left, nor the line in its place."""
+    """Each with a row for everything that it is about.
+
+    No mark is left, nor the line in its place.
+    """
     left = [page.name for page in pages.glob("*.md") if built_names(page.read_text())]
     assert left == [] and sum(len(parts) for parts in BUILT.values()) > 25
     for name, parts in BUILT.items():

@@ -1,4 +1,7 @@
-"""Snippets of pages: Python and YAML are run as they stand, or marked as excerpts of a file that has their lines."""
+"""Snippets of pages.
+
+Python and YAML are run as they stand, or marked as excerpts of a file that has their lines.
+"""
 
 from __future__ import annotations
 
@@ -72,7 +75,10 @@ def test_python_runs_as_it_stands(page, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(("page", "text"), snippets("yaml"))
 def test_yaml_is_accepted_as_it_stands(page, text, tmp_path):
-    """A scenario has the car that it names beside it, a mapping a log; parameters go on top of a lane change."""
+    """A scenario has the car that it names beside it, a mapping a log.
+
+    Parameters go on top of a lane change.
+    """
     file = tmp_path / "shown.yaml"
     file.write_text(text)
     if "/**/scenario:" in text:
@@ -143,7 +149,10 @@ OFFLINE = re.findall(r"scripts/run\.sh [^`\n]*--offline[^`\n]*", README)
 
 @pytest.mark.parametrize("command", OFFLINE)
 def test_what_the_readme_drives_offline_drives(command, tmp_path, monkeypatch, capsys):
-    """The copy of the car is made where the repository's folders are; the run names what it was given."""
+    """The copy of the car is made where the repository's folders are.
+
+    The run names what it was given.
+    """
     for name in ("config", "docs"):
         (tmp_path / name).symlink_to(ROOT / name)
     monkeypatch.chdir(tmp_path)

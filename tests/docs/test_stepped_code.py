@@ -41,7 +41,10 @@ def source(function) -> ast.AST:
     "function", OURS, ids=lambda function: f"{function.__module__}.{function.__name__}"
 )
 def test_stepped_code_takes_its_functions_from_one_module(function):
-    """Those of math and numpy round as the C library does; `**` and sum differ between Python and compiled code."""
+    """Those of math and numpy round as the C library does.
+
+    `**` and sum differ between Python and compiled code.
+    """
     own = function.__globals__
     for node in ast.walk(source(function)):
         if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):

@@ -34,7 +34,10 @@ def test_table_is_that_of_the_measured_numbers(page: str, study: str):
 @pytest.mark.parametrize("study", [study for _, study in STUDIES if study not in IN_VERDICTS])
 @pytest.mark.sampled
 def test_measured_numbers_are_those_of_the_cases(study: str):
-    """A changed law shows here; 1e-6, for another processor may add up a recording in another order."""
+    """A changed law shows here.
+
+    1e-6, for another processor may add up a recording in another order.
+    """
     kept = read_measured(ROOT, StudyNeed(study)).results
     for now in drive_cases(sample(StudyNeed(study)), study_named(study).measure):
         for name, value in kept[now.name].measured.items():

@@ -32,7 +32,10 @@ def test_mypy_finds_nothing():
 
 
 def test_a_wrong_type_in_a_law_is_found(tmp_path: Path):
-    """The rules see through `@method` and `@compilable`: a law of equal_torque that answers with a number."""
+    """The rules see through `@method` and `@compilable`.
+
+    A law of equal_torque that answers with a number.
+    """
     law = ROOT / "src/ev_control/ev_control/electronic_differential/mechanical.py"
     wrong = tmp_path / "wrong.py"
     wrong.write_text(
@@ -48,7 +51,10 @@ def test_a_wrong_type_in_a_law_is_found(tmp_path: Path):
 @pytest.mark.weekly
 @pytest.mark.slow
 def test_a_program_that_calls_the_packages_gets_their_types(tmp_path: Path):
-    """A checker that knows only what is installed finds py.typed; its cache is its own, as its rules are."""
+    """A checker that knows only what is installed finds py.typed.
+
+    Its cache is its own, as its rules are.
+    """
     program = tmp_path / "program.py"
     program.write_text(CALLS)
     command = [

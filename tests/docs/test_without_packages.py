@@ -1,4 +1,7 @@
-"""A package that nothing else imports can be left out: what remains drives, and does not offer its commands."""
+"""A package that nothing else imports can be left out.
+
+What remains drives, and does not offer its commands.
+"""
 
 from __future__ import annotations
 

@@ -43,7 +43,10 @@ def test_colcon_knows_every_package_as_ament_python():
 
 
 def test_versions_agree():
-    """ROS reads that of each package in package.xml, and so does setup.py; the changelog names the latest one first."""
+    """ROS reads that of each package in package.xml, and so does setup.py.
+
+    The changelog names the latest one first.
+    """
     versions = {
         ElementTree.parse(ROOT / "src" / package / "package.xml").findtext("version")
         for package in PACKAGES
@@ -150,7 +153,10 @@ def dependencies(**environment: str) -> set[str]:
 
 
 def test_rosdep_finds_what_is_needed_and_on_demand_what_is_optional():
-    """A key with -pip keeps a package from being released; what is needed has none. No bridge is needed by anybody."""
+    """A key with -pip keeps a package from being released; what is needed has none.
+
+    No bridge is needed by anybody.
+    """
     needed, everything = dependencies(), dependencies(EV_STACK_OPTIONAL="yes")
     optional = everything - needed
     assert {name for name in everything if name.startswith("python3-")} == ROSDEP_KEYS
@@ -320,7 +326,10 @@ def test_the_python_of_the_environment_knows_the_packages_by_itself():
 
 @pytest.mark.parametrize("package", PACKAGES)
 def test_colcon_finds_that_tests_are_by_pytest(package):
-    """It asks setup.py, by `tests_require` or an extra of this name; without it `colcon test` passes without a test."""
+    """It asks setup.py, by `tests_require` or an extra of this name.
+
+    Without it `colcon test` passes without a test.
+    """
     assert '"test": ["pytest"]' in (ROOT / "src" / package / "setup.py").read_text()
     assert [*(ROOT / "src" / package / "test").glob("test_*.py")]
 

@@ -1,4 +1,7 @@
-"""The scenarios of Ge & Ni, Tatar & Chudzik and Zhileykin: closed forms, claims, symmetry and limits."""
+"""The scenarios of Ge & Ni, Tatar & Chudzik and Zhileykin.
+
+Closed forms, claims, symmetry and limits.
+"""
 
 from __future__ import annotations
 
@@ -77,7 +80,10 @@ def test_right_turn_mirrors_the_left_one_to_the_bit(scenario):
 
 @pytest.mark.parametrize("scenario", SHORT)
 def test_requests_stay_within_what_the_driver_asks_and_the_motors_can(scenario):
-    """The stated difference is slip_target's largest correction; all other laws only share the driver's torque out."""
+    """The stated difference is slip_target's largest correction.
+
+    All other laws only share the driver's torque out.
+    """
     for run in driven(scenario).scenario.runs:
         channels = driven(scenario).runs[run.name].channels
         law = run.configurations["electronic_differential"]

@@ -1,4 +1,7 @@
-"""Frames of anybody: never believed when damaged, and never numbers beyond what their fields can say."""
+"""Frames of anybody.
+
+Never believed when damaged, and never numbers beyond what their fields can say.
+"""
 
 from __future__ import annotations
 
@@ -43,7 +46,10 @@ payloads = st.integers(0, 2**64 - 1)
     flipped=st.sets(st.integers(0, 63), min_size=1, max_size=2),
 )
 def test_one_or_two_wrong_bits_are_found(layout, payload, counter, flipped):
-    """Its polynomial is primitive: the Hamming distance is 3 up to 255 bits, and 80 are covered (Koopman, 0x8e)."""
+    """Its polynomial is primitive.
+
+    The Hamming distance is 3 up to 255 bits, and 80 are covered (Koopman, 0x8e).
+    """
     bits = 8 * layout.length
     sent = protected(payload % (1 << bits) & ~0xFFF, layout.length, layout.data_id, counter)
     damage = sum(1 << bit for bit in {bit % bits for bit in flipped})

@@ -1,4 +1,7 @@
-"""Files with anything in them: what can be read is in range, anything else is one line that names the file."""
+"""Files with anything in them.
+
+What can be read is in range, anything else is one line that names the file.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Bytes that come as messages: read whole and finite, or refused in a line, by nodes and recorder alike."""
+"""Bytes that come as messages.
+
+Read whole and finite, or refused in a line, by nodes and recorder alike.
+"""
 
 from __future__ import annotations
 

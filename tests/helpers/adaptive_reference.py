@@ -95,7 +95,10 @@ class Span(NamedTuple):
 
 
 class DrivenPlant:
-    """A configured plant that was driven as in a recording: its state at the start and at the end, and its commands."""
+    """A configured plant that was driven as in a recording.
+
+    Its state at the start and at the end, and its commands.
+    """
 
     def __init__(self, configuration: Configuration, recording: Recording) -> None:
         self.parameters, self.vehicle = configuration.parameters, configuration.common.vehicle
@@ -275,7 +278,10 @@ def step(constants, row, states, {rest}):
 
 
 def bound(function: Callable[..., Any], given: Given) -> Callable[..., Any]:
-    """The function, compiled, with what it asks for of p, car, c, s and period; the rest is still to be given."""
+    """The function, compiled, with what it asks for of p, car, c, s and period.
+
+    The rest is still to be given.
+    """
     names = given_names(function)
     rest = list(inspect.signature(function).parameters)[len(names) :]
     c, states = given.values["c"], one_record(given.values["s"])

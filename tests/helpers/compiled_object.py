@@ -33,7 +33,10 @@ class CompiledObject:
         return answer[0] if len(answer) == 1 else answer
 
     def advance(self, *signals: Any) -> None:
-        """Integrate to the next instant; what is not finite is let through to the law, as in plain Python."""
+        """Integrate to the next instant.
+
+        What is not finite is let through to the law, as in plain Python.
+        """
         for (place, per_wheel), signal in zip(self._reads, signals, strict=True):
             self._here[place] = sum(signal, ()) if per_wheel else signal
         call(self._function, self._now, self._next, *self._memory)
@@ -49,7 +52,10 @@ class CompiledObject:
 
     @property
     def state(self) -> np.ndarray:
-        """All that lasts between steps, the row itself; may be set to that of another object of the law."""
+        """All that lasts between steps, the row itself.
+
+        May be set to that of another object of the law.
+        """
         return self._part.state
 
     @state.setter

@@ -1,4 +1,7 @@
-"""Electronic differentials as tests drive them: all that a law may measure, mirrored cars, the cars of the sources."""
+"""Electronic differentials as tests drive them.
+
+All that a law may measure, mirrored cars, the cars of the sources.
+"""
 
 from __future__ import annotations
 

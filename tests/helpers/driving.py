@@ -35,7 +35,10 @@ def at(speed: float) -> BodyVelocity:
 
 
 class PointMass:
-    """The car as m V' = M/r - rolling - drag (Shchur 2019, eq 13) on a level road; dry resistance holds it at rest."""
+    """The car as m V' = M/r - rolling - drag (Shchur 2019, eq 13) on a level road.
+
+    Dry resistance holds it at rest.
+    """
 
     def __init__(self, speed: float = 0.0) -> None:
         self.speed = speed

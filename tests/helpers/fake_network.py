@@ -1,4 +1,6 @@
-"""A network of steppers in one process: topics are queues that lose, repeat and delay, as a seed says.
+"""A network of steppers in one process.
+
+Topics are queues that lose, repeat and delay, as a seed says.
 
 Messages of one topic reach a reader in order; between topics and readers there is no order at all.
 """
@@ -127,7 +129,10 @@ class FakeNetwork:
         self._publish(MASTER, self.master.answer)
 
     def run(self, patience: int = 200) -> None:
-        """Drive the run to its end; Stuck if the master repeats one state so often in vain, or nothing else happens."""
+        """Drive the run to its end.
+
+        Stuck if the master repeats one state so often in vain, or nothing else happens.
+        """
         stamp, silences, turns = self.now, 0, 0
         while not self.at_end:
             before = self.silences
@@ -143,7 +148,10 @@ class FakeNetwork:
                 raise Stuck(f"at step {stamp // self.master.period}, waiting: {waits}")
 
     def drain(self, most: int = 10_000) -> int:
-        """Deliver what is under way and what it leads to; the number of messages sent, Stuck if it does not end."""
+        """Deliver what is under way and what it leads to.
+
+        The number of messages sent, Stuck if it does not end.
+        """
         before = self.messages
         while waiting := [place for place, queue in self._queues.items() if queue]:
             role, kind = self._random.choice(waiting)
@@ -192,7 +200,10 @@ class FakeNetwork:
         return list(range(run, run + self._end + 1, self.master.period))
 
     def signals(self) -> dict[str, list[str]]:
-        """Every number that was sent up to the end, by channel, as hexadecimal text: equal text is equal bits."""
+        """Every number that was sent up to the end, by channel, as hexadecimal text.
+
+        Equal text is equal bits.
+        """
         channels = {}
         for kind, by_stamp in self.sent.items():
             rows = [by_stamp[stamp] for stamp in self.instants()]

@@ -1,4 +1,7 @@
-"""Launches of the dissertation's car with traction controls: noise of the sensors, 5 ms, straight ahead."""
+"""Launches of the dissertation's car with traction controls.
+
+Noise of the sensors, 5 ms, straight ahead.
+"""
 
 from __future__ import annotations
 
@@ -57,7 +60,10 @@ def launch(
 
 
 def full_throttle(method: str, surface: str) -> Channels:
-    """3000 N m within a second: more than any of these roads carries but dry asphalt, and nearly that."""
+    """3000 N m within a second.
+
+    More than any of these roads carries but dry asphalt, and nearly that.
+    """
     return launch(method, (surface,), 3000.0, 1.0, 5.0)
 
 

@@ -1,4 +1,7 @@
-"""A limp mode on two motors of an axle, as simple as they can be: limits that both share, their own faults, a lag."""
+"""A limp mode on two motors of an axle, as simple as they can be.
+
+Limits that both share, their own faults, a lag.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Two network namespaces with a cable between them: in one what is tried, in the other a stranger."""
+"""Two network namespaces with a cable between them.
+
+In one what is tried, in the other a stranger.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,10 @@ class NoNamespaces(Exception):
 
 
 class Network:
-    """The namespaces, until it is closed; NoNamespaces if this machine or this user cannot make them."""
+    """The namespaces, until it is closed.
+
+    NoNamespaces if this machine or this user cannot make them.
+    """
 
     def __init__(self) -> None:
         if os.geteuid() != 0:

@@ -10,7 +10,10 @@ PATIENCE = 300.0
 def wait_until(
     holds: Callable[[], object], progress: Callable[[], object] = lambda: None, about: object = ""
 ) -> None:
-    """Look until something holds; fail where `progress` gives the same for so long, and show what it is `about`."""
+    """Look until something holds.
+
+    Fail where `progress` gives the same for so long, and show what it is `about`.
+    """
     seen, since = progress(), time.monotonic()
     while not holds():
         if progress() != seen:

@@ -1,4 +1,7 @@
-"""The equations of Ge & Ni (2005) as printed, written down once more for scipy: v, w and two driven wheels."""
+"""The equations of Ge & Ni (2005) as printed, written down once more for scipy.
+
+v, w and two driven wheels.
+"""
 
 from __future__ import annotations
 

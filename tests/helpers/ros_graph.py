@@ -195,7 +195,10 @@ class Graph:
         return self.time if "plant" in self.nodes else None
 
     def run(self, until: Callable[[], bool] | None = None, way: Callable[..., None] = spin) -> None:
-        """Run until something holds, by default until the recorder has all; fail where time stands still too long."""
+        """Run until something holds, by default until the recorder has all.
+
+        Fail where time stands still too long.
+        """
         until = until or (lambda: self.nodes[RECORDER].done)
         next_look = 0.0
         reached, since = self._reached(), time.monotonic()
@@ -213,7 +216,10 @@ class Graph:
         way(list(self.nodes.values()), finished)
 
     def run_rounds(self, rounds: int = 20) -> None:
-        """Look at every node so many times; between two looks at which nothing has come they sleep."""
+        """Look at every node so many times.
+
+        Between two looks at which nothing has come they sleep.
+        """
         left = iter(range(rounds))
         self.run(lambda: next(left, None) is None)
 

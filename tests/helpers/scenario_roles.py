@@ -7,7 +7,10 @@ from ev_stack.scenarios.scenario import load_scenario
 
 
 def configurations_in(scenario: str, role: str) -> list[Configuration]:
-    """Those of a role in the runs of a scenario, each once: many runs differ in other roles only."""
+    """Those of a role in the runs of a scenario, each once.
+
+    Many runs differ in other roles only.
+    """
     found: list[Configuration] = []
     for run in load_scenario(scenario).runs:
         if run.configurations[role] not in found:

@@ -39,7 +39,10 @@ def free_port() -> int:
 
 
 def wait_for_listener(port: int) -> None:
-    """A scheduler takes longer to start than what is waited for its workers here; the time limit of a test ends it."""
+    """A scheduler takes longer to start than what is waited for its workers here.
+
+    The time limit of a test ends it.
+    """
     while True:
         with socket.socket() as probe:
             if probe.connect_ex(("127.0.0.1", port)) == 0:
@@ -51,7 +54,10 @@ def wait_for_listener(port: int) -> None:
 def scheduler_with_two_workers(
     folder: Path | None = None,
 ) -> Iterator[tuple[str, subprocess.Popen]]:
-    """The address of a scheduler, and one of its workers, which may be killed; they work in a folder."""
+    """The address of a scheduler, and one of its workers, which may be killed.
+
+    They work in a folder.
+    """
     address = f"tcp://127.0.0.1:{free_port()}"
     host, port = address.removeprefix("tcp://").split(":")
     worker = (

@@ -102,7 +102,10 @@ class Measured:
         )
 
     def reversed(self) -> Measured:
-        """The same drive backwards: what turns, pushes or yaws changes its sign, what holds in the bend does not."""
+        """The same drive backwards.
+
+        What turns, pushes or yaws changes its sign, what holds in the bend does not.
+        """
         turned = {
             name: Wheels(*(-x for x in getattr(self, name)))
             for name in ("drive", "speed", "torque")

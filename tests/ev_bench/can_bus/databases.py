@@ -1,4 +1,7 @@
-"""The bench's database as the tests read it: by us, by cantools, and by canmatrix, which is independent of both."""
+"""The bench's database as the tests read it.
+
+By us, by cantools, and by canmatrix, which is independent of both.
+"""
 
 from __future__ import annotations
 

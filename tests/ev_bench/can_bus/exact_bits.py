@@ -1,4 +1,6 @@
-"""The bits of one frame on the wire, counted one by one: what the tables of `frame_length` are compared with.
+"""The bits of one frame on the wire, counted one by one.
+
+What the tables of `frame_length` are compared with.
 
 Besides, the value that a signal has behind the bus.
 """

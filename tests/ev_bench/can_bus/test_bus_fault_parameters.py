@@ -1,4 +1,7 @@
-"""Faults that are put into a circuit of the bench: one that is accepted strikes, and changes something."""
+"""Faults that are put into a circuit of the bench.
+
+One that is accepted strikes, and changes something.
+"""
 
 from __future__ import annotations
 

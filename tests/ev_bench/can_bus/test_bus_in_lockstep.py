@@ -1,4 +1,7 @@
-"""The bench behind its CAN bus as parts of the graph: what the bus does to what passes, and what faults do."""
+"""The bench behind its CAN bus as parts of the graph.
+
+What the bus does to what passes, and what faults do.
+"""
 
 from __future__ import annotations
 
@@ -125,7 +128,10 @@ def test_single_lost_frames_leave_the_last_value_and_no_fault():
 
 @pytest.fixture(scope="module")
 def faulty():
-    """Torques that grow, noise, lost frames, and a trip within half a second; the same driven offline."""
+    """Torques that grow, noise, lost frames, and a trip within half a second.
+
+    The same driven offline.
+    """
     values = [("test_bench", "bus.loss", 0.02), ("test_bench", "sensors.bench_torque.noise", 0.5)]
     values += [("test_bench", "inject.begin", 0.4), ("inverter_gateway", "reset_at", 0.45)]
     (run,) = load_scenario("bench_fault", Overrides(values=values, duration=0.5)).runs
@@ -144,7 +150,10 @@ def test_bench_and_bus_give_the_same_bits_in_all_ways_of_running(faulty, way, tm
 
 
 def test_without_the_operators_enabling_nothing_is_switched_on():
-    """Steps of the test sequence are the parameter `enabled`: here for the left circuit, which works alone."""
+    """Steps of the test sequence are the parameter `enabled`.
+
+    Here for the left circuit, which works alone.
+    """
     left = driven(0.4, ("test_bench", "enabled", "left"))
     for part in ("machine", "load"):
         for side, works in (("right", False), ("left", True)):

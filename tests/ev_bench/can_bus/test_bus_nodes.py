@@ -358,7 +358,10 @@ def test_a_log_is_written(tmp_path: Path):
 
 
 def test_a_file_names_no_log_outside_the_working_directory(tmp_path: Path, monkeypatch):
-    """The command line does; a log that was named by a file with a path to elsewhere was overwritten."""
+    """The command line does.
+
+    A log that was named by a file with a path to elsewhere was overwritten.
+    """
     (tmp_path / "here").mkdir()
     monkeypatch.chdir(tmp_path / "here")
     file = tmp_path / "own.yaml"
@@ -412,7 +415,10 @@ def test_a_file_opens_no_socket_to_a_network(tmp_path: Path):
 
 
 def test_set_points_that_waited_while_the_inverter_was_held_up_do_not_count_as_in_time(monkeypatch):
-    """Held up for 50 ms under torque, with a time-out of 10 ms: the torque ends, though frames came all the time."""
+    """Held up for 50 ms under torque, with a time-out of 10 ms.
+
+    The torque ends, though frames came all the time.
+    """
     name = "held_up"
     bus = {
         "bus.interface": "virtual",

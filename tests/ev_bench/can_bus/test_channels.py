@@ -131,7 +131,10 @@ def test_frames_arrive_in_order_and_unchanged(interface: str):
 
 
 def test_two_multicast_channels_do_not_hear_each_other():
-    """Sockets of one port hear all groups that anybody on the machine has joined: each channel has its own port."""
+    """Sockets of one port hear all groups that anybody on the machine has joined.
+
+    Each channel has its own port.
+    """
     right, left = DEFAULT_CHANNELS["udp_multicast"]
     assert right.partition(":")[2] != left.partition(":")[2]
     names = [group(free_port()), group(free_port())]
@@ -185,7 +188,10 @@ def test_an_address_of_another_machine_is_refused_in_one_line():
 
 @pytest.mark.parametrize("step", [-3600.0, 3600.0])
 def test_a_time_of_day_that_is_set_makes_no_frame_old(step: float, monkeypatch):
-    """A frame is stamped by it when it comes; no frame has waited for longer than since nothing was waiting."""
+    """A frame is stamped by it when it comes.
+
+    No frame has waited for longer than since nothing was waiting.
+    """
     meter = BusMeter([FRAMES[0].identifier])
     with (
         channel_name("udp_multicast") as name,

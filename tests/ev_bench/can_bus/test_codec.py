@@ -87,7 +87,10 @@ def test_names_that_are_missing_or_unknown_are_refused():
 def test_whatever_a_database_says_a_number_saturates_and_never_wraps(
     length, is_signed, scale, offset, ends, value
 ):
-    """A range is refused, or each value arrives within half a step of the nearest end of it; NaN is no value."""
+    """A range is refused, or each value arrives within half a step of the nearest end of it.
+
+    NaN is no value.
+    """
     least = -(1 << length - 1) if is_signed else 0
     first, last = offset + scale * least, offset + scale * (least + (1 << length) - 1)
     low, high = (first + share * (last - first) for share in sorted(ends))

@@ -95,7 +95,10 @@ PLACES = st.integers(0, 70)
 def test_a_signal_that_is_taken_says_what_it_can_and_no_more(
     tmp_path_factory, start, length, sign, scale, offset, low, high
 ):
-    """Any place and any numbers: one line, or each value of the range arrives within half a step."""
+    """Any place and any numbers.
+
+    One line, or each value of the range arrives within half a step.
+    """
     before = "24|16@1- (0.03125,0) [-1000|1000]"
     assert before in TEXT
     file = tmp_path_factory.mktemp("dbc") / "own.dbc"

@@ -1,4 +1,7 @@
-"""docs/examples/ecu: an exported law behind CAN frames in C, in the place of the gateway, beside the law here."""
+"""docs/examples/ecu.
+
+An exported law behind CAN frames in C, in the place of the gateway, beside the law here.
+"""
 
 from __future__ import annotations
 
@@ -157,7 +160,10 @@ def test_an_exported_law_drives_our_inverters(target, folders):
 
 
 def test_a_fault_while_the_program_is_held_up_past_its_end_is_printed(folders):
-    """It is stopped for longer than the 3 s that it holds, and the drives miss its set-points: exit status 1."""
+    """It is stopped for longer than the 3 s that it holds, and the drives miss its set-points.
+
+    Exit status 1.
+    """
     program, bus = built("x86_64-linux", folders / "x86_64-linux"), hub_channels()
     with ros_domain() as context:
         inverter = launch("ev_bench", "inverter", context.get_domain_id(), {**bus, **PATIENT})

@@ -138,7 +138,10 @@ def test_faults_and_warnings_are_those_of_the_code(device: str):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_cantools_and_canmatrix_read_our_frames_as_we_mean_them(name: str):
-    """Random values: half a step at most from what was meant, and the same number in all three, to rounding."""
+    """Random values.
+
+    Half a step at most from what was meant, and the same number in all three, to rounding.
+    """
     frame, numbers = ours()[name], random.Random(name)
     for _ in range(50):
         values = random_values(name, numbers)

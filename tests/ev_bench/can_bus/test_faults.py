@@ -1,4 +1,6 @@
-"""Every fault takes the torque away in time, is named, latched and cleared by the reset alone: few seeds of many.
+"""Every fault takes the torque away in time, is named, latched and cleared by the reset alone.
+
+Few seeds of many.
 
 The long form: `python benchmarks/can_faults.py`, 100 seeds each, and `--fuzz 100000`.
 """
@@ -45,7 +47,10 @@ def test_without_a_fault_the_torque_stays(ready):
 
 
 def test_a_twin_goes_on_to_the_bit(ready):
-    """All that lasts is declared: a rig that is made from the numbers of another one says the same from then on."""
+    """All that lasts is declared.
+
+    A rig that is made from the numbers of another one says the same from then on.
+    """
     one, other = ready.twin(), ready.twin()
     for rig in (one, other):
         rig.torque = {"Drive11": 70.0, "Drive12": -30.0}

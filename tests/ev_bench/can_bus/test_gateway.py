@@ -310,7 +310,10 @@ def test_one_wheel_cannot_have_both_circuits():
 
 
 def test_in_a_graph_the_right_circuit_has_a_right_wheel():
-    """The bench has its circuits so: with the wheels exchanged each side would get the torque of the other one."""
+    """The bench has its circuits so.
+
+    With the wheels exchanged each side would get the torque of the other one.
+    """
     values = {"control_period": 0.005, "vehicle.gear_ratio": 7.4}
     configure("inverter_gateway", values)
     with pytest.raises(

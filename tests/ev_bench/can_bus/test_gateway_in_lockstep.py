@@ -20,7 +20,10 @@ def healthy():
 
 
 def test_a_torque_arrives_to_half_a_step_of_the_bus_and_at_the_next_cycle(healthy):
-    """The inverter's cycle is half a cycle after the controller's; the mean of the machine follows by its lag."""
+    """The inverter's cycle is half a cycle after the controller's.
+
+    The mean of the machine follows by its lag.
+    """
     asked = healthy["torque_command.drive.front_left"] / 7.4
     arrived = healthy["bench.shafts.set_point.front_left"]
     settled = np.r_[False, (asked[1:] == asked[:-1]) & (arrived[1:] != 0.0)]
@@ -29,7 +32,10 @@ def test_a_torque_arrives_to_half_a_step_of_the_bus_and_at_the_next_cycle(health
 
 
 def test_the_frames_in_the_signals_are_what_another_tool_reads(healthy):
-    """The last motion frame of the left drive, by cantools: operation enabled, and the torque of the machine."""
+    """The last motion frame of the left drive, by cantools.
+
+    Operation enabled, and the torque of the machine.
+    """
     low, high = (healthy[f"can.feedback.drive_12_motion_0_{half}"][-1] for half in ("low", "high"))
     data = joined(low, high).to_bytes(8, "little")
     values = by_cantools().decode_message("Drive12_Motion", data, decode_choices=False)

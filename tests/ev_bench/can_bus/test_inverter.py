@@ -151,7 +151,10 @@ def test_heat_derates_before_it_trips():
 
 
 def test_winding_heats_by_the_copper_loss():
-    """0.045 * 250^2 W into 4000 J/K, the shaft held by the load: 0.703 K in a second, less 1 % to the coolant."""
+    """0.045 * 250^2 W into 4000 J/K, the shaft held by the load.
+
+    0.703 K in a second, less 1 % to the coolant.
+    """
     bench = Bench()
     hold(bench, 0.0)
     bench.enable()
@@ -241,7 +244,10 @@ def test_random_frames_move_no_motor(count: int, identifiers: str):
 
 
 def test_compiled_code_gives_the_same_bits():
-    """Enabling, torque, a lost link, a fault and a reset; every number of the state after every cycle."""
+    """Enabling, torque, a lost link, a fault and a reset.
+
+    Every number of the state after every cycle.
+    """
     p = CircuitParameters()
     tree, frames = number_tree(p), bench_frames(ours())
     layouts = one_record(frames)[0]

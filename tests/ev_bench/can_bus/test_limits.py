@@ -257,7 +257,10 @@ def test_back_in_speed_mode_at_the_present_speed_there_is_no_jolt(sense: float):
 def test_set_points_that_cannot_take_the_torque_away_are_refused(
     tmp_path: Path, before: str, after: str, signal: str
 ):
-    """Zero between two steps would go out as the nearest one: torque beyond a limit of 0, and no reset."""
+    """Zero between two steps would go out as the nearest one.
+
+    Torque beyond a limit of 0, and no reset.
+    """
     lines = FILE.read_text().splitlines()
     of, changed = "", []
     for line in lines:
@@ -285,7 +288,10 @@ def test_a_database_with_an_offset_of_whole_steps_keeps_the_limits(tmp_path: Pat
 
 @pytest.mark.parametrize("cycle", [1, 6, 7, 10])
 def test_a_motion_that_comes_too_seldom_to_be_taken_is_refused(tmp_path: Path, cycle: int):
-    """Up to 6 ms each frame is taken but the first two, by which a receiver synchronises; more seldom none is."""
+    """Up to 6 ms each frame is taken but the first two, by which a receiver synchronises.
+
+    More seldom none is.
+    """
     text = FILE.read_text()
     identifiers = re.findall(r"BO_ (\d+) \w+_Motion:", text)
     for identifier in identifiers:

@@ -192,7 +192,10 @@ def heard(bus: dict[str, str]) -> None:
 
 @pytest.mark.parametrize("inverter", ["ours", "own_inverter.py"])
 def test_the_ecu_script_drives_an_inverter_again_and_again(inverter):
-    """20 N m within what the bus resolves, twice; and once more after a run that was killed left a fault behind."""
+    """20 N m within what the bus resolves, twice.
+
+    And once more after a run that was killed left a fault behind.
+    """
     bus = hub_channels()
     with ros_domain() as context:
         if inverter == "ours":

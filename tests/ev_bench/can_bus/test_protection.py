@@ -157,7 +157,10 @@ def test_the_counter_is_where_the_protection_puts_it():
 
 
 def test_frames_with_a_wrong_crc_ask_for_no_synchronising():
-    """Repeated frames and cycles without one do, after five of them; by the standard a damaged one is neither."""
+    """Repeated frames and cycles without one do, after five of them.
+
+    By the standard a damaged one is neither.
+    """
     s = in_step(0, 1, 2)
     for counter in range(3, 10):
         assert heard(s, frame(counter) ^ 1) == WRONG_CRC

@@ -1,4 +1,7 @@
-"""Both ends of a run in real time: the roles of the graph with frames on a bus; and such a run by the script."""
+"""Both ends of a run in real time: the roles of the graph with frames on a bus.
+
+And such a run by the script.
+"""
 
 from __future__ import annotations
 
@@ -92,7 +95,10 @@ def at(driven: Ends, time: float) -> dict[str, Any]:
 
 
 def test_torques_and_speeds_go_over_the_bus_and_back_into_the_graph(driven):
-    """Right 20 and left 10 N m against load machines that hold their speed; to a tenth of the transducer's error."""
+    """Right 20 and left 10 N m against load machines that hold their speed.
+
+    To a tenth of the transducer's error.
+    """
     shafts = at(driven, TRIP - 0.01)["shafts"]
     assert shafts.torque[:2] == pytest.approx((10.0, 20.0), abs=0.1)
     assert shafts.load_speed[:2] == pytest.approx((SPEED, SPEED), abs=0.1)
@@ -113,7 +119,10 @@ def test_a_fault_is_there_at_its_time_latched_and_gone_after_the_reset(driven):
 
 
 def test_the_signals_are_the_frames_of_the_cycles_before(driven):
-    """Read by cantools: five set-points in a row, and what the drive answered; all that is loaded on the bus counts."""
+    """Read by cantools: five set-points in a row, and what the drive answered.
+
+    All that is loaded on the bus counts.
+    """
     instant = at(driven, TRIP - 0.01)
     read = by_cantools().decode_message
     asked = [
@@ -134,7 +143,10 @@ BUTTON = 0.25  # s, later than the fault and before the reset
 
 @pytest.mark.parametrize("waits", [7, 600])
 def test_buttons_and_faults_count_from_the_first_instant(waits):
-    """However long the nodes are on the bus before: nothing is pressed, and nothing is wrong, until their times."""
+    """However long the nodes are on the bus before.
+
+    Nothing is pressed, and nothing is wrong, until their times.
+    """
     ends = Ends(
         waits,
         (
@@ -232,7 +244,10 @@ def test_a_command_that_is_held_from_before_gets_too_old():
 
 
 def test_a_change_of_a_parameter_makes_no_command_fresh():
-    """A law that is dead stays so: its last torques stop after `command_timeout`, however often a parameter changes."""
+    """A law that is dead stays so.
+
+    Its last torques stop after `command_timeout`, however often a parameter changes.
+    """
     ends = Ends()
     ends.instants(0.15)
     assert ends.signals[-1]["shafts"].machine_torque[0] == pytest.approx(10.0, abs=0.1)
@@ -286,7 +301,9 @@ def test_without_multicast_a_run_has_a_hub_of_its_own(monkeypatch, tmp_path: Pat
 @pytest.mark.slow
 @pytest.mark.weekly
 def test_a_run_in_real_time_has_its_frames_on_a_real_bus(tmp_path: Path):
-    """Gateway and inverters in processes of their own over udp_multicast; the log has the frames of both ends.
+    """Gateway and inverters in processes of their own over udp_multicast.
+
+    The log has the frames of both ends.
 
     Time-outs are none here: a loaded machine holds processes up for longer than those of a bus.
     """

@@ -60,7 +60,9 @@ def test_a_frame_is_longer_than_its_bits_by_stuffing_and_by_13_bits_that_are_nev
 
 
 def test_published_response_times():
-    """Davis et al. (2007), table 1: C 1 ms each, T 2.5, 3.5, 3.5 ms: 2, 3 and 3.5 ms, where Tindell's are 2, 3 and 3.
+    """Davis et al. (2007), table 1.
+
+    C 1 ms each, T 2.5, 3.5, 3.5 ms: 2, 3 and 3.5 ms, where Tindell's are 2, 3 and 3.
 
     A bit takes 8 us there; deadlines are missed in the second instance of C only.
     """

@@ -62,7 +62,10 @@ def test_the_load_machine_holds_a_speed():
 
 
 def test_a_load_machine_at_its_limit_gives_way():
-    """Section 4.1: normally M_nu is above M_em; where it is not, the shaft runs away from the wanted speed."""
+    """Section 4.1: normally M_nu is above M_em.
+
+    Where it is not, the shaft runs away from the wanted speed.
+    """
     load = LoadCommand(Wheels.front(SPEED_MODE, SPEED_MODE), Wheels.front(50.0, 50.0), NO_WHEELS)
     shafts, *_ = run(bench(**{"load.machine.generator_torque": 40.0}), 60.0 * GEAR, load, 100)
     assert shafts.load_torque.front_left == pytest.approx(-40.0)
@@ -99,7 +102,10 @@ def test_field_weakening_takes_power_and_heats():
 
 
 def test_a_free_shaft_swings_at_its_frequency():
-    """Two rotors on a spring: w^2 = k (1/J_1 + 1/J_2); half a period after a twist it is twisted the other way."""
+    """Two rotors on a spring: w^2 = k (1/J_1 + 1/J_2).
+
+    Half a period after a twist it is twisted the other way.
+    """
     stiffness, one, other = 2e4, 0.02, 0.1
     p, s = namespace(number_tree(ShaftParameters(stiffness, 0.0, 0.0))), CircuitState(twist=1e-3)
     half, steps = 3.141592653589793 / sqrt(stiffness * (1.0 / one + 1.0 / other)), 1000
@@ -110,7 +116,10 @@ def test_a_free_shaft_swings_at_its_frequency():
 
 
 def test_a_free_shaft_swings_too_slowly_at_the_default_step():
-    """docs/test_bench.md: 8.5 % at 1 ms, as the midpoint rule has it: w' = 2/h atan(w h/2), of 1095 rad/s here."""
+    """docs/test_bench.md.
+
+    8.5 % at 1 ms, as the midpoint rule has it: w' = 2/h atan(w h/2), of 1095 rad/s here.
+    """
     one, other, h = 0.02, 0.1, 1e-3
     p, s = (
         namespace(number_tree(ShaftParameters(damping=0.0, friction=0.0))),

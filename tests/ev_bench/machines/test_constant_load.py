@@ -99,7 +99,10 @@ def test_a_constant_speed_is_reached_at_its_rate_and_held(sign):
 
 
 def test_a_speed_gives_way_where_the_load_machine_ends():
-    """40 N m hold back no 60 N m: 20 N m less 0.002 w turn 0.12 kg m^2 beyond the speed that was asked for."""
+    """40 N m hold back no 60 N m.
+
+    20 N m less 0.002 w turn 0.12 kg m^2 beyond the speed that was asked for.
+    """
     ends = {"test_bench__load__machine__generator_torque": 40.0}
     shafts = Shafts("speed", 50.0, 50.0, 60.0, set=ends)
     before = shafts.at(1.0, "speed")
@@ -127,7 +130,10 @@ def test_a_wheel_may_turn_as_its_load_machine_does():
     ("follows", "left", "right"), [("torque", 60.0, 57.0), ("speed", 300.0, 150.0)]
 )
 def test_behind_a_bus_load_machines_follow_it_as_well(follows, left, right):
-    """When the drives are enabled, within 3 s; torques come in steps of 1/32 N m, speeds in such of 0.5 rpm."""
+    """When the drives are enabled, within 3 s.
+
+    Torques come in steps of 1/32 N m, speeds in such of 0.5 rpm.
+    """
     shafts = Shafts(follows, left, right, 60.0, 6.0, method=CAN)
     name, sign = ("load_torque", -1.0) if follows == "torque" else ("load_speed", 1.0)
     for side, constant in (("left", left), ("right", right)):
@@ -137,7 +143,9 @@ def test_behind_a_bus_load_machines_follow_it_as_well(follows, left, right):
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_behind_a_bus_a_load_machine_turns_no_faster_than_the_gateway_lets_it(sign):
-    """60 N m on 0.12 kg m^2 against bearings alone: 500 rad/s^2 that end at the limit of 100 rad/s of the frames.
+    """60 N m on 0.12 kg m^2 against bearings alone.
+
+    500 rad/s^2 that end at the limit of 100 rad/s of the frames.
 
     The torque fades below it, over a share of the machine's largest speed, and bearings take 0.2 N
     m: the shaft comes near. Where the limit was not taken from the frames it came to 1046 rad/s.

@@ -43,7 +43,10 @@ ROLLING = Wheels.all(20.0)
 
 
 def test_a_slipping_wheel_shows_the_road():
-    """It is mu = M/(F_z r) at constant speed, behind the filter: T/(T + tau) = 0.2 of it at once, all of it settled."""
+    """It is mu = M/(F_z r) at constant speed, behind the filter.
+
+    T/(T + tau) = 0.2 of it at once, all of it settled.
+    """
     estimate = Estimate()
     assert estimate.step(1000.0, SLIPPING, 0.4).front_left == pytest.approx(0.08, rel=1e-12)
     for _ in range(200):
@@ -92,7 +95,10 @@ def test_wheels_without_a_motor_keep_the_first_belief():
 
 
 def test_an_absurd_measurement_changes_nothing():
-    """A wheel at 1e200 rad/s overflows in the slip; without a guard NaN would stay in the filter for ever."""
+    """A wheel at 1e200 rad/s overflows in the slip.
+
+    Without a guard NaN would stay in the filter for ever.
+    """
     estimate = Estimate()
     for _ in range(200):
         before = estimate.step(1000.0, SLIPPING, 0.4)

@@ -1,4 +1,7 @@
-"""The speed that slip is counted against, by hand; and that free wheels are asked for where there are some."""
+"""The speed that slip is counted against, by hand.
+
+And that free wheels are asked for where there are some.
+"""
 
 from __future__ import annotations
 
@@ -119,7 +122,9 @@ def test_without_free_wheels_automatic_is_the_observer(source):
 
 @pytest.mark.parametrize("ahead", [1.0, -1.0])
 def test_observer_follows_the_car_while_all_wheels_spin(ahead):
-    """All four wheels spin up at 30 m/s^2, the car at 1: after 2 s 2 m/s, and what 0.5 1/s draws it to the wheels.
+    """All four wheels spin up at 30 m/s^2, the car at 1.
+
+    After 2 s 2 m/s, and what 0.5 1/s draws it to the wheels.
 
     The wheels lead by 29 t m/s, so e' = 0.5 (29 t - e): e = 29 (t - 2 (1 - exp(-t/2))) = 21.3 m/s.
     Without the drawing the estimate is exact, so the test takes 0.02 1/s and 1.2 m/s.
@@ -149,7 +154,10 @@ def test_the_first_speed_is_that_of_the_wheels(driven, u, r, delta):
 
 
 def test_observer_believes_the_slowest_wheel_at_once():
-    """A wheel that rolls at 4 m/s under an estimate of 6: the error decays with 20 1/s, to 1.9 % in 0.2 s."""
+    """A wheel that rolls at 4 m/s under an estimate of 6.
+
+    The error decays with 20 1/s, to 1.9 % in 0.2 s.
+    """
     reference = observer(at=6.0)
     for _ in range(40):
         reference.rolling(
@@ -168,7 +176,10 @@ def test_observer_believes_the_fastest_wheel_when_braking():
 
 
 def test_an_offset_of_the_accelerometer_stays_bounded():
-    """Speed 10 m/s with an offset of 0.2 m/s^2: too low by at most 0.2/0.5 = 0.4 m/s, too high by 0.2/20 = 0.01 m/s."""
+    """Speed 10 m/s with an offset of 0.2 m/s^2.
+
+    Too low by at most 0.2/0.5 = 0.4 m/s, too high by 0.2/20 = 0.01 m/s.
+    """
     for offset, low, high in ((-0.2, 9.6, 10.0), (0.2, 10.0, 10.01)):
         reference = observer(at=10.0)
         for _ in range(4000):
@@ -191,7 +202,9 @@ def standing(offset: float, seconds: float, speed: float = 0.0, **standstill) ->
 
 @pytest.mark.parametrize("offset", [-0.2, 0.2])
 def test_at_rest_the_offset_is_learned_and_moves_the_car_no_more(offset):
-    """0.5 s until it stands, then first order with 1/s: after 4 s more e^-4 of it is left, 1.8 %, and no speed.
+    """0.5 s until it stands, then first order with 1/s.
+
+    After 4 s more e^-4 of it is left, 1.8 %, and no speed.
 
     The steps of PERIOD are an explicit Euler rule: (1 - h)^n for e^-nh, which is 2 % of what is
     left.
@@ -222,7 +235,10 @@ def test_wheels_that_lock_on_the_move_do_not_stand():
 
 
 def test_no_rate_learns_nothing():
-    """Default of all traction controls: 0.2 m/s^2 against 0.5 1/s are 0.4 m/s for a car that stands."""
+    """Default of all traction controls.
+
+    0.2 m/s^2 against 0.5 1/s are 0.4 m/s for a car that stands.
+    """
     reference = standing(0.2, 20.0, rate=0.0)
     assert reference.state.offset == 0.0
     assert reference.state.speed == pytest.approx(0.4, rel=0.01)  # e^-10 and the step are below

@@ -43,7 +43,10 @@ def late(run: Recording, name: str) -> float:
     ("surface", "torque"), [("packed_snow_1", 1400.0), ("wet_asphalt_1", 2400.0)]
 )
 def test_on_a_slippery_road_the_target_falls_to_below_the_peak(surface, torque):
-    """0.19 is past the peak there (0.09 and 0.13); at 0.8 to 1 of it the wheel gets more of the friction."""
+    """0.19 is past the peak there (0.09 and 0.13).
+
+    At 0.8 to 1 of it the wheel gets more of the friction.
+    """
     of = SURFACES[surface]
     peak = peak_slip("burckhardt", (of.c1, of.c2, of.c3, 0.0))
     fixed, fitted = straight(surface, "fixed", torque), straight(surface, "fitted", torque)

@@ -25,12 +25,18 @@ def left(angle: float, place: int = 0, ahead: float = 1.0, **changed) -> float:
 
 
 def test_threshold_shrinks_by_the_ellipse():
-    """sqrt(1 - 0.6^2) = 0.8 at six tenths of the largest slip angle, either side; rear wheels have none here."""
+    """sqrt(1 - 0.6^2) = 0.8 at six tenths of the largest slip angle, either side.
+
+    Rear wheels have none here.
+    """
     assert left(0.072) == pytest.approx(0.8, rel=1e-12) == left(-0.072)
     assert left(0.072, place=2) == 1.0
 
 
 def test_what_is_always_left_and_where_nothing_is_taken():
-    """Beyond the largest slip angle a fifth is left; in reverse, and without the correction, all."""
+    """Beyond the largest slip angle a fifth is left.
+
+    In reverse, and without the correction, all.
+    """
     assert left(0.3) == 0.2
     assert left(0.072, ahead=-1.0) == left(0.072, correction=Correction.NONE) == 1.0

@@ -104,7 +104,9 @@ def test_observer_follows_a_step_steer_of_the_tyre_it_knows(speed):
 
 
 def test_observer_cannot_see_a_slippery_road_in_a_steady_turn():
-    """The axles slip twice as much with a tyre half as stiff, and the observer's tyre decides: it misses the rest.
+    """The axles slip twice as much with a tyre half as stiff, and the observer's tyre decides.
+
+    It misses the rest.
 
     The rear axle's true slip angle is twice that of the stiffer tyre; the transient of two seconds
     is not over, and u comes with it, so only 30 to 55 % of the largest slip angle is asked.
@@ -118,7 +120,10 @@ def test_observer_cannot_see_a_slippery_road_in_a_steady_turn():
     ("torque", "brake", "u"), [(100.0, 0.0, 10.0), (-100.0, 0.0, 14.0), (100.0, 50.0, 14.0)]
 )
 def test_speed_is_that_of_the_wheel_that_cannot_slip(torque, brake, u, ahead):
-    """Wheels at 10 to 14 m/s, straight ahead and yawing at 0.1 rad/s without tracks' share: slowest when driving."""
+    """Wheels at 10 to 14 m/s, straight ahead and yawing at 0.1 rad/s without tracks' share.
+
+    Slowest when driving.
+    """
     narrow = namespace({**car_numbers(ZHILEYKIN), "front_track": 0.0, "rear_track": 0.0})
     speeds = Wheels(*(ahead * each / 0.35 for each in (10.0, 11.0, 12.0, 14.0)))
     motion = Motion(torque=ahead * torque, brake=brake, r=0.1, speeds=speeds)

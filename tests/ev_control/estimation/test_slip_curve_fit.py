@@ -73,7 +73,10 @@ def test_running_sums_are_those_of_the_window(samples):
     ),
 )
 def test_a_changed_window_or_offset_holds_from_the_next_sample_on(samples, changes):
-    """Shorter or longer, as far as there are samples: the sums are those of the new window at once."""
+    """Shorter or longer, as far as there are samples.
+
+    The sums are those of the new window at once.
+    """
     fit, taken = SlipCurveFit(), []
     for slip, torque in samples:
         add_sample(fit, SIZE, OFFSET, slip, torque)
@@ -158,7 +161,10 @@ OFF = {  # the template is not Burckhardt's curve, so it errs by the surface
 
 @pytest.mark.parametrize("surface", OFF)
 def test_the_fit_finds_burckhardts_peak(surface):
-    """A window that ends at 1.1 S* and begins at a third of that, without noise; within the rounding of `OFF`."""
+    """A window that ends at 1.1 S* and begins at a third of that, without noise.
+
+    Within the rounding of `OFF`.
+    """
     of = SURFACES[surface]
     star = math.log(of.c1 * of.c2 / of.c3) / of.c2
     fit = fitted(
@@ -181,7 +187,10 @@ def test_template_of_the_patent_fits_its_own_curve():
 
 
 def test_a_fit_with_too_large_an_error_has_no_peak():
-    """Residuals of +-0.01 in 25 samples: F = 25 * 1e-4 = 0.0025, more than the 0.001 of the source, less than 0.005."""
+    """Residuals of +-0.01 in 25 samples.
+
+    F = 25 * 1e-4 = 0.0025, more than the 0.001 of the source, less than 0.005.
+    """
     fit = SlipCurveFit()
     for n in range(25):
         x = 0.02 + 0.004 * n

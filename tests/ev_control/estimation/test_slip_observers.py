@@ -68,7 +68,9 @@ def observed(kind: str, noise: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
     ],
 )
 def test_observers_follow_the_slip(kind, noise, largest, mean):
-    """The slip rises to 0.2. Without noise eq 1.8 is 1.3 % too low: it forgets the inertia of the free wheels.
+    """The slip rises to 0.2.
+
+    Without noise eq 1.8 is 1.3 % too low: it forgets the inertia of the free wheels.
 
     2 1.658/0.32^2 = 32 of 2170 kg. The noise, integrated, does not pile up. Eq 1.10 is far off
     while the slip changes.
@@ -88,7 +90,10 @@ INERTIA, CARRIED = 1.658 + 7.4**2 * 0.02, 1085.0 * 0.32**2  # kg m^2: J, and r^2
 
 
 def test_derivative_by_hand():
-    """Start from l = 0 at w = 20, w' = 10, T = 500: l' = (1 + J/(r^2 M)) 0.5 - 500/(r^2 M 20), for 5 ms."""
+    """Start from l = 0 at w = 20, w' = 10, T = 500.
+
+    l' = (1 + J/(r^2 M)) 0.5 - 500/(r^2 M 20), for 5 ms.
+    """
     p, s = numbers_of(SlipObserverParameters(observer=Observer.DERIVATIVE)), SlipObserverState()
     slip = observed_slip(p, car_of(CAR), s, PERIOD, motion(20.0, 10.0, 500.0))
     assert slip == pytest.approx(

@@ -20,7 +20,10 @@ PEAK = 1.0 / 16.0 - 1e-4  # of -4 x + 2 sqrt(x + 1e-4)
 
 
 def passes(slips: list[float], noise: float = 1e-4, **changed) -> tuple[list[bool], SlipPeakState]:
-    """Answer in each step of slips along the curve; the torque is that of the mean slip of the period."""
+    """Answer in each step of slips along the curve.
+
+    The torque is that of the mean slip of the period.
+    """
     p, s, hits_found = numbers_of(SlipPeakParameters(**changed)), SlipPeakState(), []
     for slip in slips:
         mean = max((slip + s.slip) / 2, 0.0)
@@ -34,7 +37,10 @@ RISING = [0.002 * n for n in range(1, 61)]  # to 0.12, 0.05 within a window of 2
 
 @pytest.mark.parametrize("hits", [1, 5, 12])
 def test_peak_is_passed_after_as_many_steps_as_asked_for(hits):
-    """The fit is exact, so the first hit is the first slip beyond the peak, step 32; then that many in a row."""
+    """The fit is exact, so the first hit is the first slip beyond the peak, step 32.
+
+    Then that many in a row.
+    """
     hits_found, s = passes(RISING, hits=hits)
     first = next(n for n, slip in enumerate(RISING) if slip > PEAK)
     assert hits_found.index(True) == first + hits - 1
@@ -50,7 +56,10 @@ def test_a_hit_restarts_the_count():
 
 
 def test_scatter_that_noise_explains_is_no_reason():
-    """0.05 within a window have the deviation 0.0144; a noise of a third of that, times 3, is no less."""
+    """0.05 within a window have the deviation 0.0144.
+
+    A noise of a third of that, times 3, is no less.
+    """
     hits_found, _ = passes(RISING, noise=0.0049)
     assert not any(hits_found)
     hits_found, _ = passes(RISING, noise=0.0045)
@@ -69,7 +78,10 @@ def test_a_window_that_is_not_full_says_nothing():
 
 
 def test_slip_that_returns_below_the_mean_of_the_window_is_no_reason():
-    """Up in 40 steps, down in 40: no hit on the way down below the mean of the window, though above the peak."""
+    """Up in 40 steps, down in 40.
+
+    No hit on the way down below the mean of the window, though above the peak.
+    """
     slips = [0.003 * n for n in range(1, 41)] + [0.12 - 0.003 * n for n in range(1, 21)]
     hits_found, _ = passes(slips, hits=1)
     assert any(hits_found[:40])

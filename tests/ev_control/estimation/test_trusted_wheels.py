@@ -30,7 +30,10 @@ def speeds(car: float, **wrong: float) -> Wheels:
 def accelerate(
     law, seconds: float, begin: float = 2.0, a: float = 1.0, wrong=lambda time, car: {}
 ) -> list[float]:
-    """Drive with a steady acceleration [m/s^2]; the error of the reference speed in each step [m/s]."""
+    """Drive with a steady acceleration [m/s^2].
+
+    The error of the reference speed in each step [m/s].
+    """
     errors = []
     for step in range(round(seconds / PERIOD)):
         time = step * PERIOD
@@ -64,7 +67,10 @@ def from_1_s(**wrong):
     ids=["dead", "both dead", "stuck", "scaled", "driven dead", "one of each axle"],
 )
 def test_what_cannot_be_is_found_and_left_out(wrong, named):
-    """Free wheels alone give 50 % of the speed with one of them dead; left out, less than 0.2 m/s are missing."""
+    """Free wheels alone give 50 % of the speed with one of them dead.
+
+    Left out, less than 0.2 m/s are missing.
+    """
     law = control()
     errors = accelerate(law, 3.0, wrong=wrong)
     assert lost(law) == named
@@ -125,7 +131,10 @@ def test_free_wheels_at_one_speed_to_the_bit_are_sound_while_others_spin():
 
 @pytest.mark.parametrize("time", [0.0, 0.5 * PERIOD, PERIOD, 0.1])
 def test_a_lost_sensor_is_believed_again_after_its_recovery(time):
-    """However quickly it was lost: found within `time` and a period, believed after 1 s and no later."""
+    """However quickly it was lost.
+
+    Found within `time` and a period, believed after 1 s and no later.
+    """
     law = control(**{"reference.trust.time": time})
     accelerate(law, 1.0)
     accelerate(
@@ -157,7 +166,10 @@ def test_everything_is_believed_by_default():
 
 
 def test_the_wrong_expectation_is_given_up_where_no_wheel_fits_it():
-    """A step from 8 to 2 m/s, which no car does: every wheel seems wrong, so all are believed again."""
+    """A step from 8 to 2 m/s, which no car does.
+
+    Every wheel seems wrong, so all are believed again.
+    """
     law = control()
     for step in range(100):
         law.step(Measured(drive=DRIVE, speed=speeds(8.0 if step < 50 else 2.0), torque=DRIVE))

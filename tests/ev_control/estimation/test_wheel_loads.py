@@ -38,7 +38,10 @@ def test_loads_at_rest_by_hand():
 
 
 def test_transfer_by_hand():
-    """2 m/s^2 ahead take m h a/L = 884 N from the front axle; 3 m/s^2 to the left put k h m a/t on the right wheels."""
+    """2 m/s^2 ahead take m h a/L = 884 N from the front axle.
+
+    3 m/s^2 to the left put k h m a/t on the right wheels.
+    """
     along = 2170.0 * 0.55 * 2.0 / 2.699 / 2
     across = (0.51 * 0.55 * 2170.0 * 3.0 / 1.544, 0.49 * 0.55 * 2170.0 * 3.0 / 1.551)
     signs = ((-1, -1, 0), (-1, 1, 0), (1, -1, 1), (1, 1, 1))

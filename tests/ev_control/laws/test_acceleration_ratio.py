@@ -15,7 +15,10 @@ ANY_GAIN = {"grip_slip": 0.0, "least_gain": 0.0}  # of the criterion alone
 
 @pytest.mark.parametrize(("threshold", "falls"), [(0.4, True), (0.16, False)])
 def test_the_printed_ratio_of_accelerations_is_always_undercut(threshold, falls):
-    """A wheel that all but rolls at 3 m/s^2: w' = 9.4, a_x/w' = 0.319 m, below 0.4 but not below 0.16."""
+    """A wheel that all but rolls at 3 m/s^2.
+
+    w' = 9.4, a_x/w' = 0.319 m, below 0.4 but not below 0.16.
+    """
     law = Control("acceleration_ratio", threshold=threshold, **ANY_GAIN)
     for n in range(100):
         rolling = Wheels.all(10.0 + 9.4 * PERIOD * n)
@@ -24,7 +27,10 @@ def test_the_printed_ratio_of_accelerations_is_always_undercut(threshold, falls)
 
 
 def test_limit_falls_and_rises_at_its_rates():
-    """100 rad/s^2 against 1 m/s^2 is slip: from the request down by 8000 N m/s; steady again, up by 500 N m/s."""
+    """100 rad/s^2 against 1 m/s^2 is slip: from the request down by 8000 N m/s.
+
+    Steady again, up by 500 N m/s.
+    """
     law = Control("acceleration_ratio", filter_time=0.0, **ANY_GAIN)
     for n in range(5):
         torque = law.step(spinning_at(10.0 + 0.5 * n, 10.0)).front_left
@@ -35,7 +41,10 @@ def test_limit_falls_and_rises_at_its_rates():
 
 
 def test_a_steady_spin_is_left_to_spin():
-    """It sees slip that grows, not slip: 30 rad/s over 10 rad/s, but steady, is no reason to limit."""
+    """It sees slip that grows, not slip.
+
+    30 rad/s over 10 rad/s, but steady, is no reason to limit.
+    """
     law = Control("acceleration_ratio")
     for _ in range(100):
         assert law.step(spinning_at(30.0, 30.0)).front_left == 1500.0
@@ -44,7 +53,9 @@ def test_a_steady_spin_is_left_to_spin():
 
 @pytest.mark.parametrize(("gained", "falls"), [(1.4, True), (1.1, False)])
 def test_what_a_gripping_tyre_gains_is_no_slip(gained, falls):
-    """Gain of 0.07 of 20 rad/s, 1.4 rad/s: a step of the torque winds the carcass up faster than the car follows.
+    """Gain of 0.07 of 20 rad/s, 1.4 rad/s.
+
+    A step of the torque winds the carcass up faster than the car follows.
 
     What has been gained 10 ms ago counts by 0.99, with a memory of 1 s.
     """

@@ -1,4 +1,7 @@
-"""Equal torques; what one wheel is refused is dropped, or goes to the other one where that is asked for."""
+"""Equal torques.
+
+What one wheel is refused is dropped, or goes to the other one where that is asked for.
+"""
 
 from __future__ import annotations
 
@@ -31,14 +34,20 @@ def refusing(
 
 
 def test_refused_torque_is_dropped_by_default():
-    """Nothing in sections 2.4, 2.7.5 and 3.1 offers it on: 500 N m each, whatever acts on the wheels."""
+    """Nothing in sections 2.4, 2.7.5 and 3.1 offers it on.
+
+    500 N m each, whatever acts on the wheels.
+    """
     law = Differential("adaptive", DISSERTATION, PERIOD)
     assert refusing(law, PEDAL, 300.0, 500.0, 1000).drive == Wheels.front(500.0, 500.0)
     assert refusing(law, PEDAL, 0.0, 100.0, 1000).drive == Wheels.front(500.0, 500.0)
 
 
 def test_refused_torque_is_offered_to_the_other_wheel():
-    """Share 500 N m, 300 N m act on the left: 200 N m go to the right, at once up to T/(T + tau) = 1/11 of them."""
+    """Share 500 N m, 300 N m act on the left.
+
+    200 N m go to the right, at once up to T/(T + tau) = 1/11 of them.
+    """
     law = made()
     # nothing was asked for before
     assert refusing(law, PEDAL, 300.0, 500.0, 1).drive == Wheels.front(500.0, 500.0)
@@ -107,7 +116,10 @@ def on_the_road(**changed) -> Differential:
 
 
 def test_on_the_road_the_other_wheel_gets_no_more():
-    """The left takes 300 of 500 N m, which acts behind the gear: the right is asked for as much, by 11 in 1."""
+    """The left takes 300 of 500 N m, which acts behind the gear.
+
+    The right is asked for as much, by 11 in 1.
+    """
     law = on_the_road()
     acting = (300.0 * EFFICIENCY, 500.0 * EFFICIENCY)
     # nothing was asked for before
@@ -120,7 +132,9 @@ def test_on_the_road_the_other_wheel_gets_no_more():
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("better", [0, 1])
 def test_torques_that_follow_their_requests_become_equal(sign, better):
-    """One wheel takes 300 N m at most: after twenty time constants both get that, and it is no trap.
+    """One wheel takes 300 N m at most.
+
+    After twenty time constants both get that, and it is no trap.
 
     As soon as the wheel takes all again, both are back at their shares, forwards and in reverse,
     and for either side.
@@ -160,7 +174,9 @@ def test_on_the_road_no_wheel_is_asked_for_more_than_its_share(acting):
 
 
 def test_the_switch_turns_to_the_other_mode_at_its_time():
-    """The scenario: equal torques until 4 s, as `road`; from then on as `off_road`, with more torque on the dry side.
+    """The scenario: equal torques until 4 s, as `road`.
+
+    From then on as `off_road`, with more torque on the dry side.
 
     Of 5.4 kN at 0.32 m ice takes 0.05 and its rolling resistance 0.017, 117 N m: on the road the
     right wheel gets as much in the mean (5 %, for the ASR of the left one swings, which is half as
@@ -183,7 +199,10 @@ def test_the_switch_turns_to_the_other_mode_at_its_time():
 
 
 def test_without_a_switch_method_1_is_off_the_road():
-    """Chapter 3 drives it so: "adaptive regulation". A switch turned at 2 s is the other mode from then on."""
+    """Chapter 3 drives it so: "adaptive regulation".
+
+    A switch turned at 2 s is the other mode from then on.
+    """
     default, turned, acting = (
         Differential("adaptive", GEARED, PERIOD),
         on_the_road(switch_at=2.0),

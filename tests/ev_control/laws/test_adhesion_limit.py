@@ -29,7 +29,10 @@ def test_without_slip_the_largest_friction_is_believed():
 
 
 def test_friction_in_use_of_a_slipping_wheel_is_that_of_the_road():
-    """Slip 0.5 at w' = 100: mu = (1500 - J w')/(F_z r), and the limit 0.95 of the torque that the road takes."""
+    """Slip 0.5 at w' = 100.
+
+    mu = (1500 - J w')/(F_z r), and the limit 0.95 of the torque that the road takes.
+    """
     law = Control("adhesion_limit", filter_time=0.0)
     law.step(spinning_at(19.5, 10.0))
     torque = law.step(spinning_at(20.0, 10.0)).front_left
@@ -62,7 +65,10 @@ def test_a_gear_that_loses_power_gets_more_torque():
 
 
 def test_an_axle_without_any_load_gets_no_torque():
-    """All of the mass on the rear axle: the front wheels carry nothing, so nothing can be divided by their load."""
+    """All of the mass on the rear axle.
+
+    The front wheels carry nothing, so nothing can be divided by their load.
+    """
     tail_heavy = dataclasses.replace(CAR, centre_of_mass_to_rear_axle=0.0)
     law = Control("adhesion_limit", tail_heavy)
     assert law.step(spinning_at(10.0, 10.0)) == (0.0, 0.0, 0.0, 0.0)

@@ -53,7 +53,10 @@ def test_with_a_limit_torques_stay_below_the_grip_and_in_proportion(torque, left
 def test_all_of_the_torque_is_shared_also_where_the_road_does_not_carry_it(
     torque, left, right, factor
 ):
-    """M_i = M phi_i/sum(phi) under equal loads, however wrong the friction is believed to be; 1e-12 for rounding."""
+    """M_i = M phi_i/sum(phi) under equal loads, however wrong the friction is believed to be.
+
+    1e-12 for rounding.
+    """
     drive = made(error_factor=factor).step(on_road(torque, left, right)).drive
     shares = left / (left + right), right / (left + right)
     assert drive[:2] == pytest.approx([torque * share for share in shares], rel=1e-12, abs=1e-300)
@@ -68,7 +71,10 @@ def test_with_a_limit_all_is_shared_where_the_road_carries_it(torque, left, righ
 
 
 def test_snow_and_asphalt_by_hand():
-    """Snow left, asphalt right: all of 1000 N m at 1 : 2; with a limit of 9000 N m what both wheels can carry."""
+    """Snow left, asphalt right: all of 1000 N m at 1 : 2.
+
+    With a limit of 9000 N m what both wheels can carry.
+    """
     assert made().step(on_road(1000.0, 0.4, 0.8)).drive == pytest.approx(
         Wheels.front(1000 / 3, 2000 / 3)
     )
@@ -84,7 +90,10 @@ def test_snow_and_asphalt_by_hand():
 
 @pytest.mark.parametrize(("speed", "arrives"), [(20.0, 0.97), (0.0, 0.97), (-20.0, 1 / 0.97)])
 def test_the_wheel_gets_its_grip_through_the_gear(speed, arrives):
-    """The gear lets 97 % of a command arrive where it drives; where the motor brakes, the gear helps."""
+    """The gear lets 97 % of a command arrive where it drives.
+
+    Where the motor brakes, the gear helps.
+    """
     car = dataclasses.replace(DISSERTATION, motor=Motor(gear_efficiency=0.97))
     motion = dataclasses.replace(on_road(9000.0, 0.4, 0.8), speeds=Wheels.all(speed))
     drive = Differential(LAW, car, PERIOD, limit=True).step(motion).drive
@@ -105,7 +114,10 @@ def test_no_load_means_no_torque_or_a_finite_one(limit, load):
 
 
 def test_estimated_friction_is_found_by_slipping():
-    """The left wheel slips by a third while the road takes 0.4 F r of it; the right one rolls, and stays at 1.2."""
+    """The left wheel slips by a third while the road takes 0.4 F r of it.
+
+    The right one rolls, and stays at 1.2.
+    """
     law = made(friction="estimated")
     road = 0.4 * GRIP
     speeds = np.concatenate(

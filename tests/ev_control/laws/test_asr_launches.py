@@ -46,7 +46,9 @@ PEAK_ON_ICE = {
 @pytest.mark.parametrize("surface", SURFACE_NAMES)
 @pytest.mark.parametrize("name", METHODS)
 def test_launches_do_not_chatter(name, surface):
-    """Start from rest: the torque never turns its sign, and the car gets away as well as without control, within 1 %.
+    """Start from rest.
+
+    The torque never turns its sign, and the car gets away as well as without control, within 1 %.
 
     On ice the force hardly depends on the slip, so there is nothing to win; a limit that falls too
     far only loses. slip_window and acceleration_ratio lose 10 to 17 % of the speed there, over
@@ -76,7 +78,10 @@ def test_mean_slip_is_lower_than_without(name, surface):
 
 @pytest.mark.parametrize("name", CONTROLS)
 def test_torque_recovers_after_a_jump_up(name):
-    """Snow, then dry asphalt after 10 m; the bounds are the longest measured times and what noise may add."""
+    """Snow, then dry asphalt after 10 m.
+
+    The bounds are the longest measured times and what noise may add.
+    """
     channels = launch(name, ("packed_snow_1", "dry_asphalt"), 2600.0, 1.0, 8.0, (10.0,))
     on_dry = int(np.argmax(channels["tire_forces.friction_coefficient.front_left"] > 0.8))
     served = channels["torque_command.drive.front_left"][on_dry:] >= 0.9 * 1300.0
@@ -86,7 +91,10 @@ def test_torque_recovers_after_a_jump_up(name):
 
 @pytest.mark.parametrize("name", CONTROLS)
 def test_slip_is_limited_after_a_jump_down(name):
-    """Dry asphalt, then 15 m of ice: below the largest slip without control, by the method's own margin."""
+    """Dry asphalt, then 15 m of ice.
+
+    Below the largest slip without control, by the method's own margin.
+    """
     slips = {}
     for law in (name, "off"):
         channels = launch(

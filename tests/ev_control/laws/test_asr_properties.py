@@ -1,4 +1,7 @@
-"""Properties of every traction control whatever happens: it only takes torque away, mirrors, and keeps out of it."""
+"""Properties of every traction control whatever happens.
+
+It only takes torque away, mirrors, and keeps out of it.
+"""
 
 from __future__ import annotations
 
@@ -61,7 +64,10 @@ def test_torque_is_only_ever_taken_away(name, sequence, car):
 @given(sequence=st.lists(anything | driven, min_size=1, max_size=12), car=cars)
 @pytest.mark.parametrize("name", METHODS)
 def test_any_finite_numbers_give_finite_torques(name, sequence, car):
-    """A broken sensor shows anything; nothing that comes after a sensible number again may be harmed."""
+    """A broken sensor shows anything.
+
+    Nothing that comes after a sensible number again may be harmed.
+    """
     law = Control(name, car)
     for m in sequence:
         check_limited(m.drive, law.step(m))
@@ -70,7 +76,10 @@ def test_any_finite_numbers_give_finite_torques(name, sequence, car):
 
 @pytest.mark.parametrize("name", METHODS)
 def test_broken_measurements_leave_the_limits(name):
-    """A wheel that spins is limited; a step without a number for its speed keeps the limit to the bit."""
+    """A wheel that spins is limited.
+
+    A step without a number for its speed keeps the limit to the bit.
+    """
     law = spun_up(name)
     limit = law.step(SPINNING).front_left
     broken = dataclasses.replace(SPINNING, speed=Wheels(math.nan, 30.0, 10.0, 10.0))
@@ -124,7 +133,10 @@ def test_braking_passes(name, sequence):
 )
 @pytest.mark.parametrize("name", METHODS)
 def test_at_rest_nothing_happens(name, noise, torque, brake):
-    """A car that is held by its brakes or its weight: 0.06 rad/s of noise, twice its usual standard deviation."""
+    """A car that is held by its brakes or its weight.
+
+    0.06 rad/s of noise, twice its usual standard deviation.
+    """
     law, drive = Control(name), Wheels.front(torque, torque)
     for speed in noise:
         assert (
@@ -134,7 +146,10 @@ def test_at_rest_nothing_happens(name, noise, torque, brake):
 
 @pytest.mark.parametrize("name", CONTROLS)
 def test_a_spinning_wheel_loses_torque_and_the_other_one_does_not(name):
-    """The left wheel spins up at 100 rad/s^2, the right one rolls: after 0.2 s below 90 % left, and all of it right."""
+    """The left wheel spins up at 100 rad/s^2, the right one rolls.
+
+    After 0.2 s below 90 % left, and all of it right.
+    """
     law = Control(name)
     for n in range(40):
         left, right, *_ = law.step(spinning_at(10.0 + 20.0 * n / 39.0, 10.0))
@@ -144,7 +159,10 @@ def test_a_spinning_wheel_loses_torque_and_the_other_one_does_not(name):
 
 @pytest.mark.parametrize("name", METHODS)
 def test_a_released_pedal_forgets_all_of_the_wheel(name):
-    """Every number of a wheel is that of the start again, and the limit infinite; first it was another one."""
+    """Every number of a wheel is that of the start again, and the limit infinite.
+
+    First it was another one.
+    """
     law = spun_up(name)
     fresh = Control(name).of_wheel()
     assert law.of_wheel() != fresh
@@ -169,7 +187,10 @@ def test_what_is_left_of_a_forgotten_wheel_does_nothing(name):
 
 @pytest.mark.parametrize("name", METHODS)
 def test_state_goes_on_in_another_object_to_the_bit(name):
-    """All that lasts is the declared record: its numbers, in another object, go on as if nothing had happened."""
+    """All that lasts is the declared record.
+
+    Its numbers, in another object, go on as if nothing had happened.
+    """
     law, other = spun_up(name), Control(name)
     other.law.state = law.law.state
     for n in range(60):

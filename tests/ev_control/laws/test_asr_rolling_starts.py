@@ -29,7 +29,10 @@ def car(name: str) -> Vehicle:
 
 @pytest.mark.parametrize("name", CARS)
 def test_nothing_is_withheld_from_wheels_that_roll(name):
-    """Forwards from rest, 8 and 22 m/s, and in reverse: a tenth of the weight for drive, 0.2 s on a level road."""
+    """Forwards from rest, 8 and 22 m/s, and in reverse.
+
+    A tenth of the weight for drive, 0.2 s on a level road.
+    """
     vehicle = car(name)
     radius, force = vehicle.wheel_radius, 0.1 * vehicle.mass * 9.81
     torque = force * radius / len(vehicle.driven_wheels)
@@ -105,7 +108,10 @@ def starts(vehicle: str, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]
 
 @pytest.mark.slow
 def test_a_car_with_four_driven_wheels_drives_from_the_first_instant():
-    """All of the torque is there in a lane change at 80 km/h; an observer from 0 m/s takes 4 s to let it pass."""
+    """All of the torque is there in a lane change at 80 km/h.
+
+    An observer from 0 m/s takes 4 s to let it pass.
+    """
     run = ev_stack.run(
         "double_lane_change", vehicle="layout_1_8_c", method={"asr": "pi_slip"}, duration=1.0
     )

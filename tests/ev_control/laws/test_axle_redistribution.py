@@ -32,7 +32,10 @@ def front(drive: Wheels) -> float:
 
 
 def test_front_slides_by_cos_phi():
-    """Angle with cos(phi) = 0.6 and k = 0.5: h = 0.3; q = 2.7*0.1*0.3/(2*1.55*0.7) = 0.0373, by hand."""
+    """Angle with cos(phi) = 0.6 and k = 0.5: h = 0.3.
+
+    q = 2.7*0.1*0.3/(2*1.55*0.7) = 0.0373, by hand.
+    """
     drive = (
         made(k=0.5, rear_wheels="by_geometry")
         .step(Motion(torque=1000.0, a_x=0.6, a_y=0.8).steered(0.1))
@@ -50,7 +53,10 @@ SLIDING = Motion(torque=1000.0, v=-2.0, a_x=0.6, a_y=0.8).steered(-0.1)
     ("branch", "share"), [("printed", 0.2), ("derived", 0.3), ("rear_share", 0.5)]
 )
 def test_rear_slides_by_three_readings(branch, share):
-    """Factor k = 0.5: k (1 - 0.6) as printed, k 0.6 as derived, 1 - k 0.6 = 0.7, limited to a half."""
+    """Factor k = 0.5.
+
+    k (1 - 0.6) as printed, k 0.6 as derived, 1 - k 0.6 = 0.7, limited to a half.
+    """
     assert front(made(k=0.5, second_branch=branch).step(SLIDING).drive) == pytest.approx(
         1000.0 * share, rel=1e-12
     )
@@ -75,7 +81,10 @@ def test_front_share_ends_at_one_half():
 @pytest.mark.parametrize("braking", ["straight", "deceleration", "command"])
 @pytest.mark.parametrize("factor", ["given", "equality"])
 def test_speeding_up_backwards_is_no_braking(braking, factor):
-    """Torque, acceleration and speeds change their sign in reverse, and nothing else; slowing down is all rear."""
+    """Torque, acceleration and speeds change their sign in reverse, and nothing else.
+
+    Slowing down is all rear.
+    """
     steered = Motion(torque=1000.0, a_x=0.6, a_y=0.8, speeds=RIGHT_IS_SLOWER).steered(0.1)
     back = dataclasses.replace(
         steered, torque=-1000.0, a_x=-0.6, speeds=Wheels(*(-each for each in RIGHT_IS_SLOWER))
@@ -90,7 +99,10 @@ def test_speeding_up_backwards_is_no_braking(braking, factor):
 
 
 def test_factor_by_inertia_is_that_of_a_car_without_resistance():
-    """K = 2 J_z/(m L^2) = 0.48; the equality gives the same where X = m j: 1000 N m at 0.35 m and 2400 kg."""
+    """K = 2 J_z/(m L^2) = 0.48.
+
+    The equality gives the same where X = m j: 1000 N m at 0.35 m and 2400 kg.
+    """
     motion = Motion(torque=1000.0, a_x=1000.0 / 0.35 / 2400.0)
     assert front(made(factor="inertia").step(motion).drive) == pytest.approx(
         1000.0 * INERTIA, rel=1e-12
@@ -102,7 +114,10 @@ def test_factor_by_inertia_is_that_of_a_car_without_resistance():
 
 @pytest.mark.parametrize("a_y", [0.0, 0.5, 3.0])
 def test_as_an_equality_eq_4_does_not_depend_on_the_lateral_acceleration(a_y):
-    """Eq 4, h X = 2 J_z j cos(phi)/L^2 has j cos(phi) = a_x: with X = 1000/0.35 N and a_x = 0.6, h = 0.242."""
+    """Eq 4, h X = 2 J_z j cos(phi)/L^2 has j cos(phi) = a_x.
+
+    With X = 1000/0.35 N and a_x = 0.6, h = 0.242.
+    """
     share = 2 * 4200.0 * 0.6 / (2.7**2 * 1000.0 / 0.35)
     drive = made(factor="equality").step(Motion(torque=1000.0, a_x=0.6, a_y=a_y)).drive
     assert front(drive) == pytest.approx(1000.0 * share, rel=1e-12)
@@ -113,7 +128,10 @@ def test_without_drive_force_the_equality_stays_finite():
 
 
 def test_a_car_that_slows_down_has_all_torque_on_the_rear_axle():
-    """Zhileykin: phi = pi, j_y = 0, j_x <= 0, whatever the driver does; eq 5 as printed would give a half."""
+    """Zhileykin: phi = pi, j_y = 0, j_x <= 0, whatever the driver does.
+
+    Eq 5 as printed would give a half.
+    """
     assert front(made().step(Motion(torque=400.0, a_x=-2.0)).drive) == 0.0
     assert front(made(first_branch="rear").step(Motion(torque=400.0, a_x=-2.0)).drive) == 0.0
     assert front(made().step(Motion(torque=-400.0, a_x=2.0)).drive) == pytest.approx(-200.0)
@@ -122,7 +140,10 @@ def test_a_car_that_slows_down_has_all_torque_on_the_rear_axle():
 @pytest.mark.parametrize("side", [1.0, -1.0])
 @pytest.mark.parametrize(("angle", "straight"), [(0.19, 0.0), (0.21, 200.0), (1.0, 200.0)])
 def test_the_rule_on_slowing_down_ends_beside_the_axis(angle, straight, side):
-    """j_y = 0 is read as an angle of at most 0.2 rad; in a bend eq 5 as printed gives the most, a half."""
+    """j_y = 0 is read as an angle of at most 0.2 rad.
+
+    In a bend eq 5 as printed gives the most, a half.
+    """
     motion = Motion(torque=400.0, a_x=-2.0 * math.cos(angle), a_y=side * 2.0 * math.sin(angle))
     assert front(made(first_branch="rear").step(motion).drive) == pytest.approx(straight)
     assert front(made(first_branch="rear", braking="deceleration").step(motion).drive) == 0.0

@@ -61,7 +61,10 @@ def braking(pedal: float, **changed: Any) -> Measured:
 
 @pytest.mark.parametrize("torque", [0.0, 300.0, -300.0, 2000.0])
 def test_at_rest_all_passes_to_the_bit(torque):
-    """About rest there is no ABS: the brake holds the car, and a drive that begins is not touched."""
+    """About rest there is no ABS.
+
+    The brake holds the car, and a drive that begins is not touched.
+    """
     held = Measured(Wheels.all(torque), Wheels.all(1500.0))
     assert Brakes().step(held, 20) == WheelTorqueCommand(held.drive, held.brake)
 
@@ -97,7 +100,10 @@ def test_a_brake_is_no_faster_than_its_slew():
 
 
 def test_the_battery_bounds_what_drives_brake():
-    """10 kW by four wheels at 60 rad/s are 41.7 N m each; no brake takes the rest without a pedal."""
+    """10 kW by four wheels at 60 rad/s are 41.7 N m each.
+
+    No brake takes the rest without a pedal.
+    """
     car = dataclasses.replace(CAR, battery=dataclasses.replace(CAR.battery, charge_power=10e3))
     command = Brakes(car).step(braking(300.0), 200)
     assert command.drive.rear_left == pytest.approx(-10e3 / 4 / 60.0)
@@ -106,7 +112,10 @@ def test_the_battery_bounds_what_drives_brake():
 
 @pytest.mark.parametrize("side", [0, 1])
 def test_a_wheel_that_locks_is_let_go_by_its_drive_first(side):
-    """A wheel at half the speed of the others: its drive pushes against the friction brake, which had 1500 N m."""
+    """A wheel at half the speed of the others.
+
+    Its drive pushes against the friction brake, which had 1500 N m.
+    """
     brakes = Brakes(yaw__gain=0.0)
     brakes.step(braking(2000.0), 100)
     speed = Wheels(*(30.0 if i == side else 60.0 for i in range(4)))
@@ -152,7 +161,10 @@ def test_left_and_right_mirror_to_the_bit(times):
 
 @pytest.mark.parametrize("times", [1, 40])
 def test_reverse_mirrors_forward_to_the_bit(times):
-    """Backwards the same yaw rate is another bend: a car that turns the other way meets the mirrored forces."""
+    """Backwards the same yaw rate is another bend.
+
+    A car that turns the other way meets the mirrored forces.
+    """
     m = dataclasses.replace(LOCKING, yaw_rate=0.0)
     one, back = (
         answer_after(m, times, ROLLING),
@@ -162,7 +174,10 @@ def test_reverse_mirrors_forward_to_the_bit(times):
 
 
 def test_a_car_that_yaws_out_of_its_line_brakes_less_on_one_side():
-    """Turning right at 0.15 rad/s with straight wheels: more brake on the left, less on the right."""
+    """Turning right at 0.15 rad/s with straight wheels.
+
+    More brake on the left, less on the right.
+    """
     brakes = Brakes()
     brakes.step(braking(400.0), 100)
     command = brakes.step(braking(400.0, yaw_rate=-0.15, torque=Wheels.all(-400.0)), 10)
@@ -213,7 +228,10 @@ def offset_run(
 
 @pytest.mark.parametrize("offset", OFFSETS)
 def test_a_car_on_its_brakes_stays_whatever_the_accelerometer_says(offset):
-    """Half a minute on 10 %: it moves by the 2.3 mm that its brakes yield; without standstill it rolls away."""
+    """Half a minute on 10 %: it moves by the 2.3 mm that its brakes yield.
+
+    Without standstill it rolls away.
+    """
     held = {"time": [0.0], "drive_torque": [0.0], "brake_torque": [3000.0]}
     assert abs(offset_run(offset, held, 30.0, 0.1)["pose.x"][-1]) < 0.01
     assert (

@@ -1,4 +1,7 @@
-"""Power steering and a yaw moment that share the difference of the front drives; computed by hand."""
+"""Power steering and a yaw moment that share the difference of the front drives.
+
+Computed by hand.
+"""
 
 from __future__ import annotations
 
@@ -39,14 +42,20 @@ def test_without_an_error_it_is_equation_4():
 
 
 def test_a_car_that_yaws_more_than_wanted_is_held_back():
-    """M_z = -200 * 0.1 = -20 N m, and nothing of it within what the hands want: 0.1 N m is 1.2 rad/s on asphalt."""
+    """M_z = -200 * 0.1 = -20 N m, and nothing of it within what the hands want.
+
+    0.1 N m is 1.2 rad/s on asphalt.
+    """
     assert difference(made().step(moving(r=0.1))) == pytest.approx(-20.0 / LEVER, rel=1e-12)
     assisted = 16 * 5 * 0.1 / LEVER
     assert difference(made().step(moving(r=0.1, hands=0.1))) == pytest.approx(assisted, rel=1e-12)
 
 
 def test_the_wish_is_bounded_by_the_friction():
-    """Friction of 0.1 lets the car turn with 0.9 mu g/u = 0.0441 rad/s; at 0.1 rad/s the rest is too much."""
+    """Friction of 0.1 lets the car turn with 0.9 mu g/u = 0.0441 rad/s.
+
+    At 0.1 rad/s the rest is too much.
+    """
     motion = moving(r=0.1, hands=0.1, friction=Wheels.all(0.1), load=Wheels.all(3000.0))
     moment = -200.0 * (0.1 - 0.9 * 0.1 * 9.81 / 20.0)
     assert difference(made().step(motion)) == pytest.approx(
@@ -72,7 +81,10 @@ def test_the_hands_never_have_to_hold_more_than_is_stated():
 
 
 def test_hands_that_hold_the_wheel_leave_a_sixth_of_the_yaw_moment():
-    """Eq 5 held at 0: (1 + gamma) i M_b = -M_z, of which the difference gives gamma i M_b; M_z/(1 + gamma) is left."""
+    """Eq 5 held at 0: (1 + gamma) i M_b = -M_z, of which the difference gives gamma i M_b.
+
+    M_z/(1 + gamma) is left.
+    """
     law = made(wish="angle")
     assert difference(law.step(moving(r=0.1, hands=20.0 / (6 * 16)))) == pytest.approx(
         -20.0 / 6 / LEVER, rel=1e-10
@@ -111,7 +123,10 @@ def test_motors_bound_the_difference_and_the_sum_stays():
 
 @pytest.mark.parametrize("brake", [0.0, 800.0])
 def test_reverse_and_braking(brake):
-    """Backwards a left turn yaws to the right: at -20 m/s with 0.1 N m to the left a yaw rate of -0.1 is no error."""
+    """Backwards a left turn yaws to the right.
+
+    At -20 m/s with 0.1 N m to the left a yaw rate of -0.1 is no error.
+    """
     back = {"speeds": Wheels.all(-20.0 / 0.294), "brake": brake}
     assisted = 16 * 5 * 0.1 / LEVER
     request = made().step(moving(r=-0.1, hands=0.1, **back))
@@ -139,7 +154,10 @@ def test_an_absurd_measurement_leaves_the_power_steering():
 
 @given(sequence=sequences)
 def test_at_rest_it_is_power_steering_to_the_bit(sequence):
-    """Rear wheels that stand: no yaw rate is wanted or corrected; torques within what asphalt and motors leave."""
+    """Rear wheels that stand: no yaw rate is wanted or corrected.
+
+    Torques within what asphalt and motors leave.
+    """
     for motion in sequence:
         calm = dataclasses.replace(
             motion, speeds=NO_WHEELS, torque=0.0, friction=Wheels.all(1e6), r=0.0

@@ -1,4 +1,7 @@
-"""Properties of all electronic differentials whatever happens: mirrored cars, sums, brakes, wheels without a motor."""
+"""Properties of all electronic differentials whatever happens.
+
+Mirrored cars, sums, brakes, wheels without a motor.
+"""
 
 from __future__ import annotations
 
@@ -110,7 +113,10 @@ def test_mirrored_car_gets_mirrored_torques_to_the_bit(name, changed, driven, se
 @given(sequence=sequences, data=st.data())
 @pytest.mark.parametrize("name", [name for name in CARS if name not in LIMITING])
 def test_drive_torques_add_up_to_what_the_driver_asks(name, sequence, data):
-    """Equal to rounding: 1e-12 of the numbers involved, for differences are far above the driver's torque at times."""
+    """Equal to rounding.
+
+    1e-12 of the numbers involved, for differences are far above the driver's torque at times.
+    """
     driven = data.draw(st.sampled_from(LAYOUTS.get(name, ANY_LAYOUTS)))
     law = Differential(name, on(CARS[name], driven))
     for motion in sequence:

@@ -1,4 +1,7 @@
-"""Yaw moment control: each controller on a linear car, each allocation, saturation, rest, reverse, lost knowledge."""
+"""Yaw moment control.
+
+Each controller on a linear car, each allocation, saturation, rest, reverse, lost knowledge.
+"""
 
 from __future__ import annotations
 
@@ -95,7 +98,9 @@ def driven(law: Differential, car: LinearCar, angle: float, steps: int, **more) 
 )
 @pytest.mark.parametrize("speed", [20.0, -8.0])
 def test_the_yaw_rate_follows_a_step_of_the_steering(controller, allowed, estimation, speed):
-    """r* = u delta/(L + K u^2) within 1.5 s: exactly with an integral, without one to what the wrong tyres leave.
+    """r* = u delta/(L + K u^2) within 1.5 s.
+
+    Exactly with an integral, without one to what the wrong tyres leave.
 
     That is `allowed` of it; without control the car of softer tyres is off by a sixth ahead.
     """
@@ -106,7 +111,10 @@ def test_the_yaw_rate_follows_a_step_of_the_steering(controller, allowed, estima
 
 
 def test_without_control_the_same_car_is_off():
-    """The gap that the test above bridges: this car is neutral in all but the place of its centre of mass."""
+    """The gap that the test above bridges.
+
+    This car is neutral in all but the place of its centre of mass.
+    """
     car = LinearCar(20.0)
     for _ in range(150):
         car.moves(0.02, 0.0)
@@ -150,7 +158,9 @@ def test_at_rest_noise_turns_no_wheel(controller, speed):
 
 @pytest.mark.parametrize("allocation", Allocation.texts())
 def test_torques_add_up_to_the_drivers_and_turn_as_is_asked(allocation):
-    """1000 N m to drive; a yaw rate that is 0.05 rad/s too high: M_z = -10 J 0.05 (1 + 5 T), by hand.
+    """1000 N m to drive.
+
+    A yaw rate that is 0.05 rad/s too high: M_z = -10 J 0.05 (1 + 5 T), by hand.
 
     Least squares leave some of it, as 1/weight of all grip, and have one arm for both tracks: 1 and
     3 N m are allowed.
@@ -180,7 +190,9 @@ def test_axles_share_a_moment_as_their_loads_are():
 
 
 def test_on_split_friction_no_wheel_is_asked_for_more_than_it_holds():
-    """Ice left, 2500 N m asked for: its wheels give S_L, 0.95 mu F_z r each, right ones S_R, for more would turn.
+    """Ice left, 2500 N m asked for.
+
+    Its wheels give S_L, 0.95 mu F_z r each, right ones S_R, for more would turn.
 
     (T - S_L - S_R)^2 + 10 (S_R - S_L)^2 is least at S_R = (T + 9 S_L)/11, but for what use of grip
     costs (1e-2).
@@ -214,7 +226,9 @@ def test_wrong_friction_bounds_the_wish():
     [("pi", 0.1), ("super_twisting", 0.1), ("suboptimal", 0.1), ("pi", 10.0)],
 )
 def test_an_integral_does_not_wind_up_while_motors_saturate(controller, tracking):
-    """Motors of 20 N m; 3 s of a yaw rate that is too high, then as much too low: the moment turns round in 0.3 s.
+    """Motors of 20 N m.
+
+    3 s of a yaw rate that is too high, then as much too low: the moment turns round in 0.3 s.
 
     With a tracking time of 10 s the integral is left to wind up, and it does not: the test can
     fail.
@@ -304,7 +318,9 @@ def test_no_torque_without_a_driver():
 
 @pytest.mark.slow
 def test_a_lane_change_on_snow_slides_half_as_much():
-    """The planar plant at 80 km/h: sideslip and error of the yaw rate at most half of those with equal torques.
+    """The planar plant at 80 km/h.
+
+    Sideslip and error of the yaw rate at most half of those with equal torques.
 
     Equal torques are the same law without moment, so that all runs are of one batch.
     """

@@ -20,7 +20,10 @@ def test_drive_by_wire_is_open_loop():
 
 
 def test_drive_by_wire_settles_where_the_steering_wheel_points():
-    """The default gain is 2 r_k k_p/(d i), rounded to four digits; the object's own overshoot of 40.3 % remains."""
+    """The default gain is 2 r_k k_p/(d i), rounded to four digits.
+
+    The object's own overshoot of 40.3 % remains.
+    """
     column = Column("by_wire", held=16 * 0.5)
     angle, _ = drive(column, law("drive_by_wire"), hand_torque=0.0, duration=15.0)
     assert angle[-1] == pytest.approx(0.5, rel=5e-4)

@@ -53,7 +53,10 @@ def test_side_slip_takes_from_the_longitudinal_friction_by_the_slip_vector():
 
 @pytest.mark.parametrize("friction", [0.2, 0.8])
 def test_road_is_found_before_the_wheel_slips(friction):
-    """A wheel that shows the diagram of a road at half its peak slip: the estimate finds the road within 1 %, 0.5 s."""
+    """A wheel that shows the diagram of a road at half its peak slip.
+
+    The estimate finds the road within 1 %, 0.5 s.
+    """
     slip = 0.5 * peak_slip(DIAGRAM, friction)
     law = Control("expected_signal")
     load = CAR.mass * 9.81 * CAR.centre_of_mass_to_rear_axle / CAR.wheelbase / 2.0

@@ -30,7 +30,9 @@ def test_first_step_by_hand():
 @pytest.mark.parametrize("rate", [10.0, 25.0])
 @pytest.mark.parametrize("road", [300.0, 900.0])
 def test_slip_error_decays_exponentially_whatever_the_road_takes(rate, road):
-    """J w' = M - M_road with the commanded torque: S - S* = 0.05 exp(-k t), within 5 % of its start in steps of 5 ms.
+    """J w' = M - M_road with the commanded torque.
+
+    S - S* = 0.05 exp(-k t), within 5 % of its start in steps of 5 ms.
 
     The wheel starts at a slip of 0.15 over a car that drives at 8 m/s and gains 2 m/s^2. In the
     first step, which only tells its speed, it gets the torque that keeps its slip.

@@ -34,7 +34,10 @@ def test_at_the_middle_of_the_sets_one_rule_counts_alone():
 
 
 def test_between_the_sets_rules_count_by_their_degrees():
-    """Half above the target and a quarter rising: 0.5 (0.75 0.0 + 0.25 -0.4) + 0.5 (0.75 -0.4 + 0.25 -1.0)."""
+    """Half above the target and a quarter rising.
+
+    0.5 (0.75 0.0 + 0.25 -0.4) + 0.5 (0.75 -0.4 + 0.25 -1.0).
+    """
     assert change_by_rules(0.5, 0.25) == pytest.approx(0.5 * -0.1 + 0.5 * (-0.3 - 0.25), rel=1e-12)
 
 
@@ -44,7 +47,10 @@ def test_rules_take_torque_away_faster_than_they_give_it_back():
 
 
 def test_first_step_by_hand():
-    """Slip 0.18 is one width above 0.1, its rate is not known yet: 0.4 of 10 1/s for 5 ms off the 1500 N m."""
+    """Slip 0.18 is one width above 0.1, its rate is not known yet.
+
+    0.4 of 10 1/s for 5 ms off the 1500 N m.
+    """
     law = Control("fuzzy")
     law.step(spinning_at(10.0, 10.0))
     torque = law.step(spinning_at(10.0 / 0.82, 10.0)).front_left

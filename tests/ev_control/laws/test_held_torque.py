@@ -11,7 +11,9 @@ from ev_msgs_py.contract.wheels import Wheels
 
 
 def test_torque_of_the_last_step_in_the_range_is_the_limit_beyond_it():
-    """Eqs 1.5, 1.6: at S = 0.18 1200 N m pass; at 0.25 and 0.3 they are the limit; back at 0.17 nothing is limited.
+    """Eqs 1.5, 1.6: at S = 0.18 1200 N m pass.
+
+    At 0.25 and 0.3 they are the limit; back at 0.17 nothing is limited.
 
     The slip begins at 0.1: "must reach the set value", so below the range nothing is limited
     either.
@@ -34,7 +36,10 @@ def test_torque_of_the_last_step_in_the_range_is_the_limit_beyond_it():
 
 @pytest.mark.slow
 def test_a_torque_that_spins_a_wheel_keeps_it_spinning():
-    """The range lies behind the peak at 0.09 of packed snow: the slip is that without control within 5 %."""
+    """The range lies behind the peak at 0.09 of packed snow.
+
+    The slip is that without control within 5 %.
+    """
     from helpers.launches import full_throttle, slip_of
 
     with_law, off = (

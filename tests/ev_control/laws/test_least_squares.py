@@ -34,7 +34,9 @@ def test_relations_of_parameters_are_checked():
 
 
 def test_backstop_by_hand():
-    """Slip 0.5 at once, without road filter: M_road, plus J (a_x/(r (1 - 0.08)) + 25 (10/(1 - 0.08) - 20)).
+    """Slip 0.5 at once, without road filter.
+
+    M_road, plus J (a_x/(r (1 - 0.08)) + 25 (10/(1 - 0.08) - 20)).
 
     1500 N m of torque and 1 m/s^2; the wheel jumps from 19.9 to 20 rad/s, w' = 20 rad/s^2, so that
     it is the road that takes the torque.
@@ -53,7 +55,10 @@ def test_backstop_by_hand():
 
 
 def test_target_is_below_the_speed_that_grows_without_bound():
-    """A hit at a slip beyond 0.9, as behind a car that rolls back, regulates to 0.9; no number gets out of hand."""
+    """A hit at a slip beyond 0.9, as behind a car that rolls back, regulates to 0.9.
+
+    No number gets out of hand.
+    """
     law = Control("least_squares", hits=1, spread=0.0, window=0.05)
     for n in range(60):
         speed = 1.0 + 0.1 * n
@@ -68,7 +73,10 @@ def test_target_is_below_the_speed_that_grows_without_bound():
 
 
 def test_a_changed_window_takes_effect_at_once():
-    """The state of a law with 0.125 s in one with 0.05 s: after the next sample the fit is that of the last ten."""
+    """The state of a law with 0.125 s in one with 0.05 s.
+
+    After the next sample the fit is that of the last ten.
+    """
     before, after = Control("least_squares"), Control("least_squares", window=0.05)
     steps = [spinning_at(10.0 + 0.2 * math.sin(n) + 0.05 * n, 10.0) for n in range(60)]
     for m in steps[:40]:
@@ -98,7 +106,9 @@ def pressed_slowly(surface: str) -> Channels:
 @pytest.mark.parametrize("wheel", ["front_left", "front_right"])
 @pytest.mark.parametrize("surface", HELD_SURFACES)
 def test_least_squares_hits_at_the_peak_and_stays_there(surface, wheel):
-    """The first hit has at least 97 % of the peak friction; then 0.8..1.5 S* on the mean and for most of the time.
+    """The first hit has at least 97 % of the peak friction.
+
+    Then 0.8..1.5 S* on the mean and for most of the time.
 
     Measured with eight seeds: 97.1 % and more; means of 0.88 to 1.38 S*; 70 to 99 % of the time
     inside. The curve is flat about the peak, so even the rest of the time costs little: the
@@ -117,7 +127,9 @@ def test_least_squares_hits_at_the_peak_and_stays_there(surface, wheel):
 
 @pytest.mark.parametrize("wheel", ["front_left", "front_right"])
 def test_least_squares_settles_far_behind_the_peak_of_packed_snow_2(wheel):
-    """S* = 0.06 is passed within two samples, before the window knows: 2.5 to 3.2 S* on the mean with three seeds.
+    """S* = 0.06 is passed within two samples, before the window knows.
+
+    2.5 to 3.2 S* on the mean with three seeds.
 
     The curve falls so little behind the peak that 96 to 97 % of the friction are in use all the
     same.
@@ -130,7 +142,10 @@ def test_least_squares_settles_far_behind_the_peak_of_packed_snow_2(wheel):
 
 @pytest.mark.slow
 def test_least_squares_leaves_dry_driving_alone():
-    """580 s of the TRRL cycle on dry asphalt: not a single hit, and so the same torques to the bit."""
+    """580 s of the TRRL cycle on dry asphalt.
+
+    Not a single hit, and so the same torques to the bit.
+    """
     channels = driven(
         580.0,
         ("plant", "road.left", ("dry_asphalt",)),
@@ -161,14 +176,20 @@ def test_least_squares_on_ice_ends_the_spin_by_its_backstop():
 
 @pytest.mark.parametrize("surface", HELD_SURFACES)
 def test_the_observer_takes_the_place_of_free_wheels(surface):
-    """The same car with the observer instead: the mean slip is still less than twice that of the peak."""
+    """The same car with the observer instead.
+
+    The mean slip is still less than twice that of the peak.
+    """
     more = (("asr", "reference.source", "observer"),)
     channels = launch("least_squares", (surface,), 3000.0, 1.0, 5.0, (), more)
     assert 0.5 * PEAK_SLIP[surface] < slip_of(channels)[400:].mean() < 2.0 * PEAK_SLIP[surface]
 
 
 def test_a_car_that_drives_all_four_wheels_has_traction_control():
-    """Snow, 1250 N m at each wheel: a fifth faster at least, with a third of the slip; no wheel shows the speed."""
+    """Snow, 1250 N m at each wheel: a fifth faster at least, with a third of the slip.
+
+    No wheel shows the speed.
+    """
     more = (("*", "vehicle.driven_wheels", WHEEL_NAMES),)
     off, on = (
         launch(law, ("packed_snow_1",), 5000.0, 1.5, 6.0, (), more)
@@ -180,7 +201,10 @@ def test_a_car_that_drives_all_four_wheels_has_traction_control():
 
 
 def test_least_squares_at_the_default_period():
-    """10 ms halve the window's samples: still within 0.8..1.5 S* on the mean of 6 s (1.2 to 1.4 with eight seeds)."""
+    """10 ms halve the window's samples.
+
+    Still within 0.8..1.5 S* on the mean of 6 s (1.2 to 1.4 with eight seeds).
+    """
     channels = launch(
         "least_squares", ("packed_snow_1",), 3800.0, 6.0, 12.0, (), (("*", "control_period", 0.01),)
     )

@@ -11,7 +11,10 @@ from ev_msgs_py.contract.wheels import Wheels
 @pytest.mark.parametrize("torque", [800.0, -800.0])
 @pytest.mark.parametrize("difference", [20.0, -20.0])
 def test_locked_torques_are_as_3_to_2(torque, difference):
-    """K = M_slow/M_fast = 1.5 (section 3.4): 480 and 320 N m. A braking wheel is held back by the faster one."""
+    """K = M_slow/M_fast = 1.5 (section 3.4): 480 and 320 N m.
+
+    A braking wheel is held back by the faster one.
+    """
     law = Differential("limited_slip_variable", DISSERTATION)
     drive = law.step(Motion(torque=torque, speeds=Wheels.front(30.0 + difference, 30.0))).drive
     fast, slow = drive[:2] if difference > 0 else drive[1::-1]

@@ -40,7 +40,10 @@ def test_a_dead_motor_takes_its_partner_with_it(side):
     ("fault", "noise"), [(dragging, 0.0), (lambda _: 1.0, 0.0), (dead, 1.0), (dead, 10.0)]
 )
 def test_a_dead_motor_that_shows_a_little_torque_is_dead(side, asked, fault, noise):
-    """Drag or noise of either sign: what had the other sign than its command counted as a small deviation alone."""
+    """Drag or noise of either sign.
+
+    What had the other sign than its command counted as a small deviation alone.
+    """
     limp = Limping(Motors(faults=only(side, fault), noise=noise))
     assert abs(limp.drive(asked, asked, 0.1)[1 - side]) <= 4.0 * noise + 1.1
     assert limp.lost()[side] == 1
@@ -85,7 +88,10 @@ def test_a_stuck_motor_is_mirrored_and_what_it_gives_too_much_is_saved_by_its_pa
 
 @LEFT_OR_RIGHT
 def test_a_stuck_motor_is_not_doubled_on_the_brakes(side):
-    """A motor stuck at 300 N m, the driver brakes with 400 N m: its partner gives nothing, and may still recuperate."""
+    """A motor stuck at 300 N m, the driver brakes with 400 N m.
+
+    Its partner gives nothing, and may still recuperate.
+    """
     limp = Limping(Motors(faults=only(side, stuck_at(300.0))))
     for asked in (0.0, -100.0):
         for _ in range(50):
@@ -98,7 +104,10 @@ def test_a_stuck_motor_is_not_doubled_on_the_brakes(side):
     "faults", [(dead, None), (None, dead), (dead, dead), (at_half, at_half), (dead, at_half)]
 )
 def test_drive_is_back_after_a_fault(faults):
-    """Within 0.5 s of torques, and what the lag takes; at once what the lost motor gives, so that the car drives."""
+    """Within 0.5 s of torques, and what the lag takes.
+
+    At once what the lost motor gives, so that the car drives.
+    """
     limp = Limping(Motors(faults=faults))
     limp.drive(200.0, 200.0, 0.5)
     limp.motors.faults = (None, None)
@@ -118,7 +127,10 @@ def test_a_motor_that_comes_back_is_not_believed_by_torques_about_zero():
 
 @pytest.mark.parametrize("common", [{"battery": 0.3}, {"most": 60.0}, {"battery": 0.0}], ids=str)
 def test_what_limits_both_motors_is_no_loss(common):
-    """A weak battery, a low voltage, a cut-off: the car gets what there is, and all of it as soon as there is more."""
+    """A weak battery, a low voltage, a cut-off.
+
+    The car gets what there is, and all of it as soon as there is more.
+    """
     limp = Limping(Motors(**common))
     assert limp.drive(200.0, 250.0, 2.0) == Wheels.front(200.0, 250.0)
 
@@ -145,7 +157,10 @@ def test_a_weak_motor_is_mirrored_at_the_wheel(asked):
 
 
 def test_a_wheel_that_spins_to_the_limits_of_its_motor_is_no_loss():
-    """Power leaves, at three times the speed of its partner, a third of the torque; at the largest speed nothing."""
+    """Power leaves, at three times the speed of its partner, a third of the torque.
+
+    At the largest speed nothing.
+    """
     car = dataclasses.replace(
         CAR, motor=dataclasses.replace(CAR.motor, peak_power=10e3, maximum_speed=500.0)
     )
@@ -159,7 +174,10 @@ def test_a_wheel_that_spins_to_the_limits_of_its_motor_is_no_loss():
 @pytest.mark.parametrize("lag", [1e-4, 0.005, 0.05, 0.5])
 @pytest.mark.parametrize("period", [0.001, 0.01, 0.05])
 def test_a_slow_drive_is_expected_to_be_slow(lag, period):
-    """The lag is the car's: full drive to full recuperation and back, at every period of the controller."""
+    """The lag is the car's.
+
+    Full drive to full recuperation and back, at every period of the controller.
+    """
     car = dataclasses.replace(CAR, motor=dataclasses.replace(CAR.motor, torque_lag=lag))
     limp = Limping(Motors(car, period))
     for asked in (380.0, -380.0, 380.0, 0.0, -30.0):
@@ -167,7 +185,10 @@ def test_a_slow_drive_is_expected_to_be_slow(lag, period):
 
 
 def test_a_torque_that_cannot_be_measured_counts_as_none():
-    """A broken sensor does no more than a dead motor: a command that is finite, and never a larger one."""
+    """A broken sensor does no more than a dead motor.
+
+    A command that is finite, and never a larger one.
+    """
     for broken in (math.nan, math.inf, 1e300):
         limp = Limping()
         for _ in range(50):

@@ -31,7 +31,10 @@ def end_speed(law: str, faults: tuple[str, ...], watch: bool) -> tuple[float, li
 
 @pytest.mark.parametrize("law", ["slip_window", "least_squares", "pi_slip"])
 def test_a_free_wheel_that_lies_costs_nothing_where_wheel_speeds_are_watched(law):
-    """Within 3 %: the accelerometer alone knows the speed less well. Without the watch a dead sensor stops the car."""
+    """Within 3 %: the accelerometer alone knows the speed less well.
+
+    Without the watch a dead sensor stops the car.
+    """
     sound, torques = end_speed(law, (), watch=False)
     # nothing is lost by mistake, to the bit
     assert end_speed(law, (), watch=True) == (sound, torques)

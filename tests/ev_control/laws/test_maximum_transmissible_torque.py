@@ -19,7 +19,10 @@ ALWAYS = (("asr", "limits", "always"),)
 
 @pytest.mark.parametrize("relaxation", [0.5, 0.9])
 def test_transmissible_torque_by_hand(relaxation):
-    """M_w = 1500, w' = 100, J = 1.658 + 7.4^2 0.02 = 2.7532: r F_d = 1224.68, times 1 + J/(alpha 1085 0.32^2)."""
+    """M_w = 1500, w' = 100, J = 1.658 + 7.4^2 0.02 = 2.7532.
+
+    r F_d = 1224.68, times 1 + J/(alpha 1085 0.32^2).
+    """
     law = Control(
         "maximum_transmissible_torque", filter_time=0.0, relaxation=relaxation, **ANY_GAIN
     )
@@ -31,7 +34,10 @@ def test_transmissible_torque_by_hand(relaxation):
 
 
 def test_a_wheel_that_follows_the_car_is_not_limited():
-    """1 m/s^2 of the car is 3.125 rad/s^2 of a wheel that rolls; alpha times that, and the margin, is what it may."""
+    """1 m/s^2 of the car is 3.125 rad/s^2 of a wheel that rolls.
+
+    Alpha times that, and the margin, is what it may.
+    """
     law = Control("maximum_transmissible_torque", filter_time=0.0)
     for n in range(100):
         speed = 10.0 + 3.125 * 0.005 * n
@@ -50,7 +56,10 @@ def test_limit_rises_slowly_once_the_wheel_follows():
 
 
 def test_always_limits_a_steady_spin_too():
-    """Yin, Oh and Hori (2009): eq 1.7 at every instant; by hand with w' = 0, where r F_d is the torque itself."""
+    """Yin, Oh and Hori (2009): eq 1.7 at every instant.
+
+    By hand with w' = 0, where r F_d is the torque itself.
+    """
     law = Control("maximum_transmissible_torque", filter_time=0.0, limits="always", relaxation=0.9)
     part = dataclasses.replace(SPINNING, torque=Wheels.front(600.0, 600.0))
     for _ in range(100):
@@ -62,7 +71,9 @@ def test_always_limits_a_steady_spin_too():
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("rising", [0.0, 0.2, 1.0])
 def test_always_lets_a_pressed_pedal_through_while_the_tyre_grips(sign, rising):
-    """A torque that is there 10 ms after its request, at the wheel of a car that follows it: all of it passes.
+    """A torque that is there 10 ms after its request, at the wheel of a car that follows it.
+
+    All of it passes.
 
     The rate of the request makes up for the filter of 30 ms and for the drive. A car of 1085 kg a
     wheel gains what the road torque, M - J w', gives it; M = 1000 N m at the end of the ramp.
@@ -88,7 +99,10 @@ def test_always_lets_a_pressed_pedal_through_while_the_tyre_grips(sign, rising):
 
 @pytest.mark.parametrize("surface", ["ice", "packed_snow_1"])
 def test_always_slips_less_than_while_gaining(surface):
-    """Full throttle, with noise: on ice 0.59 on the mean instead of 0.81, on snow 0.47 instead of 0.50; as far."""
+    """Full throttle, with noise.
+
+    On ice 0.59 on the mean instead of 0.81, on snow 0.47 instead of 0.50; as far.
+    """
     every, gaining = (
         launch("maximum_transmissible_torque", (surface,), 3000.0, 1.0, 5.0, more=m)
         for m in (ALWAYS, ())
@@ -100,7 +114,10 @@ def test_always_slips_less_than_while_gaining(surface):
 
 
 def test_always_is_refused_where_a_wheel_has_no_motor_of_its_own():
-    """Behind an engine the torque of a wheel is not its command, and comes later: it would lose half of it."""
+    """Behind an engine the torque of a wheel is not its command, and comes later.
+
+    It would lose half of it.
+    """
     vehicle = {"vehicle.driveline.coupling": "open"}
     configure("asr", {"method": "maximum_transmissible_torque", **vehicle})
     with pytest.raises(ParameterError, match="a motor for each driven wheel for limits always"):

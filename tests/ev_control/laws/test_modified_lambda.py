@@ -30,7 +30,10 @@ def test_first_step_by_hand():
 @pytest.mark.slow
 @pytest.mark.parametrize("surface", HELD_SURFACES)
 def test_slip_is_held_with_less_ripple_than_by_feedback_linearisation(surface):
-    """The mean slip is the target within 0.015, and the torque's ripple is less: what the source says of it."""
+    """The mean slip is the target within 0.015, and the torque's ripple is less.
+
+    What the source says of it.
+    """
     ripple = {}
     for law in ("modified_lambda", "feedback_linearisation"):
         channels = full_throttle(law, surface)

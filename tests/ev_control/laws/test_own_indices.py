@@ -1,4 +1,7 @@
-"""Our own laws, once with the checks that laws of others always have: no index leaves its row, no brake pulls."""
+"""Our own laws, once with the checks that laws of others always have.
+
+No index leaves its row, no brake pulls.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +37,10 @@ def stepped(configuration: Configuration) -> np.ndarray:
 
 
 def assert_same_with_checks(role: str, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The same bits in each step; an index out of range is a LawError, and a negative brake torque a SignalError."""
+    """The same bits in each step.
+
+    An index out of range is a LawError, and a negative brake torque a SignalError.
+    """
     configuration = configure(role, {"method": name, **VALUES.get(name, {})})
     if configuration.method.law is None or not configuration.method.law.is_compilable:
         pytest.skip("it is not compiled")

@@ -19,7 +19,10 @@ def test_first_step_by_hand():
 
 
 def test_integral_stops_at_the_request():
-    """No slip at all for half a second: the integral would be at 2200 N m, but stays at the 1500 that are asked for."""
+    """No slip at all for half a second.
+
+    The integral would be at 2200 N m, but stays at the 1500 that are asked for.
+    """
     law = Control("pi_slip", **{"regulator.release": 100.0})
     law.step(spinning_at(10.0, 10.0))
     law.step(spinning_at(12.5, 10.0))

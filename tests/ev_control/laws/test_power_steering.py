@@ -26,7 +26,10 @@ def test_power_steering_is_equation_4():
 
 
 def test_all_wheel_drive_keeps_the_difference_on_the_front_axle():
-    """Hand torque 1 N m: Delta M = (2 r_k i/d) gamma = 32.17 N m, half of it to each side of 25 N m per wheel."""
+    """Hand torque 1 N m.
+
+    Delta M = (2 r_k i/d) gamma = 32.17 N m, half of it to each side of 25 N m per wheel.
+    """
     differential = Differential("power_steering", on(SHCHUR, WHEEL_NAMES))
     request = differential.step(
         Motion(torque=100.0, column=SteeringColumnState(0.0, 0.0, 1.0, 0.0, 0.0))
@@ -76,7 +79,10 @@ def test_closed_loop_follows_the_exact_step_response():
 
 
 def test_holding_30_degrees_assisted():
-    """0.426 N m at the steering wheel with 10.95 N m between the wheels; the digits printed, 0.5 %."""
+    """0.426 N m at the steering wheel with 10.95 N m between the wheels.
+
+    The digits printed, 0.5 %.
+    """
     angle, torque = drive(
         Column("powered"), law("power_steering"), hand_torque=0.426, duration=10.0
     )
@@ -85,7 +91,10 @@ def test_holding_30_degrees_assisted():
 
 
 def test_virtual_spring_and_damper_bring_the_wheels_back():
-    """Let go at 0.5 rad, eq 5 is damped with 0.79 of critical: it passes zero by e^(-pi 0.79/0.61) = 1.7 %."""
+    """Let go at 0.5 rad, eq 5 is damped with 0.79 of critical.
+
+    It passes zero by e^(-pi 0.79/0.61) = 1.7 %.
+    """
     column = Column("powered")
     column.put(road_wheel_angle=0.5)
     angle, _ = drive(column, law("power_steering"), hand_torque=0.0, duration=5.0)

@@ -21,7 +21,10 @@ def made(**changed) -> Differential:
 
 
 def left_turn(slip_left: float, slip_right: float) -> Motion:
-    """Speed 5 m/s, delta = 0.03 rad, r = 0.1 rad/s; rear wheels V = 5 -+ 0.1 * 0.56 m/s at the given slip ratios."""
+    """Speed 5 m/s, delta = 0.03 rad, r = 0.1 rad/s.
+
+    Rear wheels V = 5 -+ 0.1 * 0.56 m/s at the given slip ratios.
+    """
     speeds = Wheels.rear(4.944 / (1 - slip_left) / 0.32, 5.056 / (1 - slip_right) / 0.32)
     return Motion(torque=2400.0, r=0.1, speeds=speeds).steered(0.03)
 
@@ -39,7 +42,10 @@ def test_readings_of_the_switching_control(reading, after_one, after_two):
 
 
 def test_boundary_layer_is_linear_in_the_slip_error():
-    """Errors of 0.4 and -0.25 layers give 0.4 and -0.25 of the gains; without the layer the full gains."""
+    """Errors of 0.4 and -0.25 layers give 0.4 and -0.25 of the gains.
+
+    Without the layer the full gains.
+    """
     motion = left_turn(0.19 - 0.4e-3, OUTER_TARGET + 0.25e-3)
     inside = made(reading="offset").step(motion).drive
     assert inside[2:] == pytest.approx((1220.0, 1175.0), abs=1e-8)
@@ -55,7 +61,10 @@ def test_both_wheels_are_inner_ones_straight_ahead():
 
 
 def test_a_car_that_yaws_without_steering_turns():
-    """The outer wheel gets its own gain: 1 + 100 N m on the right in a left turn by the yaw rate alone."""
+    """The outer wheel gets its own gain.
+
+    1 + 100 N m on the right in a left turn by the yaw rate alone.
+    """
     motion = dataclasses.replace(left_turn(0.05, 0.05).steered(0.0), torque=2400.0)
     assert made(reading="offset").step(motion).drive[2:] == pytest.approx(
         (1250.0, 1300.0), rel=1e-12
@@ -63,7 +72,10 @@ def test_a_car_that_yaws_without_steering_turns():
 
 
 def test_estimated_speed_comes_from_the_front_wheels():
-    """Free front wheels that roll at 5 m/s straight ahead do what the true 5 m/s does; a wrong one does not."""
+    """Free front wheels that roll at 5 m/s straight ahead do what the true 5 m/s does.
+
+    A wrong one does not.
+    """
     speeds = Wheels(5.0 / 0.32, 5.0 / 0.32, *(5.0 / (1 - 0.19 + 0.4e-3) / 0.32,) * 2)
     law = made(reading="offset", source="estimated")
     drive = law.step(Motion(torque=2400.0, speeds=speeds, u=77.0)).drive
@@ -84,7 +96,10 @@ def test_pedal_release_forgets_the_correction():
     layer=st.booleans(),
 )
 def test_torques_stay_within_their_limit(sequence, reading, layer):
-    """Each torque is within half of its equal share of it (largest_correction 0.5); no pedal, no correction."""
+    """Each torque is within half of its equal share of it (largest_correction 0.5).
+
+    No pedal, no correction.
+    """
     law = made(reading=reading, boundary_layer=layer)
     for motion in sequence:
         drive, share = law.step(motion).drive, motion.torque / 2

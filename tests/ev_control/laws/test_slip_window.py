@@ -63,14 +63,20 @@ def test_limit_rises_below_the_window_until_it_is_the_request():
     ("surface", "low", "high"), [("wet_asphalt_1", 0.11, 0.19), ("packed_snow_1", 0.09, 0.19)]
 )
 def test_slip_window_swings_below_its_window_behind_the_peak(surface, low, high):
-    """0.15..0.19 lies behind the peaks (0.13 and 0.09): the wheel passes the window, and the mean is below it."""
+    """0.15..0.19 lies behind the peaks (0.13 and 0.09).
+
+    The wheel passes the window, and the mean is below it.
+    """
     slip = slip_of(full_throttle("slip_window", surface))[400:]
     assert low < slip.mean() < 0.15
     assert np.quantile(slip, 0.95) == pytest.approx(high, abs=0.02)
 
 
 def test_side_force_lowers_both_ends_of_the_window():
-    """Front wheels at 0.096 rad of slip angle, 0.8 of the largest: 0.6 of 0.15..0.19, so a slip of 0.14 is too much."""
+    """Front wheels at 0.096 rad of slip angle, 0.8 of the largest.
+
+    0.6 of 0.15..0.19, so a slip of 0.14 is too much.
+    """
     bend = {"side_force.correction": "ellipse", "side_force.observer.kinematic_share": 1.0}
     for changed, limited in ((bend, True), ({}, False)):
         law = Control("slip_window", **changed)

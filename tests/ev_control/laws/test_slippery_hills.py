@@ -26,7 +26,10 @@ def climbed(law: str, grade: float, sign: float = 1.0, torque: float = 3000.0) -
 
 @pytest.mark.parametrize("grade", [0.10, 0.12])
 def test_the_grip_suffices(grade):
-    """The car climbs these hills with 1600 N m without any traction control; at full throttle it stands."""
+    """The car climbs these hills with 1600 N m without any traction control.
+
+    At full throttle it stands.
+    """
     assert climbed("off", grade, torque=1600.0) > 2.0
     assert climbed("off", grade) < 0.0
 
@@ -47,7 +50,10 @@ def test_they_start_backwards_as_well(law):
 def climbed_from_the_brake(
     law: str, pressed: float, released: float = 1.0, sign: float = 1.0
 ) -> float:
-    """Distance [m] up 10 % in 7 s: pressed [N m] onto the brake, released from 0.9 s on; 3000 N m from 1.5 s on."""
+    """Distance [m] up 10 % in 7 s: pressed [N m] onto the brake, released from 0.9 s on.
+
+    3000 N m from 1.5 s on.
+    """
     pedals = {
         "time": (0.0, 0.5, 0.9, released, 1.5),
         "drive_torque": (0.0, 0.0, sign * pressed, sign * pressed, sign * 3000.0),
@@ -68,7 +74,10 @@ def test_they_start_from_the_brake(law):
 @pytest.mark.parametrize("released", [1.0, 1.2])
 @pytest.mark.parametrize("law", SLIP_LAWS)
 def test_they_start_from_the_brake_with_more_than_the_grip(law, released, sign):
-    """Limited as soon as a wheel turns under its brake; 5.3 m and more. Two stood still where all torque passed."""
+    """Limited as soon as a wheel turns under its brake; 5.3 m and more.
+
+    Two stood still where all torque passed.
+    """
     assert climbed_from_the_brake(law, 3000.0, released, sign) > 4.5
 
 
@@ -76,7 +85,9 @@ def test_they_start_from_the_brake_with_more_than_the_grip(law, released, sign):
     ("law", "grade"), [("acceleration_ratio", 0.12), ("maximum_transmissible_torque", 0.10)]
 )
 def test_laws_that_know_accelerations_alone_stand(law, grade):
-    """A tread that slides evenly on a car that stands accelerates no more than the car: to them it grips.
+    """A tread that slides evenly on a car that stands accelerates no more than the car.
+
+    To them it grips.
 
     The friction of sliding, two thirds of that at the peak, does not carry the car up. On 5 % it
     does.
@@ -87,7 +98,10 @@ def test_laws_that_know_accelerations_alone_stand(law, grade):
 
 @pytest.mark.parametrize("law", SLIP_LAWS)
 def test_flat_snow_costs_nothing(law):
-    """Less than 0.5 % of the distance with a target that is whole at rest; `expected_signal` 3.5 %."""
+    """Less than 0.5 % of the distance with a target that is whole at rest.
+
+    `expected_signal` 3.5 %.
+    """
     group = in_regulator(law, "at_rest")
     whole = launch(law, SNOW, 3000.0, 1.0, 6.0, more=(("asr", group, 1.0),))["pose.x"][-1]
     assert climbed(law, 0.0) > (0.96 if law == "expected_signal" else 0.995) * whole

@@ -7,7 +7,10 @@ from helpers.traction import PERIOD, Control, spinning_at
 
 
 def test_ratio_of_accelerations_lowers_the_set_point():
-    """Principle 1: a_x/w' = 1/100 m is far below the threshold of 0.16 m, 1/5 m above it: then the set-point rises."""
+    """Principle 1: a_x/w' = 1/100 m is far below the threshold of 0.16 m, 1/5 m above it.
+
+    Then the set-point rises.
+    """
     law = Control(
         "speed_by_acceleration_ratio",
         **{f"criterion.{name}": 0.0 for name in ("filter_time", "grip_slip", "least_gain")},

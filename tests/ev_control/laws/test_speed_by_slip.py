@@ -18,7 +18,10 @@ def at_slip(slip: float) -> Measured:
 
 
 def test_slip_beyond_the_range_lowers_the_set_point_and_slip_below_raises_it():
-    """Principle 2, from the speed of the wheel on: 1 rad/s in each step of 5 ms down, 0.3 up, none inside the range."""
+    """Principle 2, from the speed of the wheel on.
+
+    1 rad/s in each step of 5 ms down, 0.3 up, none inside the range.
+    """
     law = Control("speed_by_slip")
     slips = (0.16, 0.25, 0.25, 0.17, 0.1, 0.1)
     speeds = [law.set_points(at_slip(slip)).front_left for slip in slips]

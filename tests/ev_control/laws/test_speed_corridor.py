@@ -17,7 +17,10 @@ CORRIDORS = [
 
 @pytest.mark.parametrize(("regime", "low", "high"), CORRIDORS)
 def test_corridor_of_the_regime_decides(regime, low, high):
-    """Speeds over rolling just above, inside and just below the corridor: the set-point falls, stays, rises."""
+    """Speeds over rolling just above, inside and just below the corridor.
+
+    The set-point falls, stays, rises.
+    """
     law, speeds = Control("speed_corridor", regime=regime), []
     for share in (high + 0.01, high + 0.01, (low + high) / 2.0, low - 0.01):
         m = spinning_at(10.0 * (1.0 + share), 10.0)

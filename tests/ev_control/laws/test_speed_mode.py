@@ -18,7 +18,9 @@ FREE = Wheels.all(FASTEST)
 
 @pytest.mark.parametrize("name", SPEED_MODE)
 def test_set_points_are_out_of_reach_but_for_wheels_that_slip(name):
-    """Rolling, released, braked and regenerating wheels: the largest speed of the motor, in the request's direction.
+    """Rolling, released, braked and regenerating wheels.
+
+    The largest speed of the motor, in the request's direction.
 
     Torques pass always. In reverse and in the mirror all is as forwards, to the bit; corridors
     differ in reverse.

@@ -37,7 +37,9 @@ def test_servo_is_the_second_order_system_of_its_parameters():
     "changed", [{}, {"stiffness": 130.0}, {"dry_friction": 5.0}, {"inertia": 4.0}]
 )
 def test_servo_needs_no_exact_knowledge(changed):
-    """Twice the stiffness, friction, more inertia and a torque of 5 N m unknown to the law: the angle is met.
+    """Twice the stiffness, friction, more inertia and a torque of 5 N m unknown to the law.
+
+    The angle is met.
 
     Ten seconds are 20 time constants of the integral action (e^-20); with dry friction the last bit
     sticks, and it takes the integral longer: 0.1 %.
@@ -49,7 +51,9 @@ def test_servo_needs_no_exact_knowledge(changed):
 
 
 def test_servo_recovers_from_its_limit():
-    """25 N m hold 0.8 rad only to 62 N m/65 = 0.96 rad: a steering wheel at 1.5 rad drives it into the limit for 20 s.
+    """25 N m hold 0.8 rad only to 62 N m/65 = 0.96 rad.
+
+    A steering wheel at 1.5 rad drives it into the limit for 20 s.
 
     Turned back to 0.5 rad, the wheels get there as fast as from rest: no wound-up integral. 5 %:
     the way is longer.

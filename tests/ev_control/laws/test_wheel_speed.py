@@ -37,7 +37,10 @@ def test_wheels_that_roll_about_the_centre_keep_equal_torques():
 
 
 def test_the_error_of_the_speed_difference_by_proportion_and_integral():
-    """Equal speeds of 17 rad/s lack 17 k = 0.166 rad/s on each wheel: 500 of it at once, 2500 * 0.01 in each period."""
+    """Equal speeds of 17 rad/s lack 17 k = 0.166 rad/s on each wheel.
+
+    500 of it at once, 2500 * 0.01 in each period.
+    """
     law, error = made(), 17.0 * TURNED
     for periods in (1, 2):
         change = 500.0 * error + 25.0 * periods * error
@@ -46,7 +49,10 @@ def test_the_error_of_the_speed_difference_by_proportion_and_integral():
 
 
 def test_both_speeds_hold_their_mean_as_it_was():
-    """The mean falls from 17 to 16.9 rad/s: 500 * 0.1 + 25 * 0.1 N m more on both; by torque it is free to fall."""
+    """The mean falls from 17 to 16.9 rad/s: 500 * 0.1 + 25 * 0.1 N m more on both.
+
+    By torque it is free to fall.
+    """
     for mean, more in (("speed", 52.5), ("torque", 0.0)):
         law = made(mean=mean)
         law.step(rolling(17.0, 17.0, 0.0))
@@ -56,7 +62,10 @@ def test_both_speeds_hold_their_mean_as_it_was():
 
 
 def test_in_reverse_the_outer_wheel_is_the_faster_one_too():
-    """Backwards with the wheels to the left the right wheel has the longer way: it gets more of the negative torque."""
+    """Backwards with the wheels to the left the right wheel has the longer way.
+
+    It gets more of the negative torque.
+    """
     change = 525.0 * 17.0 * TURNED
     drive = made().step(rolling(-17.0, -17.0, torque=-2400.0)).drive
     assert drive[2:] == pytest.approx((-1200.0 + change, -1200.0 - change), rel=1e-12)

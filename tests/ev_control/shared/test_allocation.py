@@ -153,7 +153,9 @@ def test_sum_gives_no_wheel_the_other_sign_and_leaves_no_motor_idle(car, torque,
 @settings(max_examples=100, phases=(Phase.explicit, Phase.generate))
 @given(car=cars, torque=torques, speed=speeds)
 def test_difference_stays_wherever_some_sum_leaves_room(car, torque, speed):
-    """Means, 101 of them, between none and the asked one; none may leave room for a difference that is not given.
+    """Means, 101 of them, between none and the asked one.
+
+    None may leave room for a difference that is not given.
 
     Of axles that work against each other one may have to yield with the other, for the sum of all.
     """
@@ -265,7 +267,10 @@ def test_a_car_without_motors_of_its_wheels_is_refused(name):
 
 @pytest.mark.parametrize("keep", ["asked", "difference"])
 def test_drives_that_steer_hold_25_m_s(keep):
-    """6.25 m/s^2 in a bend of 100 m: 6.9 m off its path it was, with 1083 N m asked of a motor that has 662."""
+    """6.25 m/s^2 in a bend of 100 m.
+
+    6.9 m off its path it was, with 1083 N m asked of a motor that has 662.
+    """
     values = {
         "plant.faults": [],
         "plant.initial_speed": 25.0,
@@ -284,7 +289,9 @@ def leaves_the_path(signals: Mapping[str, np.ndarray], side: float) -> float:
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_drives_that_steer_keep_the_path_while_they_speed_up(side):
-    """20 to 24 m/s within 2 s in a bend of 100 m: sum and difference together are more than the outer motor has.
+    """20 to 24 m/s within 2 s in a bend of 100 m.
+
+    Sum and difference together are more than the outer motor has.
 
     Each motor on its own, the car leaves its path by 20 m; where the sum yields, by 0.9 m. Half a
     lane is 1.75 m.

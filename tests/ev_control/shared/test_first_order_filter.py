@@ -15,7 +15,10 @@ def test_the_first_number_passes():
 
 @pytest.mark.parametrize("time_constant", [0.0, 0.02, 1.0])
 def test_a_step_is_closed_by_implicit_euler(time_constant):
-    """The gap shrinks by T/(T + dt) in each period, so to (T/(T + dt))^n; without a time constant at once."""
+    """The gap shrinks by T/(T + dt) in each period, so to (T/(T + dt))^n.
+
+    Without a time constant at once.
+    """
     period, s = 0.005, Filtered()
     share = filter_share(period, time_constant)
     follow(s, 0.0, share)

@@ -1,4 +1,6 @@
-"""Properties of limp modes whatever happens: never more than asked, nothing from a sound car, back after a fault.
+"""Properties of limp modes whatever happens.
+
+Never more than asked, nothing from a sound car, back after a fault.
 
 `EV_CASES=100000 python -m pytest tests/ev_control/shared/test_limp_properties.py` is the long form.
 """
@@ -72,7 +74,10 @@ def commanded(limp: Limping, parts, speed: float, bend: float = 1.0):
 @several
 @given(sequence=sequences, keeps=st.booleans())
 def test_never_more_than_asked_and_never_of_the_other_sign(sequence, keeps):
-    """Whatever is measured; where drives steer, no more than request or difference, and as ever on the brakes."""
+    """Whatever is measured.
+
+    Where drives steer, no more than request or difference, and as ever on the brakes.
+    """
     limp = Limping(keep_difference=keeps)
     for m in sequence:
         limp.measured = m.torque
@@ -90,7 +95,10 @@ def test_never_more_than_asked_and_never_of_the_other_sign(sequence, keeps):
 @several
 @given(sequence=sequences, car=cars, keeps=st.booleans(), name=st.sampled_from(METHODS))
 def test_a_limp_mode_never_gives_more_than_traction_control_alone(sequence, car, keeps, name):
-    """Limits by the sizes, with any motor: what is cut from a wheel is never given to it, nor to the other one."""
+    """Limits by the sizes, with any motor.
+
+    What is cut from a wheel is never given to it, nor to the other one.
+    """
     watch = {
         in_regulator(name, "limp.watch"): True,
         in_regulator(name, "limp.plausibility.keep_difference"): keeps,
@@ -203,7 +211,9 @@ def test_all_drive_is_back_after_a_fault(parts, speed, vehicle, fault, asked):
 )
 @pytest.mark.parametrize("side", [0, 1])
 def test_a_lost_motor_does_not_turn_the_car(asked, more, fault, speed, side):
-    """0.4 s after it: what acts on left and right differs by what was asked, and by what is allowed and half as much.
+    """0.4 s after it.
+
+    What acts on left and right differs by what was asked, and by what is allowed and half as much.
 
     Allowed are 20 N m and a fifth; of a deviation half as large again as that 0.02 s/0.5 and the
     lag are enough. Speeds are those at which 0.7 of the power that a motor takes or gives is enough
@@ -219,7 +229,10 @@ def test_a_lost_motor_does_not_turn_the_car(asked, more, fault, speed, side):
 
 @pytest.mark.parametrize("noise", [8.0, 12.0])
 def test_noise_about_zero_torque_does_not_add_up(noise):
-    """A sensor with half the allowed deviation of 20 N m as its standard deviation: none in 50 s without torque."""
+    """A sensor with half the allowed deviation of 20 N m as its standard deviation.
+
+    None in 50 s without torque.
+    """
     limp = Limping(Motors(noise=noise))
     for _ in range(5000):
         limp.step(NO_WHEELS, Wheels.all(50.0))

@@ -51,7 +51,10 @@ def drives(run, of: str) -> np.ndarray:
     ids=["battery", "voltage", "battery of two motors", "gear", "as shipped at speed"],
 )
 def test_limits_of_a_car_are_no_loss(vehicle, torque, more):
-    """A battery of 15 kW at 20 m/s, a gear that takes 30 %, a car as it is: the request passes to the bit."""
+    """A battery of 15 kW at 20 m/s, a gear that takes 30 %, a car as it is.
+
+    The request passes to the bit.
+    """
     values = pedal(torque, 20.0, **more)
     run = ev_stack.run(
         "step_steer", ["left"], vehicle=vehicle, method=LIMP, set=values, duration=1.8
@@ -75,7 +78,10 @@ def test_a_short_common_fault_leaves_nothing_behind(fault):
 
 
 def test_a_dead_motor_on_the_dry_side_spins_nothing_on_ice():
-    """Launch on split friction, one motor dead from 3 s on: the sound wheel, limited on ice, never turns back."""
+    """Launch on split friction, one motor dead from 3 s on.
+
+    The sound wheel, limited on ice, never turns back.
+    """
     faults = {"plant.faults": ["motor_share front_right 0 from 3"], "asr.limp.watch": True}
     run = ev_stack.run(
         "launch_split_mu",
@@ -90,7 +96,10 @@ def test_a_dead_motor_on_the_dry_side_spins_nothing_on_ice():
 
 
 def test_a_tripped_inverter_with_a_dragging_rotor_is_found():
-    """A dead motor shows some mN m of either sign, as real ones do: it was not found in all 0.6 s."""
+    """A dead motor shows some mN m of either sign, as real ones do.
+
+    It was not found in all 0.6 s.
+    """
     found = {"asr.limp.watch": True}
     run = ev_stack.run("bench_fault", method={"asr": "slip_window"}, set=found, duration=1.15).runs[
         "bench_fault"

@@ -1,4 +1,7 @@
-"""Friction of the road from side forces: on the planar plant on snow and asphalt, and on a car of linear tyres."""
+"""Friction of the road from side forces.
+
+On the planar plant on snow and asphalt, and on a car of linear tyres.
+"""
 
 from __future__ import annotations
 
@@ -118,7 +121,10 @@ def test_in_a_bend_at_the_limit_the_road_shows(road: str, stiffer: float):
 
 
 def test_on_snow_it_is_known_before_the_car_spins_and_dry_asphalt_never_passes_for_it():
-    """The car has 0.15 rad of sideslip in a sine with dwell at 2.9 s on snow; most of it is to come."""
+    """The car has 0.15 rad of sideslip in a sine with dwell at 2.9 s on snow.
+
+    Most of it is to come.
+    """
     snow, dry = (
         driven("sine_with_dwell", "times_3_5", 1.0, road)
         for road in ("packed_snow_1", "dry_asphalt")

@@ -46,7 +46,9 @@ def lost(front: float | np.ndarray, car: Any, table: EfficiencyMap, both: float)
 
 
 def test_it_finds_what_brute_force_finds():
-    """Maps with random efficiencies, bounds, motors and torques, driving and generating: at most 0.2 % more loss.
+    """Maps with random efficiencies, bounds, motors and torques, driving and generating.
+
+    At most 0.2 % more loss.
 
     Brute force has 2000 points; between those of the first round such a map may hide a dent.
     """
@@ -81,7 +83,10 @@ def test_it_finds_what_brute_force_finds():
 def test_by_the_loss_model_torques_are_as_the_squares_of_gear_and_number_allow(
     of_driveline, front, both
 ):
-    """Copper loss alone, sum k T^2/(n i^2): shares as n i^2. To the width of the last round, 4000 N m/16384."""
+    """Copper loss alone, sum k T^2/(n i^2): shares as n i^2.
+
+    To the width of the last round, 4000 N m/16384.
+    """
     copper = replace(FOUR.motor, inverter_torque_loss=0.0)
     car = namespace(car_numbers(replace(unequal(**of_driveline), motor=copper)))
     found = front_torque(car, NO_MAP, SPEED, both, FAR, FAR)
@@ -89,7 +94,9 @@ def test_by_the_loss_model_torques_are_as_the_squares_of_gear_and_number_allow(
 
 
 def test_one_motor_drives_alone_up_to_the_switching_torque():
-    """P_0 + k T^2 < 2 P_0 + k T^2/2 up to T = sqrt(2 P_0/k), 141 N m at the shaft; then both do the same.
+    """P_0 + k T^2 < 2 P_0 + k T^2/2 up to T = sqrt(2 P_0/k), 141 N m at the shaft.
+
+    Then both do the same.
 
     5 % beside it the choice is clear in spite of the map's steps of 1 N m.
     """

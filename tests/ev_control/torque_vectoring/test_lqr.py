@@ -17,7 +17,10 @@ TYRES = SingleTrackParameters(front_cornering_stiffness=180e3, rear_cornering_st
 
 @pytest.mark.parametrize("car", [DISSERTATION, ZHILEYKIN], ids=lambda car: car.name)
 def test_gains_are_those_of_the_riccati_equation(car):
-    """Every speed of the schedule, ahead and in reverse; beyond 29 m/s this car is unstable by itself."""
+    """Every speed of the schedule, ahead and in reverse.
+
+    Beyond 29 m/s this car is unstable by itself.
+    """
     gains = lqr_gains(P, TYRES, car, PERIOD)
     for row in range(2 * SPEEDS):
         speed = SPEED_STEP * (row % SPEEDS) * (1.0 if row < SPEEDS else -1.0)

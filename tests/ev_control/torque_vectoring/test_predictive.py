@@ -28,7 +28,10 @@ def solved(
 
 @pytest.mark.parametrize("condition", [1.0, 1e4, 1e8])
 def test_programs_are_solved_as_by_daqp(condition: float):
-    """100 random ones from any start; some unknowns have no room at all. At 1e8 they differ by 1e-12."""
+    """100 random ones from any start; some unknowns have no room at all.
+
+    At 1e8 they differ by 1e-12.
+    """
     for hessian, slope, low, high, start in programs(condition):
         assert solved(hessian, slope, low, high, start) == pytest.approx(
             by_daqp(hessian, slope, low, high), abs=1e-10
@@ -52,7 +55,10 @@ DEGENERATE = {
 
 @pytest.mark.parametrize("name", DEGENERATE)
 def test_degenerate_programs_are_solved_as_by_daqp(name: str):
-    """Equal to rounding, from within, from either bound and from beyond it: no unknown is left where it began."""
+    """Equal to rounding, from within, from either bound and from beyond it.
+
+    No unknown is left where it began.
+    """
     hessian, slope, low, high = DEGENERATE[name]
     wanted = by_daqp(hessian, slope, low, high)
     for start in (0.0 * ONES, low, high, low - 1.0, np.where(TILTED > 0.0, low, high)):
@@ -93,14 +99,20 @@ def moment(lateral: float, yaw: float, ahead: float, most: float, speed: float =
 
 @pytest.mark.parametrize("speed", [5.0, 20.0, -10.0])
 def test_within_its_bounds_it_is_the_regulator(speed: float):
-    """The cost behind the horizon is that of the endless one; at speeds of the schedule nothing is interpolated."""
+    """The cost behind the horizon is that of the endless one.
+
+    At speeds of the schedule nothing is interpolated.
+    """
     for lateral, yaw in ((0.1, 0.0), (0.0, 0.05), (-0.2, 0.1)):
         wanted = lqr_moment(gains(), speed, lateral, yaw)
         assert moment(lateral, yaw, 500.0, 1e6, speed) == pytest.approx(wanted, rel=1e-8)
 
 
 def test_at_its_bound_it_stays_there_with_what_is_fed_ahead():
-    """1000 N m at most, of which 300 N m are fed ahead: 700 N m are left to the left, -1300 N m to the right."""
+    """1000 N m at most, of which 300 N m are fed ahead.
+
+    700 N m are left to the left, -1300 N m to the right.
+    """
     assert moment(0.0, -0.5, 300.0, 1000.0) == pytest.approx(700.0, rel=1e-12)
     assert moment(0.0, 0.5, 300.0, 1000.0) == pytest.approx(-1300.0, rel=1e-12)
 

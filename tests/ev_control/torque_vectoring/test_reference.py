@@ -46,7 +46,10 @@ def settled(
 
 @pytest.mark.parametrize("speed", [3.0, 20.0, -20.0])
 def test_neutral_turns_by_geometry(speed):
-    """The rate u delta/L: wheels to the left turn the car to the left ahead and to the right in reverse."""
+    """The rate u delta/L.
+
+    Wheels to the left turn the car to the left ahead and to the right in reverse.
+    """
     assert settled(Reference.NEUTRAL, speed, 0.01).yaw_rate == pytest.approx(
         speed * 0.01 / 2.7, rel=1e-9
     )
@@ -70,7 +73,10 @@ def test_understeer_is_that_of_its_gradient_in_the_linear_part():
 @pytest.mark.parametrize("angle", [0.0, 0.01, 0.03, 0.05, 0.07])
 @pytest.mark.parametrize("speed", [2.0, 8.0, 40.0])
 def test_the_angle_of_the_designed_acceleration_is_the_drivers(speed, angle):
-    """The characteristic turned round: delta = L a/u^2 + K a, and beyond a_1 K a_1 - K (a_2 - a_1) ln(1 - use)."""
+    """The characteristic turned round.
+
+    delta = L a/u^2 + K a, and beyond a_1 K a_1 - K (a_2 - a_1) ln(1 - use).
+    """
     largest = 0.9 * GRIP
     a = designed_acceleration(P, 2.7 / (speed * speed), angle, largest)
     linear = 0.5 * largest
@@ -97,7 +103,10 @@ def test_limits_of_sideslip_have_an_order():
 
 
 def test_a_car_of_the_wanted_gradient_needs_no_moment():
-    """K = m_1/C_1 - m_2/C_2 of the car itself: M_z = 0, and v = b r - m_2 u^2 r/C_2 by its rear axle."""
+    """K = m_1/C_1 - m_2/C_2 of the car itself.
+
+    M_z = 0, and v = b r - m_2 u^2 r/C_2 by its rear axle.
+    """
     tyres = SingleTrackParameters(front_cornering_stiffness=100e3, rear_cornering_stiffness=150e3)
     car, u = replace(CAR, centre_of_mass_to_rear_axle=1.5), 20.0
     front, rear = car.mass * 1.5 / 2.7, car.mass * 1.2 / 2.7

@@ -71,13 +71,19 @@ ALIKE, SLIPPERY = [2000.0] * 4, [LEAST_GRIP, 2000.0, LEAST_GRIP, 2000.0]
 )
 @pytest.mark.parametrize("moment_weight", [1e-3, 1.0, 1e3])
 def test_degenerate_demands_get_the_torques_of_daqp(total, moment, grip, most, moment_weight):
-    """Equal wheels, none or all of them at their bounds at once. To 1e-6 N m: the weight of the demands is 1e4."""
+    """Equal wheels, none or all of them at their bounds at once.
+
+    To 1e-6 N m: the weight of the demands is 1e4.
+    """
     d = demand(total, moment, grip, [-most] * 4, [most] * 4, moment_weight=moment_weight)
     assert bounded_least_squares(d) == pytest.approx(tuple(optimum(d)), abs=1e-6)
 
 
 def test_without_bounds_both_demands_are_met_with_the_least_use_of_grip():
-    """Both are met to 1/weight of all grip. On equal wheels a drive torque is shared equally, a moment by the arms."""
+    """Both are met to 1/weight of all grip.
+
+    On equal wheels a drive torque is shared equally, a moment by the arms.
+    """
     d = demand(800.0, 1000.0, [2000.0] * 4, [-1e4] * 4, [1e4] * 4, weight=1e8)
     u = bounded_least_squares(d)
     assert sum(u) == pytest.approx(800.0, abs=1e-3)
@@ -96,7 +102,10 @@ def test_a_wheel_on_ice_is_given_little_and_the_others_make_up_for_it():
 
 @pytest.mark.parametrize(("moment_weight", "keeps_moment"), [(1e3, True), (1e-3, False)])
 def test_where_both_do_not_fit_the_weights_decide(moment_weight, keeps_moment):
-    """1000 N m to drive and as much as the same motors of 300 N m could turn with alone: 2880 N m."""
+    """1000 N m to drive and as much as the same motors of 300 N m could turn with alone.
+
+    2880 N m.
+    """
     d = demand(1000.0, 2880.0, [2000.0] * 4, [-300.0] * 4, [300.0] * 4, 1e6, moment_weight)
     u = bounded_least_squares(d)
     missing = (1000.0 - sum(u)) / 1000.0, (2880.0 - np.dot(ARM, u)) / 2880.0

@@ -1,4 +1,7 @@
-"""Methods of the role asr that break the contract, each in one way; not registered, so that no list shows them."""
+"""Methods of the role asr that break the contract, each in one way.
+
+Not registered, so that no list shows them.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""All built-in methods keep the contract, as they come; the other tests here go through their parameters."""
+"""All built-in methods keep the contract, as they come.
+
+The other tests here go through their parameters.
+"""
 
 from __future__ import annotations
 

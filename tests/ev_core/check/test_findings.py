@@ -51,7 +51,10 @@ def test_a_good_method_passes():
     ("factory", "finding"), FINDINGS, ids=[getattr(bad, "__name__", "law") for bad, _ in FINDINGS]
 )
 def test_what_is_wrong_is_found(factory, finding):
-    """It comes first; others may follow from it: a random answer differs in the mirror and after loading as well."""
+    """It comes first.
+
+    Others may follow from it: a random answer differs in the mirror and after loading as well.
+    """
     assert finding in found_in(factory)[0]
 
 
@@ -192,7 +195,10 @@ def test_values_by_wheel_change_sides():
 
 
 def test_what_names_a_wheel_or_a_side_names_the_other_one():
-    """One by one as in arrays, and in the faults of the car; a wheel that was named alone stayed where it was."""
+    """One by one as in arrays, and in the faults of the car.
+
+    A wheel that was named alone stayed where it was.
+    """
 
     @dataclass(frozen=True, slots=True)
     class Named:

@@ -1,4 +1,7 @@
-"""Every traction control keeps the contract, whatever its parameters are: at random, and in launches."""
+"""Every traction control keeps the contract, whatever its parameters are.
+
+At random, and in launches.
+"""
 
 from __future__ import annotations
 
@@ -129,7 +132,10 @@ def test_the_inputs_reach_every_function(name):
 
 @pytest.mark.parametrize(("name", "changed"), CASES)
 def test_launches_are_limited(name, changed):
-    """The launches of the test above reach the law: it takes torque from a wheel in at least 20 of their steps."""
+    """The launches of the test above reach the law.
+
+    It takes torque from a wheel in at least 20 of their steps.
+    """
     c = configured(name, **changed)
     law = create(c.method, c.parameters, c.common.vehicle, c.common.control_period)
     launches = RandomInputs(c.method.reads, SEED, c.common.control_period)

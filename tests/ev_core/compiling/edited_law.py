@@ -1,4 +1,7 @@
-"""A law in cells, as a notebook has them: each may be run again with another number, and the compiled law follows."""
+"""A law in cells, as a notebook has them.
+
+Each may be run again with another number, and the compiled law follows.
+"""
 
 from __future__ import annotations
 

@@ -85,7 +85,10 @@ def configuration_of(folder: Path, text: str) -> Configuration:
 def test_such_a_law_runs_in_plain_python_with_a_note(
     tmp_path: Path, look: str, capfd: pytest.CaptureFixture[str]
 ):
-    """Nodes and offline runs make their part by the same function; a batch, which is for compiled laws, is refused."""
+    """Nodes and offline runs make their part by the same function.
+
+    A batch, which is for compiled laws, is refused.
+    """
     text, line, what = LOOKS[look]
     configuration = configuration_of(tmp_path, text)
     assert is_compiled(configuration)

@@ -148,7 +148,10 @@ def of_math(kind, x, y):
 
 @compilable
 def law(p, s, request: WheelTorqueRequest) -> WheelTorqueCommand:
-    """Hides what it calculates: neither infinity nor NaN leaves these limits, in which max and min give 0 for NaN."""
+    """Hides what it calculates.
+
+    Neither infinity nor NaN leaves these limits, in which max and min give 0 for NaN.
+    """
     s.steps += 1.0
     x = min(max(0.0, calculated(p.kind, p.x, p.y)), 100.0)
     return WheelTorqueCommand(Wheels(x, s.steps, 0.0, 0.0), NO_WHEELS)
@@ -214,7 +217,10 @@ def calls_numba_later(p, request: WheelTorqueRequest) -> WheelTorqueCommand:
 def test_a_function_of_numba_can_be_called_in_plain_python_after_its_law_was_compiled(
     tmp_path, monkeypatch
 ):
-    """Also where Python has not called it before: it is machine code of its own, not only within its caller."""
+    """Also where Python has not called it before.
+
+    It is machine code of its own, not only within its caller.
+    """
     monkeypatch.setattr(code_store, "cache_folder", lambda: tmp_path)  # so that it is compiled here
     method = Method(
         "asr", "later", Law(calls_numba_later, Parameters), (WheelTorqueRequest,), Parameters

@@ -129,7 +129,10 @@ def test_one_law_with_two_classes_of_parameters_reads_each_where_it_stands():
 
 
 def test_code_that_holds_addresses_of_its_process_is_not_kept():
-    """Such as that of a C callback: the next process jumped to where nothing was, and ended by SIGSEGV."""
+    """Such as that of a C callback.
+
+    The next process jumped to where nothing was, and ended by SIGSEGV.
+    """
     space = namespace(BEGIN)
     space["helped"] = cfunc(float64(float64))(lambda x: 2.0 * x)
     compiled, plain = answers(space)

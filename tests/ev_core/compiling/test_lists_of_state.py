@@ -1,4 +1,6 @@
-"""Parts of a state by other names: what is not refused means the same with lists of Python as with numbers in a row.
+"""Parts of a state by other names.
+
+What is not refused means the same with lists of Python as with numbers in a row.
 
 Records of numpy stand for compiled code here: they copy, slice and count as it does, and nothing
 has to be compiled.

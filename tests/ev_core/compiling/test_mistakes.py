@@ -217,7 +217,10 @@ def test_a_mistake_is_one_line(tmp_path: Path, name: str):
 def test_what_a_compiled_law_raises_ends_the_run_with_its_line(
     tmp_path: Path, text: str, message: str
 ):
-    """Plain Python takes the step again, and has the line; of what divides by zero as well, which is NaN compiled."""
+    """Plain Python takes the step again, and has the line.
+
+    Of what divides by zero as well, which is NaN compiled.
+    """
     file = law_file(tmp_path, text)
     with pytest.raises(LawError, match=re.escape(f"at 0 s: {file}, {message}")) as raised:
         ev_stack.run("shchur2019", method={"asr": str(file)}, duration=0.1)

@@ -50,7 +50,10 @@ def driven(space: dict[str, Any]) -> float:
 @pytest.mark.slow
 @pytest.mark.parametrize("made", MADE)
 def test_a_constant_acts_that_numba_has_frozen(made: str, monkeypatch: pytest.MonkeyPatch):
-    """GAIN 1, then 2, each in a new object of the law, and once more from disk; Python has called it before."""
+    """GAIN 1, then 2, each in a new object of the law, and once more from disk.
+
+    Python has called it before.
+    """
     module = ModuleType("numba_cells")
     jitclass = "from numba.experimental import jitclass\n"
     exec(

@@ -67,7 +67,10 @@ def test_a_touch_without_its_names_is_not_used(
 
 
 def test_no_other_file_touches_it():
-    """Others import what is documented: carray, cfunc, njit, types. Symbols of ELF files are not numba's."""
+    """Others import what is documented: carray, cfunc, njit, types.
+
+    Symbols of ELF files are not numba's.
+    """
     inside = re.compile(
         r"numba\.(core|cpython|np|experimental)|_impl_cache|\._library\b|\._cache\b|c_helpers"
     )

@@ -125,7 +125,10 @@ def test_a_text_of_one_meaning_is_compiled(tmp_path):
 
 
 def test_what_older_rules_have_let_pass_is_checked_again(tmp_path, monkeypatch):
-    """Code on disk is not: that of a law of a user has the rules in its key. Ours is looked at by the suite."""
+    """Code on disk is not: that of a law of a user has the rules in its key.
+
+    Ours is looked at by the suite.
+    """
     file = tmp_path / "my_law.py"
     file.write_text(f"{HEAD}{ACCEPTED}{TAIL}")
     mine, ours = configure("asr", {"method": str(file)}), configure("asr", {"method": "pi_slip"})

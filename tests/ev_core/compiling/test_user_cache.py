@@ -53,7 +53,10 @@ def folder(monkeypatch, **named: Path) -> Path:
 
 
 def test_it_is_the_users_own(tmp_path, monkeypatch):
-    """Made with mode 0700; a name of its own goes before that of the desktop, and this before the home."""
+    """Made with mode 0700.
+
+    A name of its own goes before that of the desktop, and this before the home.
+    """
     assert folder(monkeypatch, HOME=tmp_path) == tmp_path / ".cache" / "ev_stack"
     assert (
         folder(monkeypatch, HOME=tmp_path, XDG_CACHE_HOME="relative")
@@ -182,7 +185,10 @@ def test_damaged_files_are_named_and_made_again(tmp_path):
 
 
 def test_the_fingerprint_changes_with_all_that_is_reached():
-    """Defaults and what a module is asked for as well: in a folder of all checkouts the old numbers would come back."""
+    """Defaults and what a module is asked for as well.
+
+    In a folder of all checkouts the old numbers would come back.
+    """
 
     def text(default: float, constant: float, array: object) -> str:
         module = type(sys)("some_tyre")

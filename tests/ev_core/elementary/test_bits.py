@@ -24,7 +24,10 @@ DIGEST = "d5772117bf6ae446"
 
 
 def test_results_are_those_of_every_other_machine():
-    """The digest of 22 000 results, once written down; the C library's own change with what the processor can do."""
+    """The digest of 22 000 results, once written down.
+
+    The C library's own change with what the processor can do.
+    """
     generator = random.Random(1)
     results = []
     for name in (*ONE, "remainder", "fmod", *TWO):

@@ -1,4 +1,7 @@
-"""The functions without branches: as exact as they say within their ranges, and with the same bits compiled."""
+"""The functions without branches.
+
+As exact as they say within their ranges, and with the same bits compiled.
+"""
 
 from __future__ import annotations
 

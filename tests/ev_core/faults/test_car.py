@@ -50,7 +50,10 @@ def test_a_sound_car_runs_straight():
 
 @pytest.mark.parametrize(("side", "sign"), [("left", 1.0), ("right", -1.0)])
 def test_a_dead_motor_turns_the_car_to_its_own_side(side, sign):
-    """The other one pushes its side ahead; with the wheels held straight the yaw moment is d/2 of its force."""
+    """The other one pushes its side ahead.
+
+    With the wheels held straight the yaw moment is d/2 of its force.
+    """
     run = driven(f"motor_share {side} 0 from 1")
     assert not of(run, "twist.yaw_rate")[:101].any()
     assert abs(effort(run, f"front_{side}")[110:]).max() < GONE
@@ -96,7 +99,10 @@ def test_an_inverter_trips_and_stays_off_until_the_fault_ends():
 
 
 def test_a_delayed_inverter_does_the_same_later():
-    """The first 0.2 s it has heard nothing; then its command is that of 0.2 s ago, the lags being the same."""
+    """The first 0.2 s it has heard nothing.
+
+    Then its command is that of 0.2 s ago, the lags being the same.
+    """
     run = driven("inverter_delay front 0.2")
     command = of(run, "torque_command.drive.front_left")
     assert not effort(run, "front_left")[:20].any()
@@ -105,7 +111,10 @@ def test_a_delayed_inverter_does_the_same_later():
 
 
 def test_the_battery_limits_both_alike():
-    """A cut-off leaves no drive torque; a share of the limits leaves a share of the power at most."""
+    """A cut-off leaves no drive torque.
+
+    A share of the limits leaves a share of the power at most.
+    """
     cut = driven("battery_share battery 0 from 1")
     for wheel in ("front_left", "front_right"):
         assert abs(effort(cut, wheel)[110:]).max() < GONE

@@ -1,4 +1,7 @@
-"""Faults of numbers in messages, one by one, in frames without a graph; compiled they are the same."""
+"""Faults of numbers in messages, one by one, in frames without a graph.
+
+Compiled they are the same.
+"""
 
 from __future__ import annotations
 
@@ -142,7 +145,10 @@ def test_chance_is_that_of_the_seed():
 
 @pytest.mark.parametrize("kind", [kind for kind in OF_SIGNALS if kind != "tilted"])
 def test_what_is_shown_is_what_its_message_carries(kind):
-    """Numbers of single precision and others, also in each other's place: else the ways of running would differ."""
+    """Numbers of single precision and others, also in each other's place.
+
+    Else the ways of running would differ.
+    """
     where = "battery.voltage,twist.longitudinal" if kind == "swapped" else "battery"
     text = f"{kind} {where}{' 0.1' if OF_SIGNALS[kind].has_value else ''} from 0.03"
     for compiled in (False, True):
@@ -151,7 +157,10 @@ def test_what_is_shown_is_what_its_message_carries(kind):
 
 
 def test_two_faults_of_the_same_text_have_random_numbers_of_their_own():
-    """The sum of two has sqrt(2) of the deviation and not twice; the first one is what it is alone."""
+    """The sum of two has sqrt(2) of the deviation and not twice.
+
+    The first one is what it is alone.
+    """
     text, steps = "noisy imu.yaw_rate 0.5", 2000
     one, two, sound = (
         struck(*texts, steps=steps)[:, PLACE[YAW]] for texts in ((text,), (text, text), ())

@@ -1,4 +1,7 @@
-"""Several faults in one graph: the same bits in all ways of running, whatever the network loses besides."""
+"""Several faults in one graph.
+
+The same bits in all ways of running, whatever the network loses besides.
+"""
 
 from __future__ import annotations
 
@@ -82,7 +85,10 @@ def test_a_restart_keeps_the_last_answer_and_then_forgets():
 
 
 def test_a_network_that_loses_messages_changes_nothing():
-    """Losses and repetitions of the transport are made good by lockstep; the losses that are declared are not."""
+    """Losses and repetitions of the transport are made good by lockstep.
+
+    The losses that are declared are not.
+    """
     network = FakeNetwork(configurations(), 100, seed=1, faults=Faults(0.1, 0.1, 0.001))
     network.begin()
     network.run()

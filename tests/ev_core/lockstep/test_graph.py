@@ -1,4 +1,7 @@
-"""The declared graph: order within a step, what is refused when it is built, and what a method has to hear."""
+"""The declared graph.
+
+Order within a step, what is refused when it is built, and what a method has to hear.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +41,10 @@ def graph(*roles: Role) -> dict[str, Role]:
 
 
 def test_the_chain_of_the_design():
-    """design.md: driver -> electronic_differential -> asr -> plant; plant and column speak first."""
+    """design.md: driver -> electronic_differential -> asr -> plant.
+
+    Plant and column speak first.
+    """
     answering = ("driver", "electronic_differential", "asr", "inverter_gateway")
     assert step_order(ROLES) == answering
     assert sequence(ROLES) == (

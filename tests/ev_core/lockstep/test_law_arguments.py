@@ -133,7 +133,10 @@ def test_a_choice_is_compared_with_its_member(law, side, right):
 
 
 def test_a_truth_value_lasts_between_steps(law):
-    """Once a wheel has turned the limit is half, also when it stands again; in a row of the state true is 1."""
+    """Once a wheel has turned the limit is half, also when it stands again.
+
+    In a row of the state true is 1.
+    """
     made = made_of(law, is_soft=True)
     limits = [
         made.step(Instant(0.0), REQUEST, wheels(speed)).drive.front_left

@@ -104,7 +104,10 @@ def test_the_name_of_another_module_is_taken_and_a_cell_may_be_run_again(registe
 
 
 def test_a_module_that_runs_as_a_program_has_its_laws(registered, monkeypatch: pytest.MonkeyPatch):
-    """Under python -m a module of a package is there twice: as a program, and as what the package offers."""
+    """Under python -m a module of a package is there twice.
+
+    As a program, and as what the package offers.
+    """
     for name in ("package.laws", "as_a_program"):
         module = ModuleType(name)
         module.__file__ = "laws.py"
@@ -134,7 +137,10 @@ def test_all_methods_have_places_of_their_own():
 
 
 def test_a_configuration_keeps_its_law(tmp_path: Path):
-    """Under its pace, a parameter, a deep copy; with the file edited, spoiled and gone. A pickle is refused then."""
+    """Under its pace, a parameter, a deep copy; with the file edited, spoiled and gone.
+
+    A pickle is refused then.
+    """
     file = tmp_path / "cart.py"
     file.write_text(HEAD + PLANT)
     one = configure("plant", {"method": str(file)}, MasterParameters)

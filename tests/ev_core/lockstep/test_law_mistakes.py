@@ -1,4 +1,7 @@
-"""Mistakes of a law's author: each is one line with the law, its file and its line, plain and compiled."""
+"""Mistakes of a law's author.
+
+Each is one line with the law, its file and its line, plain and compiled.
+"""
 
 from __future__ import annotations
 
@@ -146,7 +149,10 @@ SHARED = {
 
 @pytest.mark.parametrize("assigned", SHARED)
 def test_lists_of_the_state_are_copied_not_shared(assigned, tmp_path):
-    """Compiled the numbers are copied; in plain Python both names would be one list from then on."""
+    """Compiled the numbers are copied.
+
+    In plain Python both names would be one list from then on.
+    """
     file = tmp_path / "my_law.py"
     text = HEAD + COMPILED.replace(
         "    return WheelTorqueCommand(request.",

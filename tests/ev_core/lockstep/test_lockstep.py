@@ -1,4 +1,7 @@
-"""Lockstep without ROS: steppers on a faulty network give, bit for bit, what the offline runner gives."""
+"""Lockstep without ROS.
+
+Steppers on a faulty network give, bit for bit, what the offline runner gives.
+"""
 
 from __future__ import annotations
 
@@ -84,7 +87,10 @@ LATE_FAULTS = Faults(0.0077129208292797905, 0.174934765026895, 0.002)
 
 @st.composite
 def graphs(draw: st.DrawFn) -> dict[str, Configuration]:
-    """Toys of which each reads what it needs and some of what it may read besides; with or without optional roles."""
+    """Toys of which each reads what it needs and some of what it may read besides.
+
+    With or without optional roles.
+    """
     roles, reads = draw(st.sampled_from((tuple(ROLES), REQUIRED))), {}
     for name in roles:
         readable = [
@@ -142,7 +148,10 @@ def test_without_faults_the_network_gives_what_the_offline_runner_gives(configur
 @settings(max_examples=40)
 @given(graphs(), st.integers(0, 2**32), faults)
 def test_lost_repeated_and_delayed_messages_change_no_bit(configurations, seed, faults):
-    """A lost message costs time, not truth: the master's repetition brings back whatever is missing."""
+    """A lost message costs time, not truth.
+
+    The master's repetition brings back whatever is missing.
+    """
     network = FakeNetwork(configurations, 8, seed, faults)
     network.begin()
     network.run()
@@ -153,7 +162,10 @@ def test_lost_repeated_and_delayed_messages_change_no_bit(configurations, seed, 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_a_scenario_survives_faults_bit_for_bit(seed):
-    """The real methods on the scenario of the paper; one second suffices, for nothing differs between the steps."""
+    """The real methods on the scenario of the paper.
+
+    One second suffices, for nothing differs between the steps.
+    """
     configurations = load_scenario("shchur2019").runs[0].configurations
     network = FakeNetwork(configurations, 100, seed, Faults(0.1, 0.1, 0.001))
     network.begin()
@@ -165,7 +177,10 @@ def test_a_scenario_survives_faults_bit_for_bit(seed):
 @settings(max_examples=40)
 @given(graphs(), st.integers(0, 2**32), faults)
 def test_topics_that_connect_late_change_no_bit(configurations, seed, faults):
-    """Discovery connects each reader to each topic at its own time; what was sent before is lost."""
+    """Discovery connects each reader to each topic at its own time.
+
+    What was sent before is lost.
+    """
     network = FakeNetwork(configurations, 5, seed, faults)
     links = [(role, kind) for role, stepper in network.steppers.items() for kind in stepper.reads]
     chance = random.Random(seed)
@@ -220,7 +235,9 @@ def test_a_restarted_node_lets_the_run_go_on(configurations, role, seed, faults,
 @settings(max_examples=30)
 @given(graphs(), st.integers(0, 2**32), st.integers(0, 300))
 def test_a_retry_leads_to_a_bounded_number_of_messages(configurations, seed, turns):
-    """Repetitions run down the graph only, so a retry ends; counted along the declared order of the roles.
+    """Repetitions run down the graph only, so a retry ends.
+
+    Counted along the declared order of the roles.
 
     A node answers each repeated message of those before it with its last answer, one that
     integrates with the last two; where a step becomes possible it answers once more.
@@ -313,7 +330,10 @@ def test_the_first_of_two_messages_of_one_stamp_counts():
     ],
 )
 def test_what_a_stamp_means_after_the_step_five(stamp, arrival):
-    """Table of docs/lockstep.md: the first stamp of a run begins a new one, and no herald leaves out a step."""
+    """Table of docs/lockstep.md.
+
+    The first stamp of a run begins a new one, and no herald leaves out a step.
+    """
     box = inbox()
     fill(box, 5 * PERIOD)
     box.take(5 * PERIOD)
@@ -476,7 +496,10 @@ STAMPS = st.integers(-2, 12).map(lambda step: step * PERIOD) | st.sampled_from(
 )
 @settings(deadline=None)
 def test_the_protocol_means_the_same_compiled(compiled_inbox, messages, constants, under_way):
-    """It is one text: `Inbox` and a node in Python interpret it, the loop of a node is compiled from it."""
+    """It is one text.
+
+    `Inbox` and a node in Python interpret it, the loop of a node is compiled from it.
+    """
     heralds, followed, lead, may_skip = constants
     ways = []
     for judge_all in (compiled_inbox, compiled_inbox.py_func):
@@ -518,7 +541,10 @@ def test_a_node_that_answers_copies_the_stamp_and_repeats_itself_when_asked():
 
 
 def test_a_node_that_integrates_speaks_first_and_is_one_answer_ahead():
-    """Its state at t_k follows from what it read up to t_k-1 (roles.py); a repetition gives both answers."""
+    """Its state at t_k follows from what it read up to t_k-1 (roles.py).
+
+    A repetition gives both answers.
+    """
     stepper = WatchedStepper(toy("steering_column", (DriverCommand, WheelStates)))
     initial = feed(stepper, 0, WheelStates)
     assert [answer.stamp for answer in initial] == [0]
@@ -609,7 +635,10 @@ def test_realtime_answers_to_no_node_that_is_gone(lost):
 
 
 def test_realtime_goes_on_for_ever_where_it_integrates():
-    """A column keeps its wheel: it has a time of its own, and what it says is no torque of the drives."""
+    """A column keeps its wheel.
+
+    It has a time of its own, and what it says is no torque of the drives.
+    """
     stepper = WatchedStepper(toy("steering_column", (DriverCommand, WheelStates)), may_skip=True)
     feed(stepper, 0)
     answered = [
@@ -662,7 +691,10 @@ def test_realtime_lets_a_node_that_answers_step_once():
 
 
 def test_the_plant_says_first_what_the_others_wait_for():
-    """The driver answers first. A node sleeps until the input that comes last, the one that is published last."""
+    """The driver answers first.
+
+    A node sleeps until the input that comes last, the one that is published last.
+    """
     order = sorted(ROLES["plant"].writes, key=arrival_place)
     assert order[0] is ROLES["driver"].reads[0]
     assert max((WheelStates, BodyVelocity, TireForces), key=arrival_place) is TireForces
@@ -683,7 +715,10 @@ def test_integrating_nodes_are_followed_by_the_master():
 
 
 def test_a_run_can_be_stepped_by_any_period():
-    """Stamps are whole nanoseconds: a third of a millisecond is rounded once and exact from then on."""
+    """Stamps are whole nanoseconds.
+
+    A third of a millisecond is rounded once and exact from then on.
+    """
     network = lossless(toy_graph(period=1e-3 / 3), 7)
     assert network.instants() == [step * 333_333 for step in range(8)]
     assert_each_stepped_once(network)

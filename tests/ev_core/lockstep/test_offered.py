@@ -1,4 +1,7 @@
-"""Reports, studies and sources of installed packages: one line for what is wrong with one of them."""
+"""Reports, studies and sources of installed packages.
+
+One line for what is wrong with one of them.
+"""
 
 from __future__ import annotations
 

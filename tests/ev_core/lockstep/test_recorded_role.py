@@ -1,4 +1,7 @@
-"""A recording of one's own that plays a role: any kind of numbers, whole and in order, or one line."""
+"""A recording of one's own that plays a role.
+
+Any kind of numbers, whole and in order, or one line.
+"""
 
 from __future__ import annotations
 

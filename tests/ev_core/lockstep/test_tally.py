@@ -74,7 +74,10 @@ def test_both_ends_have_the_sum_of_the_definition(steps):
 @settings(deadline=None)
 @given(steps=STEPS, data=st.data())
 def test_changed_numbers_change_the_sum(steps, data):
-    """Also where only signs are turned, numbers change places, or steps do; zero and minus zero are two numbers."""
+    """Also where only signs are turned, numbers change places, or steps do.
+
+    Zero and minus zero are two numbers.
+    """
     others = [list(numbers) for numbers in steps]
     for _ in range(data.draw(st.integers(1, 3))):
         step, place = (

@@ -1,4 +1,7 @@
-"""A library is code: it is chosen on the command line or from Python, and no file can have it loaded."""
+"""A library is code.
+
+It is chosen on the command line or from Python, and no file can have it loaded.
+"""
 
 from __future__ import annotations
 

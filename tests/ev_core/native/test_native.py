@@ -1,4 +1,7 @@
-"""Laws in C and C++ through the interface of ev_laws.h: built with the compiler of this machine, driven, refused."""
+"""Laws in C and C++ through the interface of ev_laws.h.
+
+Built with the compiler of this machine, driven, refused.
+"""
 
 from __future__ import annotations
 

@@ -109,7 +109,10 @@ def test_bad_common_and_further_values_are_refused_by_name(values):
 
 
 def test_the_entries_are_what_ros_declares():
-    """`ros2 param list`: the method and the common part are fixed when the node starts, the rest can be set."""
+    """`ros2 param list`.
+
+    The method and the common part are fixed when the node starts, the rest can be set.
+    """
     entries = {
         entry.name: entry
         for entry in configure(DIFFERENTIAL, {"gamma": 2.0}, MasterParameters).entries()

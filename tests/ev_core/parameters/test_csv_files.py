@@ -1,4 +1,7 @@
-"""Files that parameters name: where they are looked for, efficiency maps, and what is refused in one line."""
+"""Files that parameters name.
+
+Where they are looked for, efficiency maps, and what is refused in one line.
+"""
 
 from __future__ import annotations
 
@@ -135,7 +138,10 @@ def test_the_example_map_is_that_of_the_loss_model():
 
 @pytest.mark.parametrize("initial_speed", [5.0, 0.0])
 def test_a_drive_takes_the_same_energy_with_the_map_as_with_the_loss_model(initial_speed):
-    """Within 1 % between the map's points: accelerating from 5 m/s or from rest, then braking electrically."""
+    """Within 1 % between the map's points.
+
+    Accelerating from 5 m/s or from rest, then braking electrically.
+    """
     loss = {}
     for file in ("", "efficiency_maps/yasa_400.csv"):
         car = plant(class_b(map_file=file), initial_speed=initial_speed)

@@ -1,4 +1,7 @@
-"""Files are data: whatever stands in the place of one is named in one line, and nothing blocks or fills the memory."""
+"""Files are data.
+
+Whatever stands in the place of one is named in one line, and nothing blocks or fills the memory.
+"""
 
 from __future__ import annotations
 
@@ -170,7 +173,10 @@ def scenario_with(folder: Path, node: str, name: str, value: str) -> Path:
 
 @pytest.fixture
 def elsewhere(tmp_path, monkeypatch) -> Path:
-    """A folder with files of all kinds; the working directory is another one, and so is that of the scenario."""
+    """A folder with files of all kinds.
+
+    The working directory is another one, and so is that of the scenario.
+    """
     (tmp_path / "here").mkdir()
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path / "here")

@@ -1,4 +1,7 @@
-"""ROS parameter files: the same values for a node as rclpy gives it, and one line for what is none."""
+"""ROS parameter files.
+
+The same values for a node as rclpy gives it, and one line for what is none.
+"""
 
 from __future__ import annotations
 
@@ -185,5 +188,8 @@ def test_what_is_no_parameter_file_is_one_line(file, text, message):
 
 @pytest.mark.parametrize("text", ["1:30", "-1:30:00", "1:30.5", "!!int 1:30", "1" + ":1" * 300_000])
 def test_a_number_to_the_base_of_sixty_is_a_text_as_for_ros(text: str):
-    """YAML 1.1 takes it for a number, and the work goes with the square of its length: hours for a file of 4 MB."""
+    """YAML 1.1 takes it for a number, and the work goes with the square of its length.
+
+    Hours for a file of 4 MB.
+    """
     assert read_yaml(text) == text.removeprefix("!!int ")

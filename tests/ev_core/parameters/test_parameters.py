@@ -1,4 +1,7 @@
-"""Parameters as data: everything is derived from the field, and what is refused is refused as a whole."""
+"""Parameters as data.
+
+Everything is derived from the field, and what is refused is refused as a whole.
+"""
 
 from __future__ import annotations
 
@@ -130,7 +133,10 @@ def test_what_numpy_holds_besides_is_taken_or_refused_like_the_same_of_python():
 
 
 def test_a_number_becomes_a_float_and_an_array_a_tuple():
-    """YAML and ROS give 3 for 3.0 and lists for arrays; a frozen dataclass keeps hashable values of one type."""
+    """YAML and ROS give 3 for 3.0 and lists for arrays.
+
+    A frozen dataclass keeps hashable values of one type.
+    """
     p = build(Outer, {"gain": 2, "points": [1, 2]})
     assert type(p.gain) is float
     assert [type(point) for point in p.points] == [float, float]
@@ -288,7 +294,10 @@ SETS = {
 
 @pytest.mark.parametrize("of", SETS.values(), ids=SETS)
 def test_every_parameter_of_the_stack_accepts_its_own_default_and_says_its_unit(of):
-    """A default out of range would be refused when it is written down; a number has a unit, a pure one the unit 1."""
+    """A default out of range would be refused when it is written down.
+
+    A number has a unit, a pure one the unit 1.
+    """
     for entry in entries(of):
         assert check(entry, entry.default) == entry.default, entry.name
         assert entry.spec.about, entry.name

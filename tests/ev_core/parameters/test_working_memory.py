@@ -1,4 +1,7 @@
-"""Working memory of a law: an entry has the same meaning in plain Python and compiled, or no such name."""
+"""Working memory of a law.
+
+An entry has the same meaning in plain Python and compiled, or no such name.
+"""
 
 from __future__ import annotations
 

@@ -37,7 +37,10 @@ def frames(role: str, method: str, errors: dict[str, float], steps: int = 0) -> 
 
 @pytest.mark.parametrize("quantity", QUANTITIES, ids=lambda quantity: quantity.name)
 def test_a_bias_shows_in_its_own_numbers_and_nowhere_else(quantity):
-    """A heading shows it as that of a quaternion about the vertical axis; wheels without a circuit have no sensors."""
+    """A heading shows it as that of a quaternion about the vertical axis.
+
+    Wheels without a circuit have no sensors.
+    """
     role = next(role.name for role in ROLES.values() if quantity.signal in role.writes)
     methods = {
         "plant": "planar",

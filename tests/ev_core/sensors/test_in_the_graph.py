@@ -1,4 +1,7 @@
-"""Sensors in whole graphs: what an error does, and that it is the same however the graph is driven."""
+"""Sensors in whole graphs.
+
+What an error does, and that it is the same however the graph is driven.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +41,10 @@ def differing(one: Recording, other: Recording) -> set[str]:
 
 
 def test_an_unread_sensor_changes_its_own_channels_only():
-    """Shchur's laws do not read the imu: truth stays truth, and another sensor's noise stays the same."""
+    """Shchur's laws do not read the imu.
+
+    Truth stays truth, and another sensor's noise stays the same.
+    """
     true = run_offline(graph(), 2.0)
     assert signal_hash(run_offline(graph(seed=5), 2.0)) == signal_hash(true)
     one = run_offline(graph(plant__imu_yaw_rate__noise=0.01), 2.0)
@@ -77,7 +83,10 @@ def test_lost_messages_and_a_reset_do_not_change_what_sensors_show():
 
 
 def test_plant_and_column_read_each_other_as_measured():
-    """The actuator that turns the road wheels trusts its sensor: a bias of the road-wheel angle steers the car."""
+    """The actuator that turns the road wheels trusts its sensor.
+
+    A bias of the road-wheel angle steers the car.
+    """
     values = {"steering_column__road_wheel_angle__bias": 0.01}
     measured = run_offline(graph(**values), 6.0).channels
     speed, yaw_rate = measured["twist.longitudinal"][-1], measured["twist.yaw_rate"][-1]

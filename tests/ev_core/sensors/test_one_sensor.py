@@ -22,7 +22,10 @@ PERIODS = 20_000
 
 
 def test_noise_is_white_and_gaussian_with_its_standard_deviation():
-    """Tolerances of four standard errors: mean 1/sqrt(N), deviation 1/sqrt(2 N), correlation 1/sqrt(N), tail."""
+    """Tolerances of four standard errors.
+
+    Mean 1/sqrt(N), deviation 1/sqrt(2 N), correlation 1/sqrt(N), tail.
+    """
     error = shown(np.full(PERIODS, 5.0), noise=0.2, bias=0.3) - 5.0
     normal = (error - 0.3) / 0.2
     assert abs(normal.mean()) < 4 / math.sqrt(PERIODS)

@@ -25,7 +25,10 @@ from ev_msgs_py.refusal import ParameterError
 
 
 def test_every_published_number_of_plant_and_column_has_one_sensor():
-    """But what is no measurement: the battery's capacity, what is commanded on a bench, its energies, and its bus."""
+    """But what is no measurement.
+
+    The battery's capacity, what is commanded on a bench, its energies, and its bus.
+    """
     unmeasured = {
         BatteryCondition: ["capacity"],
         LoadCommand: ["mode", "speed", "torque"],
@@ -68,7 +71,10 @@ def test_every_sensor_draws_other_numbers():
 
 
 def test_places_are_those_of_the_fields():
-    """Numbers of one sensor stand one after the other; whatever follows from a share stands behind it."""
+    """Numbers of one sensor stand one after the other.
+
+    Whatever follows from a share stands behind it.
+    """
     for quantity in QUANTITIES:
         channels = shape_of(quantity.signal).channels
         names = [

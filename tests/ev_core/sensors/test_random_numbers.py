@@ -79,7 +79,10 @@ def test_no_normal_number_is_infinite():
 
 @pytest.mark.slow
 def test_distributions():
-    """Four standard errors: both normal numbers of a block, their correlation, neighbours, and tails."""
+    """Four standard errors.
+
+    Both normal numbers of a block, their correlation, neighbours, and tails.
+    """
     blocks = np.zeros((COUNT, 6), np.int64)
     blocks[:, 0] = np.arange(COUNT)
     _, numbers = compiled(blocks)

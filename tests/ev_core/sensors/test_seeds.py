@@ -62,7 +62,10 @@ def test_the_seed_moves_each_stream(stream):
 
 
 def test_the_seed_moves_the_road_of_the_urban_cycle():
-    """Its file names the seed of the road; the road comes under the wheels of the car that has pulled away."""
+    """Its file names the seed of the road.
+
+    The road comes under the wheels of the car that has pulled away.
+    """
     first, second, shipped = (
         ev_stack.run("urban_mixed", seed=seed, duration=15.0).hash for seed in (1, 2, None)
     )
@@ -81,7 +84,10 @@ def test_the_seed_moves_the_losses_of_a_bus():
 
 
 def test_without_a_seed_own_ones_are_as_they_are():
-    """No published signal moves; what is not random stays the same object, so that a batch prepares it once."""
+    """No published signal moves.
+
+    What is not random stays the same object, so that a batch prepares it once.
+    """
     assert seeded(ROAD, 0) is ROAD
     assert (
         seeded(RoadParameters(), 7) is not None and seeded(RoadParameters(), 7) == RoadParameters()
@@ -144,7 +150,10 @@ def test_no_two_streams_are_one():
 
 
 def test_roads_of_two_seeds_are_independent():
-    """Shares of the distance on which two roads agree: 0.4^2 + 0.6^2 = 0.52 of 400 segments each, four deviations."""
+    """Shares of the distance on which two roads agree.
+
+    0.4^2 + 0.6^2 = 0.52 of 400 segments each, four deviations.
+    """
     places = np.arange(0.0, 5000.0, 1.0)
     roads = [left_and_right(seeded(ROAD, seed))[0] for seed in range(8)]
     seen = np.array([[road.at(x) == "packed_snow_1" for x in places] for road in roads])
@@ -168,7 +177,10 @@ def test_batches_are_the_runs_one_by_one_whatever_is_random():
 
 
 def test_a_random_fault_alone_differs_by_seed_in_a_batch():
-    """A graph without noise counted as one that no seed moves: three equal runs. A third of the messages is lost."""
+    """A graph without noise counted as one that no seed moves: three equal runs.
+
+    A third of the messages is lost.
+    """
     channel = "wheel_states.velocity.front_left"
     found = ev_stack.batch(
         "double_lane_change",

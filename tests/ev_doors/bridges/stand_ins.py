@@ -14,7 +14,10 @@ _RESULT = {"result": 0, "error_message": ""}
 
 
 class StandIn(SimpleNamespace):
-    """A message: its fields are given, else zero; another field than those of its definition is refused."""
+    """A message: its fields are given, else zero.
+
+    Another field than those of its definition is refused.
+    """
 
     constants: dict[str, int]
     fields: dict[str, Any]

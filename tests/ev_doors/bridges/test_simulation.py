@@ -1,4 +1,7 @@
-"""simulation_interfaces on a running graph: real node, services and time, with stand-ins for its messages."""
+"""simulation_interfaces on a running graph.
+
+Real node, services and time, with stand-ins for its messages.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""A car that Autoware or ackermann_msgs command: a real graph, with stand-ins for their messages."""
+"""A car that Autoware or ackermann_msgs command.
+
+A real graph, with stand-ins for their messages.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""The dashboard beside a run, in a headless Chromium: what it shows, what it asks for, and how it ends."""
+"""The dashboard beside a run, in a headless Chromium.
+
+What it shows, what it asks for, and how it ends.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +29,10 @@ PERIOD = 0.01  # s, of control in shchur2019
 
 
 class Dashboard(NamedTuple):
-    """A dashboard with its run: process, address of the page, and the file with what both print beside the address."""
+    """A dashboard with its run.
+
+    Process, address of the page, and the file with what both print beside the address.
+    """
 
     process: subprocess.Popen
     url: str

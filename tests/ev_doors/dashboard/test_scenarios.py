@@ -1,4 +1,7 @@
-"""The live page of every scenario in a headless Chromium: a lesson at 1280x800 and on a phone, up to its end."""
+"""The live page of every scenario in a headless Chromium.
+
+A lesson at 1280x800 and on a phone, up to its end.
+"""
 
 from __future__ import annotations
 
@@ -76,7 +79,10 @@ def present(run: Run, names: tuple[str, ...]) -> dict[str, Any]:
 
 
 def short(name: str, over: float) -> tuple[Run, tuple[str, ...]]:
-    """The run of a scenario that has most of the lesson, made short, and the lesson; it is over at this time [s]."""
+    """The run of a scenario that has most of the lesson, made short, and the lesson.
+
+    It is over at this time [s].
+    """
     scenario = load_scenario(name, Overrides(duration=SECONDS))
     lesson = scenario.parameters.lesson
     run = max(scenario.runs, key=lambda each: len(present(each, lesson)))
@@ -150,7 +156,10 @@ def test_a_run_may_last_longer_than_the_manoeuvre(fed, browser):
 
 
 def test_a_slider_goes_on_about_the_value_at_its_end(fed, browser):
-    """Gamma of 5 slides from 0 to 10; at 10, to where it was drawn, from 0 to 20; never beyond what is allowed, 50."""
+    """Gamma of 5 slides from 0 to 10.
+
+    At 10, to where it was drawn, from 0 to 20; never beyond what is allowed, 50.
+    """
     run, _ = short("shchur2019", SECONDS)
     shown(fed, browser, run)
     slider = "document.querySelector('#lesson [data-name=gamma] input[type=range]')"

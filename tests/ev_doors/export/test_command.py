@@ -1,4 +1,7 @@
-"""`ev-stack export`: the folder that it leaves, which links by the line in its README, and what it refuses."""
+"""`ev-stack export`.
+
+The folder that it leaves, which links by the line in its README, and what it refuses.
+"""
 
 from __future__ import annotations
 
@@ -143,7 +146,10 @@ def test_a_law_that_needs_a_heap_is_refused(tmp_path):
 
 
 def test_no_compiled_function_of_ours_makes_a_list():
-    """So that every law and every plant can be exported; the text is read, for to compile all of them takes minutes."""
+    """So that every law and every plant can be exported.
+
+    The text is read, for to compile all of them takes minutes.
+    """
     made = []
     for file in (ROOT / "src").glob("*/*/**/*.py"):
         for function in ast.walk(ast.parse(file.read_text())):

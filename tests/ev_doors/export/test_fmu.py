@@ -1,4 +1,7 @@
-"""FMUs of a car and its laws in FMPy, in fmusim and in an importer in C: the numbers of the plain run, to the bit."""
+"""FMUs of a car and its laws in FMPy, in fmusim and in an importer in C.
+
+The numbers of the plain run, to the bit.
+"""
 
 from __future__ import annotations
 
@@ -336,7 +339,10 @@ def test_what_is_refused_is_one_line_in_the_log_and_changes_nothing(made, fmi, c
 
 @pytest.mark.parametrize("fmi", VERSIONS)
 def test_a_clock_that_adds_its_step_goes_on_for_half_an_hour(made, fmi):
-    """1.8 million times 1 ms, which are 3.6e-8 s less than 1800 s then; the outputs are of an instant that is one."""
+    """1.8 million times 1 ms, which are 3.6e-8 s less than 1800 s then.
+
+    The outputs are of an instant that is one.
+    """
     law = Instance(
         made("--only", ROLE, "--set", "*.control_period=0.001", "--fmi", str(fmi), name="int")
     )
@@ -356,7 +362,10 @@ def test_a_clock_that_adds_its_step_goes_on_for_half_an_hour(made, fmi):
     max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 def test_every_clock_of_a_master_is_taken_at_any_start_time(made, fmi, start, counts, adds):
-    """It adds its step, or multiplies it and takes differences; each step is of one period or of several."""
+    """It adds its step, or multiplies it and takes differences.
+
+    Each step is of one period or of several.
+    """
     law = Instance(made("--only", ROLE, "--fmi", str(fmi), name="int"), begins=False)
     law.begin(start)
     done, time = 0, start
@@ -396,7 +405,10 @@ def test_times_that_are_none_are_refused(made, fmi, start, stop, line):
 
 @pytest.mark.parametrize("fmi", VERSIONS)
 def test_no_step_goes_beyond_the_stop_time(made, fmi):
-    """A step past a stop time that is defined is an error; the state is that of before, and may go on to it."""
+    """A step past a stop time that is defined is an error.
+
+    The state is that of before, and may go on to it.
+    """
     law = Instance(made("--only", ROLE, "--fmi", str(fmi), name="int"), begins=False)
     law.begin(1.0, 1.0 + 3 * PERIOD)
     law.step_from(1.0, 2 * PERIOD)
@@ -408,7 +420,10 @@ def test_no_step_goes_beyond_the_stop_time(made, fmi):
 
 @pytest.mark.parametrize("fmi", VERSIONS)
 def test_the_order_of_calls_is_that_of_fmi(made, fmi):
-    """Initialize, step, terminate; a reset leads back to the begin, and a state that was kept into its step."""
+    """Initialize, step, terminate.
+
+    A reset leads back to the begin, and a state that was kept into its step.
+    """
     law = Instance(made("--only", ROLE, "--fmi", str(fmi), name="int"), begins=False)
     refused = pytest.raises(fmpy.fmi1.FMICallException, match="status 3")
     with refused:

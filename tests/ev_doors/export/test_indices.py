@@ -1,4 +1,7 @@
-"""An index out of range or x / 0 in an exported law of one's own: a status, and nothing else of it is touched."""
+"""An index out of range or x / 0 in an exported law of one's own.
+
+A status, and nothing else of it is touched.
+"""
 
 from __future__ import annotations
 

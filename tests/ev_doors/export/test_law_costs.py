@@ -21,7 +21,9 @@ pytestmark = pytest.mark.slow
 
 @pytest.mark.weekly
 def test_a_row_is_that_of_the_page(monkeypatch):
-    """The bytes follow from the pinned compiler; that the answers have the bits of the recording is part of the count.
+    """The bytes follow from the pinned compiler.
+
+    That the answers have the bits of the recording is part of the count.
 
     The page has 20 s of the run, here is the begin, where the law may take other branches; most of
     the instructions are those of the loop, which hang on the C compiler, as its stack does. Between

@@ -1,4 +1,7 @@
-"""An exported law on this and other processors: the bits of the law here, its cost, and what its interface refuses."""
+"""An exported law on this and other processors.
+
+The bits of the law here, its cost, and what its interface refuses.
+"""
 
 from __future__ import annotations
 
@@ -133,7 +136,10 @@ def test_a_board_counts_what_is_executed(content, tmp_path):
 
 
 def test_an_emulator_counts_each_program_for_itself(content, tmp_path):
-    """They run at the same time; a step takes what it takes, and creating, resetting and looking is none."""
+    """They run at the same time.
+
+    A step takes what it takes, and creating, resetting and looking is none.
+    """
     if lacking := missing("arm-linux"):
         pytest.skip(f"{lacking} is not installed")
     words = counted(build_program(content, TARGETS["arm-linux"], tmp_path), tmp_path)

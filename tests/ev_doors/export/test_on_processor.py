@@ -1,4 +1,7 @@
-"""Processor in the loop: a law that runs as a program elsewhere leaves every signal of a run as it is, to the bit."""
+"""Processor in the loop.
+
+A law that runs as a program elsewhere leaves every signal of a run as it is, to the bit.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Rules between parameters hold in an export: what it lets change on its own, a run takes in every combination."""
+"""Rules between parameters hold in an export.
+
+What it lets change on its own, a run takes in every combination.
+"""
 
 from __future__ import annotations
 
@@ -71,7 +74,10 @@ def _made_beforehand(configuration: Configuration) -> list[float]:
 @given(st.data())
 @settings(max_examples=200, deadline=None)
 def test_what_an_export_lets_change_is_part_of_nothing_that_is_made_beforehand(data):
-    """Else setting it would change nothing: the constants in the export are those of its first value."""
+    """Else setting it would change nothing.
+
+    The constants in the export are those of its first value.
+    """
     role, method = data.draw(
         st.sampled_from([each for each in sorted(methods()) if tunables(*each)])
     )

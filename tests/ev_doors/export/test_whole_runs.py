@@ -1,4 +1,7 @@
-"""Whole graphs as programs on three processors have the published hashes; docs/determinism.md has all scenarios."""
+"""Whole graphs as programs on three processors have the published hashes.
+
+docs/determinism.md has all scenarios.
+"""
 
 from __future__ import annotations
 

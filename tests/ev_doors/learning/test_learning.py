@@ -1,4 +1,7 @@
-"""The Gymnasium environments: the checker's rules, the plain run's bits, and what a random agent gets."""
+"""The Gymnasium environments.
+
+The checker's rules, the plain run's bits, and what a random agent gets.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +41,10 @@ DURATION = 0.4
 @pytest.mark.parametrize("name", ev_doors.learning.IDS)
 @pytest.mark.filterwarnings("ignore:.*(Box action space|no `spec`)")
 def test_environments_keep_the_rules_of_gymnasium(name):
-    """Bounds in N m are not -1 to 1, but those of motors and hands: that is all that the checker remarks."""
+    """Bounds in N m are not -1 to 1, but those of motors and hands.
+
+    That is all that the checker remarks.
+    """
     check_env(gymnasium.make(name, duration=DURATION, render_mode="rgb_array").unwrapped)
 
 
@@ -78,7 +84,10 @@ def test_every_channel_of_every_car_has_a_limit(car):
 
 @pytest.mark.parametrize("car", sorted(files_in_config("vehicles")))
 def test_the_bounds_of_torques_are_those_that_the_plant_lets_a_wheel_have(car):
-    """A torque beyond the upper bound is cut to it by the guard, and one at the bound is not: axles may differ."""
+    """A torque beyond the upper bound is cut to it by the guard, and one at the bound is not.
+
+    Axles may differ.
+    """
     scenario, law = "step_steer", {"electronic_differential": "equal_torque"}
     environment = Environment(scenario, run="left", vehicle=car, method=law, duration=1.0)
     plant = environment.simulation.configurations["plant"]
@@ -113,7 +122,10 @@ def test_what_lies_beyond_a_limit_is_observed_as_the_limit():
 
 
 def test_a_picture_shows_the_car_where_it_is():
-    """The body is grey, and longer than it is wide: along the picture, and up where it has turned by 90 deg."""
+    """The body is grey, and longer than it is wide.
+
+    Along the picture, and up where it has turned by 90 deg.
+    """
     for heading, along in ((0.0, 1), (math.pi / 2.0, 0)):
         still = {"plant.initial_heading": heading}
         environment = Environment("double_lane_change", render_mode="rgb_array", set=still)

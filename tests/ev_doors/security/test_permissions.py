@@ -48,7 +48,10 @@ def test_nodes_need_no_more_than_the_policy_allows(seen):
 
 
 def test_the_policy_allows_no_service_without_a_node_and_no_topic_without_a_writer(seen):
-    """Methods read less than their role may; services and written topics are those of the node itself."""
+    """Methods read less than their role may.
+
+    Services and written topics are those of the node itself.
+    """
     used, _, _ = seen
     for node, each in used.items():
         assert ALLOWED[node].serves == each.serves
@@ -96,7 +99,10 @@ def test_policy_file_has_one_enclave_per_node_with_its_topics():
 
 
 def test_no_node_answers_questions_about_types(seen):
-    """A thread of the middleware that does crashed while a node was starting; config/fastdds.xml forbids it."""
+    """A thread of the middleware that does crashed while a node was starting.
+
+    config/fastdds.xml forbids it.
+    """
     _, _, threads = seen
     assert any(name.startswith("dds.") for name in threads)
     assert not any(name.startswith("dds.tls") for name in threads)

@@ -1,4 +1,7 @@
-"""Whatever is started listens on this machine alone: all sockets of all its processes, and a stranger tries them."""
+"""Whatever is started listens on this machine alone.
+
+All sockets of all its processes, and a stranger tries them.
+"""
 
 from __future__ import annotations
 
@@ -270,7 +273,10 @@ print([channel.receive() is not None for channel in channels], flush=True)
 
 
 def test_a_stranger_finds_what_is_open_and_is_heard_where_the_user_says_so(network):
-    """Sockets at all addresses are found; `bus.address` puts the bus on the network of that address."""
+    """Sockets at all addresses are found.
+
+    `bus.address` puts the bus on the network of that address.
+    """
     if isinstance(network, NoNamespaces):
         pytest.skip(f"a stranger on another machine was not tried: {network}")
     words = [*network.inside, sys.executable, "-c", LISTENER]

@@ -1,4 +1,7 @@
-"""The declared signals: every field says its unit, its meaning and its place once, and the table is complete."""
+"""The declared signals.
+
+Every field says its unit, its meaning and its place once, and the table is complete.
+"""
 
 from __future__ import annotations
 
@@ -60,7 +63,10 @@ def test_a_signal_with_an_undescribed_field_cannot_be_declared():
 
 
 def test_names_are_relative_and_channels_are_unique():
-    """Relative, so that a scenario can put several cars side by side; a channel is a key of signals.npz."""
+    """Relative, so that a scenario can put several cars side by side.
+
+    A channel is a key of signals.npz.
+    """
     names = [topic.name for topic in TOPICS.values()]
     channels = [channel for topic in TOPICS.values() for channel in topic.channels]
     assert not [name for name in names if name.startswith(("/", "~"))]
@@ -100,7 +106,10 @@ def test_a_signal_of_too_few_numbers_is_none(topic):
     )
 )
 def test_single_precision_rounds_to_nearest_and_only_once(values):
-    """The independent opinion is numpy's float32; a signal that was carried before comes through unchanged."""
+    """The independent opinion is numpy's float32.
+
+    A signal that was carried before comes through unchanged.
+    """
     shape = shape_of(BatteryCondition)
     carried = shape.carried(values)
     assert (

@@ -1,4 +1,7 @@
-"""Every topic through its real ROS message: nothing is lost, and what is wrong is refused in one clear line."""
+"""Every topic through its real ROS message.
+
+Nothing is lost, and what is wrong is refused in one clear line.
+"""
 
 from __future__ import annotations
 
@@ -150,7 +153,10 @@ def test_numbers_come_back_bit_for_bit(topic, data):
 @settings(max_examples=20)
 @given(data=st.data())
 def test_packing_gives_the_bytes_of_rclpy(topic, data):
-    """The same bytes, but for padding between the fields and behind them: rclpy leaves it to chance, we write zeros."""
+    """The same bytes, but for padding between the fields and behind them.
+
+    Rclpy leaves it to chance, we write zeros.
+    """
     values, stamp = data.draw(numbers_of(topic)), data.draw(stamp_values)
     ours, message = packed(topic, values, stamp), message_of(topic, values, stamp)
     theirs = serialize_message(message)
@@ -372,7 +378,10 @@ def test_huge_finite_numbers_are_not_taken_for_infinite(topic):
 @settings(max_examples=30)
 @given(data=st.data())
 def test_what_cannot_be_read_is_refused_in_one_line(topic, data):
-    """Cut off, prolonged, with other bytes in it or big-endian: a node must survive whatever a stranger sends."""
+    """Cut off, prolonged, with other bytes in it or big-endian.
+
+    A node must survive whatever a stranger sends.
+    """
     message = bytearray(packed(topic, ordinary(topic)))
     cut = data.draw(st.integers(0, len(message)))
     spoilt = bytes(message[:cut]) + data.draw(st.binary(max_size=40))

@@ -115,7 +115,10 @@ SILENCE = 0.5  # s; a node announces itself every 0.1 s, or more often
 
 
 def test_a_node_goes_on_announcing_itself_when_the_time_of_day_is_set_back(tmp_path):
-    """Its thread of timed events would wait for an hour; where that happened to all, they did not find each other."""
+    """Its thread of timed events would wait for an hour.
+
+    Where that happened to all, they did not find each other.
+    """
     try:
         of_the_node = TimeOfDay(tmp_path)
     except Skipped as reason:

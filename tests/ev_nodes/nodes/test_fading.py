@@ -1,4 +1,7 @@
-"""A torque command fades with its age: nothing of it acts behind the instant that is promised, to the nanosecond."""
+"""A torque command fades with its age.
+
+Nothing of it acts behind the instant that is promised, to the nanosecond.
+"""
 
 import time
 from fractions import Fraction
@@ -32,7 +35,10 @@ def share_at(age: int, wall_age: float, period: int, p: MasterParameters) -> flo
 @example(10_000_000, 9, 10, 0.02)  # 0.1 s - 0.09 s - 0.01 s is 8.7e-18 s in floats
 @example(10_000_000, 9, 10, 0.0)
 def test_nothing_acts_in_a_step_that_ends_when_the_command_is_too_old(period, steps, allowed, ramp):
-    """The share is the time left over the ramp, counted in whole nanoseconds; without a ramp it is all or nothing."""
+    """The share is the time left over the ramp, counted in whole nanoseconds.
+
+    Without a ramp it is all or nothing.
+    """
     p = MasterParameters(command_timeout=allowed * period / NANOSECONDS, command_ramp=ramp)
     left = (allowed - steps - 1) * period
     share = share_at(steps * period, 0.0, period, p)

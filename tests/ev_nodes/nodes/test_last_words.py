@@ -57,7 +57,10 @@ def test_at_the_end_of_real_time_the_master_stays_until_the_recorder_has_everyth
 
 
 def test_what_a_part_notes_of_its_last_steps_reaches_the_runner(monkeypatch):
-    """A part is asked every 0.1 s, in which a run in lockstep goes on by seconds: what it noted last was lost."""
+    """A part is asked every 0.1 s, in which a run in lockstep goes on by seconds.
+
+    What it noted last was lost.
+    """
     reports = NodeReports("/ev")
     monkeypatch.setenv(RUNNER_LINE, reports.line("plant")[0])
     with ros_domain() as context:

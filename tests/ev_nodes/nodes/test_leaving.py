@@ -1,4 +1,7 @@
-"""Nodes of a runner leave the graph without a word; what says goodbye can lock up others that remove it."""
+"""Nodes of a runner leave the graph without a word.
+
+What says goodbye can lock up others that remove it.
+"""
 
 import os
 import signal

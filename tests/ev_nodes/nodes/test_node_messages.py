@@ -193,7 +193,10 @@ def test_a_stamp_of_no_step_that_can_come_is_reported_once_and_changes_nothing(l
 
 
 def test_a_graph_with_another_period_is_reported(law):
-    """The driver leaves out the step that is due, as it does if its steps are twice as long: it will never come."""
+    """The driver leaves out the step that is due, as it does if its steps are twice as long.
+
+    It will never come.
+    """
     law.say(2 * PERIOD, DRIVER)
     law.run(lambda: law.probe.reports)
     (report,) = law.probe.reports
@@ -259,7 +262,10 @@ def test_ordinary_steps_are_taken_in_compiled_code_and_others_in_python(law, mon
 
 
 def test_an_answered_stamp_cannot_be_rewritten(law):
-    """The driver is before the law: its repeated stamp asks for the answer again, whatever it says now."""
+    """The driver is before the law.
+
+    Its repeated stamp asks for the answer again, whatever it says now.
+    """
     law.say(0.0, DriverCommand(-5.0, 0.0, 0.0))
     law.run(lambda: len(law.heard) == 2)
     assert [to_seconds(stamp) for stamp, _ in law.heard] == [0.0, 0.0]
@@ -303,7 +309,10 @@ def command_while(plant: Bench, until: Callable[[], bool], **spoil: Any) -> int:
 
 
 def test_a_command_fades_until_it_is_as_old_as_may_be_and_drives_again_when_it_is_back(plant):
-    """A state shows the torque of the period before it: 50 N m up to 0.08 s, 25 N m up to 0.09 s, none at 0.1 s."""
+    """A state shows the torque of the period before it.
+
+    50 N m up to 0.08 s, 25 N m up to 0.09 s, none at 0.1 s.
+    """
     last = command_while(plant, lambda: len(driven(plant)) >= 5)
     plant.run(lambda: plant.heard[-1][0] > last + from_seconds(0.3))
     efforts = {

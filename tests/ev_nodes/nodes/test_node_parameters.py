@@ -1,4 +1,7 @@
-"""Parameters of the nodes: described with unit and range, changed as a whole and live, or refused with a reason."""
+"""Parameters of the nodes.
+
+Described with unit and range, changed as a whole and live, or refused with a reason.
+"""
 
 from collections.abc import Iterator
 from typing import Any
@@ -195,7 +198,10 @@ def no_type(name: str, kind: int) -> ParameterMessage:
 
 
 def test_no_request_of_any_service_ends_a_node_or_is_done_by_half(law):
-    """A type that is none, names that are none, of one and of several values; and what a callback itself raises."""
+    """A type that is none, names that are none, of one and of several values.
+
+    And what a callback itself raises.
+    """
     frequency = law.configuration.parameters.natural_frequency
     good = Parameter("natural_frequency", value=9.0).to_parameter_msg()
     for kind in (10, 77, 255):

@@ -1,4 +1,7 @@
-"""Nodes as executables: Ctrl-C ends them in peace, and what is wrong is one line and exit status 1."""
+"""Nodes as executables.
+
+Ctrl-C ends them in peace, and what is wrong is one line and exit status 1.
+"""
 
 import os
 import signal

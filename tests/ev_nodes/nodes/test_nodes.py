@@ -93,7 +93,10 @@ def test_a_stranger_on_every_topic_changes_nothing_and_is_named_once_by_each_nod
 
 
 def test_sensors_show_the_same_over_dds_as_offline(tmp_path):
-    """Noise, bias, quantisation, delay and drop-out in every sensor of plant and column; the seed decides."""
+    """Noise, bias, quantisation, delay and drop-out in every sensor of plant and column.
+
+    The seed decides.
+    """
     errors = {"noise": 0.01, "bias": -0.01, "quantisation": 1e-3, "delay": 2, "dropout": 0.1}
     values = {
         f"{role}__sensors.{quantity.name}.{error}": value
@@ -112,7 +115,10 @@ def test_sensors_show_the_same_over_dds_as_offline(tmp_path):
 
 
 def test_equal_hashes_say_something():
-    """Hashes that are always equal would prove nothing: a virtual spring that is one part in 10^12 softer shows."""
+    """Hashes that are always equal would prove nothing.
+
+    A virtual spring that is one part in 10^12 softer shows.
+    """
     softer = shchur(12.0, electronic_differential__k_ck=0.051 * (1 - 1e-12))
     assert offline_hash(shchur(12.0)) == offline_hash(shchur(12.0)) != offline_hash(softer)
 
@@ -261,7 +267,10 @@ def test_a_restarted_master_restarts_the_run(tmp_path):
     ],
 )
 def test_the_urban_cycle_is_the_same_over_dds(driver, differential, asr, tmp_path):
-    """20 s of it, of which the last four pull away on snow; the speed is imposed where the driver needs that."""
+    """20 s of it, of which the last four pull away on snow.
+
+    The speed is imposed where the driver needs that.
+    """
     values = [
         ("*", "control_period", 0.01),
         ("driver", "method", driver),

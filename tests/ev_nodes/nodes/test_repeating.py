@@ -47,7 +47,10 @@ def repetitions(monkeypatch, seconds: float, now: int) -> int:
 
 
 def test_a_recorder_that_is_held_up_for_ten_seconds_finds_all_messages(monkeypatch):
-    """Publishers keep 256 messages, and the recorder may be 200 steps behind: 56 repetitions are left."""
+    """Publishers keep 256 messages, and the recorder may be 200 steps behind.
+
+    56 repetitions are left.
+    """
     assert repetitions(monkeypatch, 10.0, now=10**9) < 56
 
 

@@ -1,4 +1,7 @@
-"""Real time that a service has stopped: a rest ages no command and is no period, by a clock that the test turns."""
+"""Real time that a service has stopped.
+
+A rest ages no command and is no period, by a clock that the test turns.
+"""
 
 from __future__ import annotations
 
@@ -81,7 +84,10 @@ def test_a_car_drives_on_behind_a_rest_and_in_single_steps(monkeypatch):
 
 
 def test_a_recorder_that_is_ahead_of_the_present_is_not_believed():
-    """It still holds what a master before has sent: to be believed it has to see that another one counts from zero."""
+    """It still holds what a master before has sent.
+
+    To be believed it has to see that another one counts from zero.
+    """
     with ros_domain() as context:
         plant = node_of(context, "plant", {"method": "kinematic", "await_recorder": True})
         schedule, period = plant.schedule, plant.stepper.period

@@ -56,7 +56,9 @@ def test_what_a_node_tells_arrives_with_its_name_and_its_key(reports):
 
 
 def test_a_runner_that_does_not_listen_holds_nobody_up_and_loses_no_word_but_old_progress(reports):
-    """It may be stopped for a while; thousands of words do not fit into a socket, and one that never will is left out.
+    """It may be stopped for a while.
+
+    Thousands of words do not fit into a socket, and one that never will is left out.
 
     Of warnings the first ones are named, and all are counted. The newest progress comes through.
     """
@@ -76,7 +78,10 @@ def test_a_runner_that_does_not_listen_holds_nobody_up_and_loses_no_word_but_old
 
 
 def test_progress_goes_on_when_a_runner_listens_again(reports):
-    """A recorder has no other words: behind three seconds of Ctrl-Z its progress stood still until the end."""
+    """A recorder has no other words.
+
+    Behind three seconds of Ctrl-Z its progress stood still until the end.
+    """
     line = RunnerLine()
     for stamp in range(0, 3_000_000, 1000):
         line.tell(Word(PROGRESS, values={"stamp": stamp}))

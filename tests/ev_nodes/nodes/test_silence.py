@@ -125,7 +125,10 @@ def test_nothing_is_named_in_a_graph_that_fits(tmp_path: Path):
 
 
 def test_a_node_of_another_namespace_is_named(tmp_path: Path):
-    """The commonest mistake in starting nodes by hand: without -r __ns:=/ev they are in the root."""
+    """The commonest mistake in starting nodes by hand.
+
+    Without -r __ns:=/ev they are in the root.
+    """
     with graph(shchur(0.5), tmp_path, names=others_than("asr")) as nodes:
         lost = node_of(nodes.context, "asr", nodes.parameters["asr"], namespace="/")
         nodes.run_rounds()

@@ -107,7 +107,10 @@ def test_a_flood_of_refused_messages_does_not_keep_the_node_from_all_else(wall):
 
 
 def test_a_master_that_was_restarted_before_time_went_on_is_named(wall):
-    """Its state at 0 has the stamp of the one before: nodes that have answered that would take it for a repetition."""
+    """Its state at 0 has the stamp of the one before.
+
+    Nodes that have answered that would take it for a repetition.
+    """
     graph, warnings = Graph(ours="plant"), []
     reception = Reception(
         Stepper(find_method("asr", "off"), lambda: None, PERIOD),
@@ -129,7 +132,10 @@ def test_a_master_that_was_restarted_before_time_went_on_is_named(wall):
 
 
 def test_a_message_without_an_identity_is_of_no_other_publisher(wall):
-    """Executors of rclpy pass on none: what is read with one before or afterwards has the same publisher."""
+    """Executors of rclpy pass on none.
+
+    What is read with one before or afterwards has the same publisher.
+    """
     successors: list[bytes] = []
     speaker = Speaker(Graph(ours="plant"), "imu", "plant", lambda *_: None, successors.append)
     for gid in (b"", OURS, b"", OURS):

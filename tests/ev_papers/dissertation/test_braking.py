@@ -1,4 +1,7 @@
-"""The study of braking: what an ABS is worth, what the drives add to it, and that traction controls are none."""
+"""The study of braking.
+
+What an ABS is worth, what the drives add to it, and that traction controls are none.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +32,10 @@ def test_a_traction_control_leaves_braking_alone(results):
 
 @pytest.mark.parametrize("road", ["wet", "dry, then snow"])
 def test_abs_stops_the_car_in_less(road, results):
-    """Locked wheels have 0.69 of the friction on wet asphalt and 0.6 on snow; at a slip of 0.1 at least 0.95."""
+    """Locked wheels have 0.69 of the friction on wet asphalt and 0.6 on snow.
+
+    At a slip of 0.1 at least 0.95.
+    """
     for name in ("friction", "drives", "stability"):
         assert (
             results[f"{road}: {name}"].measured["distance"]
@@ -39,7 +45,10 @@ def test_abs_stops_the_car_in_less(road, results):
 
 @pytest.mark.parametrize("road", ["wet", "dry, then snow"])
 def test_drives_catch_what_friction_brakes_are_too_slow_for(road, results):
-    """Largest slips of 0.39 and 0.47 with a brake of 50 ms, 0.24 with a drive of 10 ms; and a quarter of the energy."""
+    """Largest slips of 0.39 and 0.47 with a brake of 50 ms, 0.24 with a drive of 10 ms.
+
+    And a quarter of the energy.
+    """
     slow, fast = (results[f"{road}: {name}"].measured for name in ("friction", "drives"))
     assert fast["peak_slip"] < 0.75 * slow["peak_slip"]
     assert fast["distance"] <= slow["distance"]

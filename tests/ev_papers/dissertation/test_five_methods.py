@@ -1,4 +1,7 @@
-"""The five methods of the dissertation in its urban cycle: bands, orders, and what the study leaves behind."""
+"""The five methods of the dissertation in its urban cycle.
+
+Bands, orders, and what the study leaves behind.
+"""
 
 from __future__ import annotations
 
@@ -53,7 +56,10 @@ def wheel(driven, method: str, driver: str, seed: int) -> float:
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_methods_come_in_the_printed_order(driven, seed):
-    """1 > 3 >= 4 > 2, and 1 - 2 at least 0.14 (0.17 is printed); docs/verdicts.md judges ten seeds."""
+    """1 > 3 >= 4 > 2, and 1 - 2 at least 0.14 (0.17 is printed).
+
+    docs/verdicts.md judges ten seeds.
+    """
     values = {method: wheel(driven, method, "imposed_speed", seed) for method in METHODS}
     assert values["1"] > values["3"] >= values["4"] > values["2"]
     assert values["1"] - values["2"] >= 0.14
@@ -134,7 +140,10 @@ def test_half_the_step_gives_the_same_efficiency(driven, method):
     ],
 )
 def test_peaks_of_the_surfaces(surface, friction, slip):
-    """S* = ln(C1 C2/C3)/C2 and the friction there to 1e-3; the numbers here are of a scan over a million slips."""
+    """S* = ln(C1 C2/C3)/C2 and the friction there to 1e-3.
+
+    The numbers here are of a scan over a million slips.
+    """
     of = SURFACES[surface]
     star = math.log(of.c1 * of.c2 / of.c3) / of.c2
     assert star == pytest.approx(slip, abs=1e-3)
@@ -144,7 +153,10 @@ def test_peaks_of_the_surfaces(surface, friction, slip):
 
 @pytest.mark.weekly
 def test_study_prints_both_tables_and_keeps_every_seed(tmp_path, capsys):
-    """60 s of two roads with one driver: means, spreads and single seeds in summary.json, printed numbers beside."""
+    """60 s of two roads with one driver.
+
+    Means, spreads and single seeds in summary.json, printed numbers beside.
+    """
     options = [
         "--seeds",
         "2",
@@ -182,7 +194,10 @@ def test_study_prints_both_tables_and_keeps_every_seed(tmp_path, capsys):
 
 @pytest.mark.weekly
 def test_another_cycle_takes_its_own_length_and_has_nothing_printed_beside(tmp_path, capsys):
-    """ECE 15, 195 s, on the road of seed 1: the row of docs/dissertation.md, and no number of tables 3.1 to 3.6."""
+    """ECE 15, 195 s, on the road of seed 1.
+
+    The row of docs/dissertation.md, and no number of tables 3.1 to 3.6.
+    """
     options = [
         "--cycle",
         "ece",

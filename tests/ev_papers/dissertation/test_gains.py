@@ -16,7 +16,10 @@ def test_gains_by_hand():
 
 
 def test_the_range_of_eq_5_1_comes_from_the_other_denominator():
-    """Printed: 2.8 to 15.3 %. Over eta_i, as eq 5.1 is printed, the largest gain would be 18.1 %."""
+    """Printed: 2.8 to 15.3 %.
+
+    Over eta_i, as eq 5.1 is printed, the largest gain would be 18.1 %.
+    """
     found = gains(printed.DRIVE_EFFICIENCY)
     assert (min(found.over_method_1.values()), max(found.over_method_1.values())) == pytest.approx(
         (2.8, 15.3), abs=0.1

@@ -1,4 +1,7 @@
-"""The urban cycle on mixed surfaces: efficiencies by hand, windows, figures, and the five differentials."""
+"""The urban cycle on mixed surfaces.
+
+Efficiencies by hand, windows, figures, and the five differentials.
+"""
 
 from __future__ import annotations
 
@@ -63,7 +66,10 @@ LOSS += MOTOR.eddy_loss * 200**2 + MOTOR.inverter_loss
 
 
 def steady_run(rate: float = 0.0) -> Recording:
-    """Four seconds of constant torque, force and slip of both front wheels; `rate` is their acceleration [rad/s^2]."""
+    """Four seconds of constant torque, force and slip of both front wheels.
+
+    `rate` is their acceleration [rad/s^2].
+    """
     time = np.arange(401) * 0.01
     ones = np.ones_like(time)
     channels = {
@@ -194,7 +200,10 @@ def test_driver_without_a_cycle_has_no_efficiencies():
 
 
 def test_windows_cover_the_cycle_with_355_2_s_of_traction():
-    """Section 2.6: 19 windows on the 580 s of the cycle; the sum of traction is that of the windows it prints."""
+    """Section 2.6: 19 windows on the 580 s of the cycle.
+
+    The sum of traction is that of the windows it prints.
+    """
     driver = PARAMETERS["driver"]
     begin, mode = list(driver["modes.begin"]), list(driver["modes.mode"])
     assert len(begin) == 19 and begin[0] == 0.0
@@ -212,7 +221,10 @@ def test_windows_cover_the_cycle_with_355_2_s_of_traction():
 
 @pytest.mark.parametrize("side", [0, 1])
 def test_surfaces_come_back_from_the_friction_under_the_wheels(side):
-    """Against the drawn segments, by the distance of the front axle; a sample may lie on either side of a border."""
+    """Against the drawn segments, by the distance of the front axle.
+
+    A sample may lie on either side of a border.
+    """
     run, wheel = driven("imposed_speed"), ("front_left", "front_right")[side]
     road = {
         name.removeprefix("road."): v
@@ -258,7 +270,10 @@ def test_every_metric_is_measured(driver):
 
 @pytest.mark.parametrize("driver", ["pulse", "imposed_speed"])
 def test_circuits_take_what_the_battery_gives(driver):
-    """Losses at the samples against those of the plant's steps: within 0.5 %, for torques change within a period."""
+    """Losses at the samples against those of the plant's steps.
+
+    Within 0.5 %, for torques change within a period.
+    """
     run = driven(driver)
     inside = cycle.traction(run, PARAMETERS["driver"])
     taken = sum(of.electrical_work for of in circuits.circuits(run, CAR, inside).values())
@@ -270,7 +285,10 @@ def test_circuits_take_what_the_battery_gives(driver):
 
 @pytest.mark.parametrize("driver", DRIVERS)
 def test_metrics_are_the_printed_formulas(driver):
-    """Eqs 2.37, 2.38 and 2.40 of the samples themselves, as printed: sums over n, not integrals; to 1e-12."""
+    """Eqs 2.37, 2.38 and 2.40 of the samples themselves, as printed: sums over n, not integrals.
+
+    To 1e-12.
+    """
     run = driven(driver)
     inside = cycle.traction(run, PARAMETERS["driver"])
     for wheel, sums in circuits.circuits(run, CAR, inside).items():
@@ -321,7 +339,10 @@ def test_figures_have_quantities_and_units(driver):
 
 
 def test_motors_and_cells_are_shown_where_they_are_modelled():
-    """Two seconds with a winding above its warm temperature; without these channels there are no such numbers."""
+    """Two seconds with a winding above its warm temperature.
+
+    Without these channels there are no such numbers.
+    """
     time = np.arange(200) * 0.05
     hot = CAR.motor.thermal.winding_warm + 1.0
     channels = {

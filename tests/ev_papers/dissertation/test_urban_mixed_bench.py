@@ -47,7 +47,10 @@ def test_the_energy_of_the_bench_balances(recording):
 
 
 def test_the_virtual_wheel_spins_up_when_the_machine_exceeds_the_load(recording):
-    """diss.bench.spin: the sign of the wheel's acceleration is that of M_em - M_nu, one exchange later."""
+    """diss.bench.spin.
+
+    The sign of the wheel's acceleration is that of M_em - M_nu, one exchange later.
+    """
     channels = recording.channels
     speed = channels["wheel_states.velocity.front_left"]
     machine, load = (
@@ -83,7 +86,10 @@ def test_without_a_bench_the_graph_is_as_short_as_ever():
 
 @pytest.mark.slow
 def test_an_ideal_bench_converges_to_the_virtual_run():
-    """Difference of the torque over its largest value: below 0.1 %, and with a shorter exchange it gets smaller."""
+    """Difference of the torque over its largest value.
+
+    Below 0.1 %, and with a shorter exchange it gets smaller.
+    """
     apart_by_period = {}
     for period in (2e-3, 5e-4):
         values = (("*", "control_period", period),)
@@ -100,7 +106,10 @@ def test_an_ideal_bench_converges_to_the_virtual_run():
 
 
 def test_samples_stand_at_the_instants_at_which_they_were_taken():
-    """2 ms do not divide 5 ms: every second sample is taken, which was drawn as if they lay 5 ms apart."""
+    """2 ms do not divide 5 ms.
+
+    Every second sample is taken, which was drawn as if they lay 5 ms apart.
+    """
     case = part_of_cycle("pulse", "coarse", "urban_mixed", (("*", "control_period", 2e-3),))
     measured = drive_case(replace(case, duration=16.5), measure).measured
     assert np.diff(measured["instants"]) == pytest.approx(0.004, rel=1e-9)

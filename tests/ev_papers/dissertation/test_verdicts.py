@@ -170,7 +170,10 @@ def test_motors_too_weak_to_spin_on_snow_make_no_control_better(id: str):
     ],
 )
 def test_claims_that_do_not_hold(id: str):
-    """Any control of the slip does as well as one of the torque; method 1 shares by halves; C_1 is no peak."""
+    """Any control of the slip does as well as one of the torque.
+
+    Method 1 shares by halves; C_1 is no peak.
+    """
     assert verdict_on(id).judgement == "not reproduced"
 
 

@@ -19,7 +19,10 @@ QUANTITIES = ("yaw_rate", "sideslip", "lateral_speed", "radius", "centripetal_ac
 
 @pytest.mark.parametrize("rear", [0.0, -paper.STEERING / 2])
 def test_steady_turn_solves_eqs_1_to_3(rear):
-    """The equations as a linear system in v and w at rest, without the closed form's algebra: to 1e-12."""
+    """The equations as a linear system in v and w at rest, without the closed form's algebra.
+
+    To 1e-12.
+    """
     front, back, u = paper.FRONT_STIFFNESS, paper.REAR_STIFFNESS, paper.SPEED
     couple = paper.FRONT_ARM * front - paper.REAR_ARM * back
     square = paper.FRONT_ARM**2 * front + paper.REAR_ARM**2 * back
@@ -43,7 +46,10 @@ def test_steady_turn_solves_eqs_1_to_3(rear):
     ("run", "rear"), [("equal_torque", 0.0), ("equal_torque_rear_steered", -paper.STEERING / 2)]
 )
 def test_equal_torque_turns_as_the_closed_form_of_this_car_says(quantity, run, rear):
-    """0.5 %; measured are 0.06 % without and 0.3 % with rear steering: angles that are not quite small."""
+    """0.5 %; measured are 0.06 % without and 0.3 % with rear steering.
+
+    Angles that are not quite small.
+    """
     closed = getattr(paper.steady_turn(rear), quantity)
     assert value("ge_ni2005", f"{quantity}_{run}") == pytest.approx(closed, rel=0.005)
 
@@ -66,7 +72,10 @@ def test_full_car_turns_nearly_alike_with_u_held(quantity):
     ],
 )
 def test_the_sources_car_moves_as_the_printed_equations_say(run, free, rear, tolerance):
-    """Speed and yaw rate from 0.1 to 3 s beside scipy's solution; what is left is 2 % of J_w in the front wheels."""
+    """Speed and yaw rate from 0.1 to 3 s beside scipy's solution.
+
+    What is left is 2 % of J_w in the front wheels.
+    """
     printed, channels = equal_torques(free, rear), driven("ge_ni2005").runs[run].channels
     for time in (0.1, 0.2, 0.5, 1.0, 2.0, 3.0):
         u, _, yaw_rate, *_ = printed(time)
@@ -95,7 +104,10 @@ def test_turn_begins_in_the_equilibrium_of_straight_running():
 
 
 def test_radius_comes_into_the_axis_of_fig_4b_after_a_quarter_of_a_second():
-    """A step of the wheels begins at an infinite radius; 70 m are passed at 0.27 s, by eqs 1 and 2 alone at 0.25 s."""
+    """A step of the wheels begins at an infinite radius.
+
+    70 m are passed at 0.27 s, by eqs 1 and 2 alone at 0.25 s.
+    """
     run = driven("ge_ni2005").runs["equal_torque"]
     radius = motion.radius_of_path(run)
     assert run.time[np.flatnonzero((radius > 70.0) | (radius < 0.0))[-1]] == pytest.approx(
@@ -126,7 +138,10 @@ def test_every_ordering_holds_with_u_held_on_both_cars():
 
 
 def test_with_u_free_the_orderings_are_those_of_the_car():
-    """The source's car spins with `increment` and loses speed; the full car drives off on a wide path."""
+    """The source's car spins with `increment` and loses speed.
+
+    The full car drives off on a wide path.
+    """
     spun = {
         "ge.claim.speed.increment",
         "ge.claim.slip_use.increment_left",
@@ -141,7 +156,10 @@ def test_with_u_free_the_orderings_are_those_of_the_car():
 
 
 def test_printed_target_slip_is_reached_by_increment_alone():
-    """0.19 needs 1640 N m: `rate` gets to 1350 and 1500 N m in 3 s, `offset` ends at 1250 and 1300."""
+    """0.19 needs 1640 N m.
+
+    `rate` gets to 1350 and 1500 N m in 3 s, `offset` ends at 1250 and 1300.
+    """
     most = {
         reading: max(
             driven("ge_ni2005").runs[reading].channels[f"tire_forces.slip_ratio.rear_{side}"].max()

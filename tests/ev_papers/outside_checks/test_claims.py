@@ -97,7 +97,10 @@ def test_a_lap_is_driven_by_the_drawn_friction_and_scale():
 
 
 def test_draws_are_the_same_for_all_laws_and_the_given_friction_is_the_laws_alone():
-    """All but what the differential is given; ten draws of 5 cells, 6 laws, 5 factors, and equal torques."""
+    """All but what the differential is given.
+
+    Ten draws of 5 cells, 6 laws, 5 factors, and equal torques.
+    """
     cases = friction.cases(Namespace())
     assert len(cases) == DRAWS * (5 * 6 * 5 + 4) == 1540
     of = {
@@ -128,7 +131,10 @@ def test_wrong_tyres_are_what_a_law_believes_and_not_what_the_car_has():
 
 
 def test_super_twisting_tracks_the_designed_yaw_rate_on_a_ramp():
-    """Within 1 mrad/s, where the car without a law is 10 mrad/s away: the error is that to the law's own reference."""
+    """Within 1 mrad/s, where the car without a law is 10 mrad/s away.
+
+    The error is that to the law's own reference.
+    """
     cases = {case.name: case for case in laws.cases(Namespace())}
     errors = {
         law: drive_case(cases[f"all ramp {law}: 1"], measure).measured["tracking"]

@@ -43,7 +43,10 @@ def test_correction_changes_the_forces_along_y_of_the_car(layout):
 
 @pytest.mark.parametrize("layout", ["front", "all"])
 def test_a_driven_front_wheel_tells_both_axes_apart(layout):
-    """F_y = F_p sin d + F_b cos d: the outer front wheel rises in the car's axes and falls in its own."""
+    """F_y = F_p sin d + F_b cos d.
+
+    The outer front wheel rises in the car's axes and falls in its own.
+    """
     assert change("force_y", "front_right", layout) > 10.0
     assert -10.0 < change("lateral_force", "front_right", layout) < -2.0
 
@@ -90,7 +93,10 @@ def test_drive_energy_until_turning_in_is_kinetic_energy_and_drag():
 
 
 def test_printed_wheel_inertia_halves_the_speed_before_the_bend():
-    """Eq 1 as printed counts the mass twice: 3.7 instead of 7.3 m/s after 15 s, 1/2.02 of it but for less drag."""
+    """Eq 1 as printed counts the mass twice.
+
+    3.7 instead of 7.3 m/s after 15 s, 1/2.02 of it but for less drag.
+    """
     changed = Overrides(values=[("*", "vehicle.printed_wheel_inertia", True)], duration=15.0)
     printed = next(
         run for run in load_scenario("tatar_chudzik", changed).runs if run.name == "all_equal"

@@ -30,7 +30,10 @@ def test_what_lies_before_the_beginning_does_not_count():
 
 
 def test_a_radius_that_swings_deviates_by_its_amplitude():
-    """Full circles of 40 m with a wave of 0.5 m, six to the turn; 2 %: the fit takes little of it."""
+    """Full circles of 40 m with a wave of 0.5 m, six to the turn.
+
+    2 %: the fit takes little of it.
+    """
     angle = 2 * np.pi * TIME / 5.0
     radius = 40 + 0.5 * np.sin(6 * angle)
     assert deviation_from_circle(

@@ -27,7 +27,10 @@ def test_every_control_with_both_steerings():
 
 
 def test_both_hold_where_neither_alone_does():
-    """3500 N and 7 deg: rear drive with steering and the law with k = 0.5 alone lose the car, together they hold it."""
+    """3500 N and 7 deg.
+
+    Rear drive with steering and the law with k = 0.5 alone lose the car, together they hold it.
+    """
     limit = grid.LIMIT
     assert sideslip("rear_drive", 3500.0, 7, "added") > limit
     assert sideslip("k05", 3500.0, 7, "hands") > limit

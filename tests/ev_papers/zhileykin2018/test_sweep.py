@@ -63,7 +63,10 @@ def test_a_row_of_the_variants_is_that_of_its_cases():
 
 
 def test_holds_are_counted_among_the_cases_in_which_rear_drive_spins():
-    """Rear drive spins from 3000 N on, 24 cases; k = 0.5 holds below 3500 N, 24 cases of which 8 count."""
+    """Rear drive spins from 3000 N on, 24 cases.
+
+    k = 0.5 holds below 3500 N, 24 cases of which 8 count.
+    """
 
     def peak(case) -> float:
         force = float(case.name.split()[1])
@@ -92,7 +95,10 @@ def test_every_reading_is_driven_in_all_cases_and_given_to_the_law():
 
 @pytest.mark.slow
 def test_engine_and_converter_drive_the_sweep():
-    """All controls at 3000 N and 6 deg: none is refused, rear drive spins, the fixed half holds, as with motors."""
+    """All controls at 3000 N and 6 deg.
+
+    None is refused, rear drive spins, the fixed half holds, as with motors.
+    """
     cases = [
         case for case in sweep.cases(Namespace(drive="engine")) if " 3000 N 6 deg" in case.name
     ]
@@ -116,7 +122,10 @@ def test_a_refused_case_neither_holds_nor_spins():
 
 
 def test_a_reading_of_the_law_is_counted_against_the_rear_drive_of_the_base():
-    """Only the law is driven again: 3 of the 5 controls, and rear drive of the base says which cases count."""
+    """Only the law is driven again.
+
+    3 of the 5 controls, and rear drive of the base says which cases count.
+    """
     cases = variants.cases(Namespace())
     of_law = [each for each in variants.VARIANTS if each.of_law]
     assert len(cases) == 40 * (5 * (len(variants.VARIANTS) - len(of_law)) + 3 * len(of_law))

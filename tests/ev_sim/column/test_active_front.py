@@ -57,7 +57,10 @@ def test_a_car_that_turns_as_it_is_steered_gets_nothing():
 @pytest.mark.parametrize("speed", [8.0, -8.0])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_it_steers_against_too_much_yaw_whichever_way_the_car_goes(speed, sign):
-    """0.04 rad/s that straight wheels do not ask for, times 1 s of gain, against it; backwards the other way."""
+    """0.04 rad/s that straight wheels do not ask for, times 1 s of gain, against it.
+
+    Backwards the other way.
+    """
     state = Active(hands=0.0).drive(BodyVelocity(speed, 0.0, sign * 0.04), 1.0)
     assert state.road_wheel_angle == pytest.approx(-sign * 0.04 * (1.0 if speed > 0.0 else -1.0))
     assert state.angle == 0.0  # the hands feel nothing
@@ -71,7 +74,10 @@ def test_wanted_is_no_more_than_the_road_gives():
 
 
 def test_limits_of_angle_and_rate():
-    """0.5 rad/s for the first 0.1 s, 0.15 rad in the end; and the angle goes on at its rate without jumps."""
+    """0.5 rad/s for the first 0.1 s, 0.15 rad in the end.
+
+    And the angle goes on at its rate without jumps.
+    """
     column, spins = Active(hands=0.0), BodyVelocity(10.0, 0.0, -5.0)
     before = column.drive(spins, 0.1)
     assert before.road_wheel_rate == pytest.approx(0.5)

@@ -34,7 +34,9 @@ class Actuated:
 
 
 def test_road_wheels_turn_to_the_angle_that_the_steering_wheel_sets():
-    """1 N m on a spring of 0.25 N m/rad: 4 rad, so 4/i = 0.25 rad at the road wheels, exact by the integral part.
+    """1 N m on a spring of 0.25 N m/rad.
+
+    4 rad, so 4/i = 0.25 rad at the road wheels, exact by the integral part.
 
     It holds k_p 0.25 = 16.25 N m over the gear of 400, and takes the copper loss of that.
     """
@@ -47,7 +49,10 @@ def test_road_wheels_turn_to_the_angle_that_the_steering_wheel_sets():
 
 
 def test_torque_difference_of_the_drives_is_a_disturbance():
-    """10 N m more on the right would turn free road wheels by lever * 10/k_p = 0.38 rad; the actuator takes it all."""
+    """10 N m more on the right would turn free road wheels by lever * 10/k_p = 0.38 rad.
+
+    The actuator takes it all.
+    """
     state = Actuated().hold(5.0, 0.0, difference=10.0)
     assert state["actuator.angle"] == pytest.approx(0.0, abs=1e-4)
     assert 400.0 * state["actuator.torque"] == pytest.approx(-10.0 * LEVER, rel=0.01)
@@ -67,7 +72,10 @@ def test_road_feel_is_that_of_a_mechanical_column(share):
 
 
 def test_rate_is_what_the_actuator_can_do():
-    """Steering wheel thrown at more than 16 rad/s: the road wheels turn at 1 rad/s, with an overshoot of 4 %."""
+    """Steering wheel thrown at more than 16 rad/s.
+
+    The road wheels turn at 1 rad/s, with an overshoot of 4 %.
+    """
     column, last, fastest = Actuated(), 0.0, 0.0
     for _ in range(60):
         state = column.hold(PERIOD, 10.0)

@@ -23,7 +23,10 @@ def test_columns_are_registered_and_start_at_rest(name):
 
 @pytest.mark.parametrize("name", ["manual", "powered"])
 def test_step_of_hand_torque_is_the_exact_step_response(name):
-    """Eq 6 with M_b = 5 N m by scipy. The steps are exact at any period, so only rounding is left."""
+    """Eq 6 with M_b = 5 N m by scipy.
+
+    The steps are exact at any period, so only rounding is left.
+    """
     for period in (0.001, 0.01):
         column = Column(name, period)
         time = np.arange(round(10 / period) + 1) * period

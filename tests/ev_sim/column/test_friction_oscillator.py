@@ -33,7 +33,10 @@ def energy(angle: float, rate: float) -> float:
 )
 @settings(max_examples=200)
 def test_motion_without_friction_is_the_matrix_exponential(j, b, k, angle, rate, torque):
-    """Any damping, against scipy's expm; it loses digits in proportion to the norm of the matrix, hence 1e-8."""
+    """Any damping, against scipy's expm.
+
+    It loses digits in proportion to the norm of the matrix, hence 1e-8.
+    """
     period = 0.01
     system = np.array([[0.0, 1.0, 0.0], [-k / j, -b / j, 1 / j], [0.0, 0.0, 0.0]])
     expected = scipy.linalg.expm(system * period) @ [angle, rate, torque]
@@ -51,7 +54,9 @@ def test_critical_damping_is_no_special_case():
 
 @pytest.mark.parametrize("period", [0.001, 0.0123, 0.3])
 def test_dry_friction_takes_the_same_angle_of_every_half_oscillation(period):
-    """Coulomb's oscillator: turning points 0.95, -0.75, 0.55, -0.35, 0.15, 0.05 with M_c/k = 0.1 rad, then it sticks.
+    """Coulomb's oscillator.
+
+    Turning points 0.95, -0.75, 0.55, -0.35, 0.15, 0.05 with M_c/k = 0.1 rad, then it sticks.
 
     Every half oscillation takes pi sqrt(J/k). Exact at any period up to rounding.
     """
@@ -72,7 +77,10 @@ def test_dry_friction_takes_the_same_angle_of_every_half_oscillation(period):
 
 @given(direction=st.sampled_from([-1.0, 1.0]), friction=st.floats(0.1, 100.0))
 def test_breakaway_is_at_the_dry_friction(direction, friction):
-    """Nothing moves at exactly M_c; a part in 10^9 more moves the wheels that way, and only that far: (T - M_c)/k."""
+    """Nothing moves at exactly M_c.
+
+    A part in 10^9 more moves the wheels that way, and only that far: (T - M_c)/k.
+    """
     motion = oscillator(J, B, K, friction, FAR, 0.01)
     assert advance(motion, 0.0, 0.0, direction * friction) == (0.0, 0.0)
     torque, angle, rate = friction * (1 + 1e-9), 0.0, 0.0
@@ -94,7 +102,9 @@ def test_breakaway_is_at_the_dry_friction(direction, friction):
 def test_a_torque_that_is_more_than_the_friction_by_rounding_alone_comes_to_an_end(
     b, k, friction, angle, direction, more
 ):
-    """The equilibrium may be where the motion begins, or a rounding behind it: that is rest, and no phase without end.
+    """The equilibrium may be where the motion begins, or a rounding behind it.
+
+    That is rest, and no phase without end.
 
     The angle then stays, to 8 roundings of the numbers of which it is the difference.
     """
@@ -108,7 +118,9 @@ def test_a_torque_that_is_more_than_the_friction_by_rounding_alone_comes_to_an_e
 
 
 def test_motion_keeps_dry_friction_against_it():
-    """A steady pull from rest settles short by M_c/k: overdamped, so it never turns back; 10 time constants of 0.12 s.
+    """A steady pull from rest settles short by M_c/k: overdamped, so it never turns back.
+
+    10 time constants of 0.12 s.
 
     The settled angle is approached by e^-10 at least.
     """
@@ -168,7 +180,9 @@ def test_motion_does_not_depend_on_the_period(torque, angle, rate, friction, dam
 
 
 def test_impact_happens_in_mid_step():
-    """Undamped under 0.8 k: x = 0.8 (1 - cos w t) meets the stop at 1 rad, loses its speed, swings around 0.8 rad.
+    """Undamped under 0.8 k.
+
+    x = 0.8 (1 - cos w t) meets the stop at 1 rad, loses its speed, swings around 0.8 rad.
 
     Rounding only: the instant of the impact is known to the last bit.
     """

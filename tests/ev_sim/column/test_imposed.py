@@ -7,7 +7,10 @@ from column.columns import CAR, Column
 
 
 def test_the_angle_follows_its_profile_as_the_sensor_is_corrected():
-    """The angle is scale * given(t - delay) + offset at every instant; the rate leads to the next one."""
+    """The angle is scale * given(t - delay) + offset at every instant.
+
+    The rate leads to the next one.
+    """
     changed = {"time": (0.0, 1.0), "angle": (0.0, 0.1), "scale": 1.1, "offset": 0.01, "delay": 0.05}
     column = Column("imposed", 0.01, **changed)
     before = column.advance(3.0)

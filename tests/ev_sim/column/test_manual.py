@@ -12,7 +12,10 @@ from ev_sim.steering.friction_oscillator import oscillated, oscillator
 
 
 def test_object_reaches_the_values_that_follow_from_the_paper():
-    """Fig 1a, curve 1: steady 1.2308 rad (5 i/k_p), overshoot 40.3 %; the bands are those of the other values."""
+    """Fig 1a, curve 1: steady 1.2308 rad (5 i/k_p), overshoot 40.3 %.
+
+    The bands are those of the other values.
+    """
     column = Column("manual")
     angle = np.array([column.advance(5.0).road_wheel_angle for _ in range(15000)])
     assert angle[-1] == pytest.approx(1.2308, rel=0.005)
@@ -30,7 +33,9 @@ def test_holding_30_degrees_by_hand():
 
 
 def test_end_stop_takes_the_motion_and_lets_go():
-    """Against the stop at 0.5 rad it rests there exactly; released it comes back as from rest at 0.5 rad.
+    """Against the stop at 0.5 rad it rests there exactly.
+
+    Released it comes back as from rest at 0.5 rad.
 
     0.5 (c + s decay) of the free motion is the exact step response; only rounding differs.
     """

@@ -7,7 +7,10 @@ from column.columns import LEVER, Column, K, wheels_with
 
 
 def test_drive_torque_difference_turns_the_wheels():
-    """Equilibrium is k_p delta = d/(2 r_k) (M_R - M_L); after 20 s the free motion has decayed to e^-27."""
+    """Equilibrium is k_p delta = d/(2 r_k) (M_R - M_L).
+
+    After 20 s the free motion has decayed to e^-27.
+    """
     column = Column("powered")
     for _ in range(20000):
         state = column.advance(0.0, wheels_with(difference=10.0))
@@ -15,7 +18,9 @@ def test_drive_torque_difference_turns_the_wheels():
 
 
 def test_inertia_of_the_wheels_works_against_their_acceleration():
-    """The J_k term of eq 3: the speed difference grows by 0.5 rad/s in 10 ms, so 1 kg m^2 takes 50 N m of the drives.
+    """The J_k term of eq 3.
+
+    The speed difference grows by 0.5 rad/s in 10 ms, so 1 kg m^2 takes 50 N m of the drives.
 
     To the bit: both columns get the same numbers, 50 N m of torque difference less or 0.5/0.01
     rad/s^2.

@@ -49,7 +49,10 @@ def test_the_script_writes_the_course(tmp_path: Path, monkeypatch: pytest.Monkey
 
 
 def test_widths_that_differ_move_the_middle_of_the_road(tmp_path: Path):
-    """A circle of 50 m, 2 m wide to the left and 6 m to the right: a road of 8 m around a circle of 52 m."""
+    """A circle of 50 m, 2 m wide to the left and 6 m to the right.
+
+    A road of 8 m around a circle of 52 m.
+    """
     turn = np.linspace(0.0, 2.0 * np.pi, 100, endpoint=False)
     rows = [f"{50.0 * np.cos(t)},{50.0 * np.sin(t)},2,6" for t in turn]
     path = tmp_path / "circle.csv"
@@ -95,7 +98,10 @@ def test_the_line_of_the_mirrored_course_is_the_mirrored_line():
 def test_the_speed_profile_never_leaves_the_friction_ellipse(
     bends: list[float], step: float, car: str
 ):
-    """Both ends of every step are on or within it, with the drag on top of what drives the car; it ends at rest."""
+    """Both ends of every step are on or within it, with the drag on top of what drives the car.
+
+    It ends at rest.
+    """
     vehicle = vehicle_of(car)
     ellipse = limits(LimitParameters(), vehicle)
     curvature = np.repeat(bends, 10)
@@ -113,7 +119,10 @@ def test_the_speed_profile_never_leaves_the_friction_ellipse(
 
 
 def test_a_straight_is_driven_by_torque_then_power_then_brakes():
-    """compact_ev from a hairpin of 10 m: first its front tyres, then its 120 kW, then 0.9 g of all tyres to brake."""
+    """compact_ev from a hairpin of 10 m.
+
+    First its front tyres, then its 120 kW, then 0.9 g of all tyres to brake.
+    """
     vehicle, step = vehicle_of("compact_ev"), 1.0
     curvature = [0.1] * 3 + [0.0] * 500
     speed = np.sqrt(

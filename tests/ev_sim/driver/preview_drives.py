@@ -17,7 +17,10 @@ def drives(
     car: str, speeds: Sequence[float], path: Mapping[str, Any], duration: float, vary: Mapping[str, Any] | None = None,
     **values: Any,
 ) -> BatchResult:  # fmt: skip
-    """The car at each speed [m/s], which is held, or in reverse reached from rest; in `values` __ stands for a dot."""
+    """The car at each speed [m/s], which is held, or in reverse reached from rest.
+
+    In `values` __ stands for a dot.
+    """
     held = "held" if min(speeds) > 0.0 else "free"
     changed = {
         "driver.method": "preview",

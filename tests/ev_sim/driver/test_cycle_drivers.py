@@ -79,7 +79,10 @@ def test_foot_goes_down_below_the_cycle_and_up_above_it():
 
 @pytest.mark.parametrize("driver", ["tracking", "pulse"])
 def test_car_stands_in_stop_windows(driver):
-    """The car stands within 1 mm from one second into the window; the regeneration before ends at rest."""
+    """The car stands within 1 mm from one second into the window.
+
+    The regeneration before ends at rest.
+    """
     run = driven(driver)
     for start, end in ((0.0, 15.7), (72.9, 89.0)):
         inside = (run.time >= start + 1.0) & (run.time < end)

@@ -68,7 +68,10 @@ def rolls(
 
 
 def stands(vehicle: Vehicle, road: str, grade: float, *, locked: bool = False) -> bool:
-    """Less than 1 cm and 1 mm/s after 5 s: near its limit of friction a tyre still slides a little until it holds."""
+    """Less than 1 cm and 1 mm/s after 5 s.
+
+    Near its limit of friction a tyre still slides a little until it holds.
+    """
     distance, speed = rolls(vehicle, road, grade, 5.0, locked=locked)
     return distance < 0.01 and speed < 1e-3
 
@@ -116,12 +119,18 @@ def test_the_brakes_of_a_car_take_what_holds_it(name):
 @pytest.mark.parametrize("grade", [0.12, -0.12, 0.0])
 @pytest.mark.parametrize("name", CARS)
 def test_a_car_that_rolls_comes_to_rest_and_stays(name, grade, speed):
-    """Either way, up and down: it stands after 10 s, which the integral action of 0.5/s needs on the slope."""
+    """Either way, up and down.
+
+    It stands after 10 s, which the integral action of 0.5/s needs on the slope.
+    """
     assert rolls(car_named(name), "dry", grade, 10.0, speed=speed)[1] < 1e-6
 
 
 def test_an_engine_that_creeps_does_not_swing_the_car():
-    """517 N m of creep against 500 of a brake that knew no car: +-0.4 m/s for ever, the selector to and fro."""
+    """517 N m of creep against 500 of a brake that knew no car.
+
+    +-0.4 m/s for ever, the selector to and fro.
+    """
     values = (("driver", "speed_profile.speed", (0.0,)), ("plant", "initial_speed", 0.5))
     (run, *_) = with_own_angles(
         load_scenario("step_steer", Overrides(vehicle="engine_4x4", values=values))

@@ -48,7 +48,10 @@ def test_cones_do_not_hang_on_the_speed():
 
 @pytest.mark.parametrize("car", [car for car in lane_change.CARS if car not in WITHOUT_GRIP])
 def test_cones_do_not_hang_on_how_far_the_driver_sees(car):
-    """80 km/h, seen 0.4 to 3 s ahead: no cone, and as far from the line within 5 cm (measured: 4 cm, of 9 or less)."""
+    """80 km/h, seen 0.4 to 3 s ahead.
+
+    No cone, and as far from the line within 5 cm (measured: 4 cm, of 9 or less).
+    """
     found = [through_lanes(car, [80], seen)[0] for seen in (0.4, 1.0, 3.0)]
     assert [each.cones for each in found] == [0] * 3
     assert found[0].error == pytest.approx(found[2].error, abs=0.05)

@@ -1,4 +1,7 @@
-"""A driver at the limit on a closed course: clean, as fast as planned, mirrored to the bit, at rest in the end."""
+"""A driver at the limit on a closed course.
+
+Clean, as fast as planned, mirrored to the bit, at rest in the end.
+"""
 
 from __future__ import annotations
 
@@ -43,7 +46,10 @@ def lap() -> DrivenRun:
 
 
 def test_a_lap_is_driven_on_the_line_and_then_the_car_stands(lap: DrivenRun):
-    """863 m from rest, the time as of today within 1 %; the error is within the clearance of 0.4 m from the edges."""
+    """863 m from rest, the time as of today within 1 %.
+
+    The error is within the clearance of 0.4 m from the edges.
+    """
     assert measured(lap, "lap_time") == pytest.approx(49.9, abs=0.5)
     assert measured(lap, "path_error") < 0.25
     assert 0.4 < measured(lap, "mean_friction_use") < measured(lap, "high_friction_use") < 1.0
@@ -73,7 +79,10 @@ def test_too_fast_a_car_leaves_the_course():
 
 
 def test_a_lap_the_other_way_round_is_the_mirror_image():
-    """Both laps mirror to the bit where forces left and right are alike: 8 s, into the first bend."""
+    """Both laps mirror to the bit where forces left and right are alike.
+
+    8 s, into the first bend.
+    """
     course = driven(duration=0.1).course
     assert course is not None
     other = {"driver__course__y": [-y + 0.0 for y in course.y]}
@@ -137,7 +146,10 @@ def test_a_car_that_goes_back_across_the_line_begins_no_lap_once_more(
 
 
 def eight(folder: Path) -> str:
-    """A figure of eight, 300 m around, that crosses itself at right angles in its first point; 7 m wide."""
+    """A figure of eight, 300 m around, that crosses itself at right angles in its first point.
+
+    7 m wide.
+    """
     turn = np.linspace(0.0, 2.0 * np.pi, 120, endpoint=False)
     x, y = 50.0 * np.sin(turn), 50.0 * np.sin(turn) * np.cos(turn)
     rows = [f"{a:.4f},{b:.4f},3.5,3.5" for a, b in zip(x, y, strict=True)]
@@ -147,7 +159,9 @@ def eight(folder: Path) -> str:
 
 @pytest.mark.parametrize("side", [1.0, -1.0], ids=["left", "right"])
 def test_an_own_course_is_lapped_as_documented_even_where_it_crosses_itself(tmp_path, side):
-    """The file alone is enough: the car starts on its racing line, the run lasts until it stands, and no lap is cut.
+    """The file alone is enough.
+
+    The car starts on its racing line, the run lasts until it stands, and no lap is cut.
 
     Nor does the crossing, which is at the line of the lap, count as a lap or as leaving the course.
     """
@@ -170,7 +184,10 @@ def test_an_own_course_is_lapped_as_documented_even_where_it_crosses_itself(tmp_
 
 
 def test_a_part_of_a_lap_that_begins_at_the_crossing_is_on_its_own_part_of_the_course(tmp_path):
-    """A board looks at parts of a run, which begin anywhere: none of a lap that stays on the course leaves it."""
+    """A board looks at parts of a run, which begin anywhere.
+
+    None of a lap that stays on the course leaves it.
+    """
     run = driven(driver__course__file=eight(tmp_path), driver__limit__scale=0.6)
     far = np.hypot(run.signals.channels["pose.x"], run.signals.channels["pose.y"])
     near = np.flatnonzero(far < 6.0)[::10]
@@ -187,7 +204,10 @@ def test_a_start_that_is_given_stays(tmp_path):
 
 
 def test_a_small_course_is_begun_at_its_line(tmp_path):
-    """A circle of 10 m, from the origin, beside its racing line: the car is on the road, also for its driver."""
+    """A circle of 10 m, from the origin, beside its racing line.
+
+    The car is on the road, also for its driver.
+    """
     turn = 2.0 * np.pi * np.arange(31) / 31
     rows = [f"{10.0 * np.sin(t)},{10.0 * (1.0 - np.cos(t))},3,3" for t in turn]
     (tmp_path / "circle.csv").write_text("\n".join(["x_m,y_m,left_m,right_m", *rows]))

@@ -29,7 +29,10 @@ def test_output_keeps_its_limits_and_the_integral_stays_in_reach(errors, low, hi
 
 
 def test_integral_holds_at_the_limit_and_comes_back_from_it():
-    """10 + 5 is limited to 12 and the growth of 1 refused; a growth of -1 is taken, though the output is limited."""
+    """10 + 5 is limited to 12 and the growth of 1 refused.
+
+    A growth of -1 is taken, though the output is limited.
+    """
     assert limited_pid(10.0, 1.0, 5.0, -12.0, 12.0) == (12.0, 5.0)
     assert limited_pid(10.0, -1.0, 5.0, -12.0, 12.0) == (12.0, 4.0)
     assert limited_pid(-10.0, -1.0, -5.0, -12.0, 12.0) == (-12.0, -5.0)

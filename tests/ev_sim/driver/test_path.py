@@ -12,7 +12,10 @@ from ev_sim.driver.path import PathParameters, nearest, path_of, point_at
 
 
 def test_path_of_arcs_and_its_nearest_point():
-    """A quarter of a circle of 10 m ends at (10, 10); the chords of half a metre stay within 4 mm of it."""
+    """A quarter of a circle of 10 m ends at (10, 10).
+
+    The chords of half a metre stay within 4 mm of it.
+    """
     arcs = {"shape": "arcs", "length": [5 * math.pi], "curvature": [0.1]}
     path = path_of(build(PathParameters, arcs))
     assert point_at(path, 5 * math.pi, 0) == pytest.approx((10.0, 10.0), abs=0.02)

@@ -20,7 +20,10 @@ LEVEL = PowerLevelParameters()
 
 
 def test_power_by_hand():
-    """K (phi + f) W V/(1 - s): half the power at half the speed, less torque where the wheels spin."""
+    """K (phi + f) W V/(1 - s).
+
+    Half the power at half the speed, less torque where the wheels spin.
+    """
     load = 2170 * 9.81 * CAR.centre_of_mass_to_rear_axle / CAR.wheelbase
     spinning = WheelStates(NO_WHEELS, Wheels.front(40.0, 60.0), NO_WHEELS)
     power = LEVEL.factor * (0.4022 + 0.083) * load * 8.0 / (1 - 0.0907)

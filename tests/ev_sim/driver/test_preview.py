@@ -31,7 +31,10 @@ SPEEDS_DRIVEN = [kmh / 3.6 for kmh in (30, 40, 50, 60, 80, 100, 120, 140)]
 
 @pytest.mark.parametrize("car", CARS)
 def test_every_car_settles_on_a_straight_road_at_every_speed(car):
-    """1 m beside it: within 1 % after 6 s, and never beyond by more than 1 %; measured 0.5 %, and nothing beyond."""
+    """1 m beside it: within 1 % after 6 s, and never beyond by more than 1 %.
+
+    Measured 0.5 %, and nothing beyond.
+    """
     found = drives(car, SPEEDS_DRIVEN, STRAIGHT, 8.0, plant__initial_y=1.0)
     aside = found.signals["pose.y"]
     assert np.abs(aside[:, found.time > 6.0]).max() < 0.01
@@ -40,7 +43,10 @@ def test_every_car_settles_on_a_straight_road_at_every_speed(car):
 
 @pytest.mark.parametrize("car", CARS)
 def test_every_car_settles_in_reverse(car):
-    """Backwards a car is steered by the axle behind: 1 m beside, at 3 to 8 m/s, within 2 cm after 12 s."""
+    """Backwards a car is steered by the axle behind.
+
+    1 m beside, at 3 to 8 m/s, within 2 cm after 12 s.
+    """
     found = drives(car, [-3.0, -5.0, -8.0], STRAIGHT, 14.0, plant__initial_y=1.0)
     assert np.abs(found.signals["pose.y"][:, found.time > 12.0]).max() < 0.02
 
@@ -125,7 +131,10 @@ def test_gains_are_those_of_the_textbook():
 
 
 def test_a_flat_front_tyre_is_learnt():
-    """R = 100 m at 60 km/h with 30 % of the outer front tyre's stiffness; without learning 0.9 m are left."""
+    """R = 100 m at 60 km/h with 30 % of the outer front tyre's stiffness.
+
+    Without learning 0.9 m are left.
+    """
     bend = {"shape": "arcs", "length": [40.0, 600.0], "curvature": [0.0, 0.01]}
     flat: dict[str, Any] = {"plant__faults": ["puncture front_right 1 from 5"]}
     ends = {}
@@ -138,7 +147,10 @@ def test_a_flat_front_tyre_is_learnt():
 
 
 def test_a_car_that_goes_aside_without_turning_settles_as_well():
-    """Rear wheels that turn as far as the front ones leave no yaw to learn from: 1 m beside, within 1 cm after 6 s."""
+    """Rear wheels that turn as far as the front ones leave no yaw to learn from.
+
+    1 m beside, within 1 cm after 6 s.
+    """
     crab = {"*__vehicle__rear_steering_ratio": 1.0, "plant__initial_y": 1.0}
     found = drives("compact_ev", [80 / 3.6], STRAIGHT, 8.0, **crab)
     assert np.abs(found.signals["pose.y"][:, found.time > 6.0]).max() < 0.01

@@ -33,7 +33,10 @@ def test_pure_pursuit_comes_back_to_the_path(speed):
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_circle_through_the_point_ahead(side):
-    """1 m beside the path, 4 m ahead at rest: the rear axle is to roll on y = 1, x = 4, 2 L y/(x^2 + y^2) = 2 L/17."""
+    """1 m beside the path, 4 m ahead at rest.
+
+    The rear axle is to roll on y = 1, x = 4, 2 L y/(x^2 + y^2) = 2 L/17.
+    """
     vehicle, path = Vehicle(), path_of(PathParameters())
     pose = BodyPose.at(vehicle.centre_of_mass_to_rear_axle, -side, 0.0)
     angle, leg = pure_pursuit(PurePursuitParameters(), vehicle, path, pose, 0.0, 0)

@@ -58,7 +58,9 @@ def test_pedals_keep_their_limits_and_mirror_in_reverse(wanted, speeds):
 
 
 def test_speed_control_recovers_from_its_limit():
-    """A jump to 20 m/s holds the drive torque at its limit for about 6 s; the overshoot stays below 0.5 %.
+    """A jump to 20 m/s holds the drive torque at its limit for about 6 s.
+
+    The overshoot stays below 0.5 %.
 
     What remains is the little that the integral part gains outside the limit. Wound up over 6 s it
     would be worth 1000 * 20 * 6/2 = 60000 N m and the overshoot above 50 %.
@@ -75,7 +77,10 @@ def test_speed_control_recovers_from_its_limit():
 
 
 def test_stop_and_stand():
-    """The car stops from 10 m/s within 4 s, by regeneration alone; then it stands exactly, on the brake."""
+    """The car stops from 10 m/s within 4 s, by regeneration alone.
+
+    Then it stands exactly, on the brake.
+    """
     driver = driver_of(
         "speed_profile",
         speed_profile__time=(0.0, 2.0, 12.0),

@@ -85,13 +85,19 @@ def test_a_circle_is_taken_with_the_share_of_friction():
 
 
 def test_a_corner_between_waypoints_is_rounded_off():
-    """A right angle, passed 0.5 m inside of it: R = 0.5/(sqrt(2) - 1) = 1.2 m, which takes 2.3 m/s."""
+    """A right angle, passed 0.5 m inside of it.
+
+    R = 0.5/(sqrt(2) - 1) = 1.2 m, which takes 2.3 m/s.
+    """
     _, speed = planned(path_of(PathParameters(x=(0.0, 50.0, 50.0), y=(0.0, 0.0, 50.0))))
     assert speed.min() == pytest.approx(math.sqrt(GRIP * P.cut / (math.sqrt(2.0) - 1.0)), rel=1e-9)
 
 
 def into_bend(straight: float, follows: bool = True) -> tuple[float, float, list[str]]:
-    """65 km/h, a straight [m], then R = 30 m, dry: path error of 12 s [m], lowest speed [m/s], the driver's notes."""
+    """65 km/h, a straight [m], then R = 30 m, dry.
+
+    Path error of 12 s [m], lowest speed [m/s], the driver's notes.
+    """
     values = {
         ("plant", "initial_x"): -straight,
         ("plant", "initial_speed"): 65 / 3.6,
@@ -114,7 +120,10 @@ def into_bend(straight: float, follows: bool = True) -> tuple[float, float, list
 
 
 def test_a_driver_slows_down_before_a_bend_that_the_car_cannot_take():
-    """65 km/h ask for 10.9 m/s^2 on R = 30 m: 0.45 g are planned, and the path is kept within 0.2 m."""
+    """65 km/h ask for 10.9 m/s^2 on R = 30 m.
+
+    0.45 g are planned, and the path is kept within 0.2 m.
+    """
     error, lowest, notes = into_bend(60.0)
     assert error < 0.2
     assert lowest == pytest.approx(math.sqrt(GRIP * 30.0), rel=0.05)
@@ -122,7 +131,10 @@ def test_a_driver_slows_down_before_a_bend_that_the_car_cannot_take():
 
 
 def test_a_plan_that_comes_too_late_has_a_note():
-    """A note names the time from which on the plan is missed: 10 m before the bend it allows 14 m/s."""
+    """A note names the time from which on the plan is missed.
+
+    10 m before the bend it allows 14 m/s.
+    """
     _, _, notes = into_bend(10.0)
     assert notes[0].startswith(
         "the car was too fast for its speed plan from 0.00 s on, by more than 2 m/s"

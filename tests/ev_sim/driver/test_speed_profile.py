@@ -23,7 +23,9 @@ def test_driver_is_registered_and_its_defaults_start_at_rest():
 
 
 def test_default_driver_follows_the_cycle_of_the_paper():
-    """Fig 4: 15 km/h from 4 s, 30 km/h from 29 s. Within 1 km/h on the ramps, within 1 % once they are over for 5 s.
+    """Fig 4: 15 km/h from 4 s, 30 km/h from 29 s.
+
+    Within 1 km/h on the ramps, within 1 % once they are over for 5 s.
 
     The slower pole of the control is at 0.57/s, so 5 s leave e^-2.8 of the 0.2 m/s that the ramp
     leaves.

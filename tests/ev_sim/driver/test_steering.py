@@ -1,4 +1,7 @@
-"""The driver's hands: they turn to an angle with every steering column, and hold the angles of the paper."""
+"""The driver's hands.
+
+They turn to an angle with every steering column, and hold the angles of the paper.
+"""
 
 from __future__ import annotations
 
@@ -103,7 +106,10 @@ def test_hands_mirror_to_the_bit(concept):
 
 
 def test_reference_keeps_its_rate():
-    """One radian of road-wheel angle is 16 rad at the steering wheel: 2 s at 8 rad/s; to rounding of 200 additions."""
+    """One radian of road-wheel angle is 16 rad at the steering wheel: 2 s at 8 rad/s.
+
+    To rounding of 200 additions.
+    """
     driver = driver_of(
         "speed_profile", steering__wanted_angle__time=(0.0,), steering__wanted_angle__angle=(1.0,)
     )
@@ -117,7 +123,9 @@ def test_reference_keeps_its_rate():
 
 
 def test_hands_recover_from_their_limit():
-    """Hands of 1 N m cannot hold 30 deg (2.1 N m): after 20 s of trying they return to straight as after 8 s, to 0.1 %.
+    """Hands of 1 N m cannot hold 30 deg (2.1 N m).
+
+    After 20 s of trying they return to straight as after 8 s, to 0.1 %.
 
     Wound up, the integral part would be worth 0.5 * 4.4 rad * 20 s = 44 N m and take 10 s more to
     run down.

@@ -1,4 +1,7 @@
-"""A drive on a test bench, compiled: torque reference and shaft speed in, what it does over time out."""
+"""A drive on a test bench, compiled.
+
+Torque reference and shaft speed in, what it does over time out.
+"""
 
 from types import SimpleNamespace
 
@@ -35,7 +38,10 @@ def drive_with(changes):
 
 
 def run(changes, torque, speed, *, duration, step=1e-3, bus_voltage=BUS_VOLTAGE, settled=0.0):
-    """Advance a drive from rest at a constant speed; its samples after the time `settled`, and the drive."""
+    """Advance a drive from rest at a constant speed.
+
+    Its samples after the time `settled`, and the drive.
+    """
     state, parameters = drive_with(changes)
     samples = {name: [] for name in state.dtype.names}
     for k in range(round(duration / step)):

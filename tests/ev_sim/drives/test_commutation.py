@@ -65,7 +65,9 @@ def phase_model(speed, bus_voltage, duration):
 
 @pytest.mark.parametrize(("speed", "bus_voltage"), [(95.0, 480.0), (95.0, 300.0), (-95.0, 480.0)])
 def test_switched_drive_agrees_with_a_plain_model_of_three_phases(speed, bus_voltage):
-    """Three commutations agree without reaching the current limit; the second bus makes the diodes conduct.
+    """Three commutations agree without reaching the current limit.
+
+    The second bus makes the diodes conduct.
 
     0.1 % of the torque: the explicit steps of the plain model, of which the freewheeling phase may pass zero by one.
     """
@@ -87,7 +89,9 @@ def test_commutation_makes_six_ripples_in_an_electrical_turn(changes):
 
 
 def test_commutation_dip_begins_where_four_times_the_emf_exceeds_the_bus_voltage():
-    """Carlson, Lajoie-Mazenc and Fagundes (IEEE Trans. Ind. Appl. 28, 1992): U = 4 E keeps the current that stays on.
+    """Carlson, Lajoie-Mazenc and Fagundes (IEEE Trans. Ind. Appl. 28, 1992).
+
+    U = 4 E keeps the current that stays on.
 
     E = p psi omega reaches 120 V at 60 rad/s. Below, hysteresis holds the current in its band of
     0.5 A; above, the incoming phase rises more slowly than the outgoing one falls. 0.05 A: samples
@@ -100,7 +104,9 @@ def test_commutation_dip_begins_where_four_times_the_emf_exceeds_the_bus_voltage
 
 
 def test_second_turn_needs_more_than_300_volt():
-    """The outer motor turns at 95.2 rad/s: EMF 381 V between two phases, torque of rolling and air 12 N m.
+    """The outer motor turns at 95.2 rad/s.
+
+    EMF 381 V between two phases, torque of rolling and air 12 N m.
 
     480 V holds the reference within 6 % (commutation takes longer than half a sector there), at 300
     V the motor brakes through the diodes whatever the reference is.
@@ -116,7 +122,10 @@ def test_second_turn_needs_more_than_300_volt():
 
 
 def test_lost_current_control_does_not_depend_on_how_the_converter_chops():
-    """Hysteresis and PWM then both keep the rails where they are; 1e-6 is left of how the currents began."""
+    """Hysteresis and PWM then both keep the rails where they are.
+
+    1e-6 is left of how the currents began.
+    """
     hysteresis, pwm = (
         run(changes, 12.0, 95.2, duration=0.3, settled=0.2, bus_voltage=300.0).mean_torque
         for changes in SWITCHED
@@ -126,7 +135,9 @@ def test_lost_current_control_does_not_depend_on_how_the_converter_chops():
 
 @pytest.mark.parametrize("changes", SWITCHED, ids=name_of)
 def test_halving_the_micro_step_converges(changes):
-    """Mean torque over 50 ms at 60 rad/s against a micro-step of 0.25 us; 1e-5 of it at the default of 5 us.
+    """Mean torque over 50 ms at 60 rad/s against a micro-step of 0.25 us.
+
+    1e-5 of it at the default of 5 us.
 
     The instants of PWM do not feed back on themselves: its error falls with the square of the step:
     to a quarter, or a third where events within a step disturb that. Hysteresis shifts its own

@@ -41,7 +41,10 @@ def test_without_resistance_electrical_energy_is_mechanical_work_and_magnetic_en
     ("torque", "speed"), [(80.0, 40.0), (-80.0, 40.0), (80.0, 0.0), (12.0, -95.0)]
 )
 def test_what_is_left_of_the_electrical_energy_is_copper_loss(changes, torque, speed):
-    """R sum(i^2) from samples every 10 us; 1 %: the currents between two samples are taken as straight lines."""
+    """R sum(i^2) from samples every 10 us.
+
+    1 %: the currents between two samples are taken as straight lines.
+    """
     state, parameters = drive_with(changes)
     electrical = mechanical = copper = 0.0
     before = 0.0, 0.0, 0.0
@@ -70,7 +73,10 @@ def test_what_is_left_of_the_electrical_energy_is_copper_loss(changes, torque, s
 
 @pytest.mark.parametrize("drive", DRIVE_MODELS)
 def test_braking_feeds_the_bus(drive):
-    """-40 N m at 40 rad/s: 1600 W of mechanical power less 2 R i^2 = 30 W, 2 % for the commutations."""
+    """-40 N m at 40 rad/s.
+
+    1600 W of mechanical power less 2 R i^2 = 30 W, 2 % for the commutations.
+    """
     result = run({"drive": drive}, -40.0, 40.0, duration=0.2, settled=0.1)
     loss = 0.0 if drive == "ideal" else 2 * RESISTANCE * 10.0**2
     assert np.mean(result.electrical_power) == pytest.approx(-1600.0 + loss, rel=0.02)

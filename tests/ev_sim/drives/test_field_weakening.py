@@ -37,7 +37,10 @@ def limit(winding: Winding, voltage: float) -> float:
 
 @BOTH
 def test_torque_falls_from_the_base_speed_on(winding):
-    """w_b = U/(p sqrt(psi^2 + (L I)^2)); the full torque is 3/2 p psi I. The margin of 1e-6 is far above rounding."""
+    """w_b = U/(p sqrt(psi^2 + (L I)^2)); the full torque is 3/2 p psi I.
+
+    The margin of 1e-6 is far above rounding.
+    """
     most = 1.5 * winding.pole_pairs * winding.flux_linkage * amplitude(winding)
     linkage = math.hypot(winding.flux_linkage, winding.inductance * amplitude(winding))
     base = limit(winding, VOLTAGE) / (winding.pole_pairs * linkage)
@@ -47,7 +50,10 @@ def test_torque_falls_from_the_base_speed_on(winding):
 
 
 def test_the_speed_ends_where_the_current_cannot_weaken_the_magnets_enough():
-    """w_max = U/(p (psi - L I)), i_d = -I; the root's slope there is infinite, so 1e-6 before it 0.3 % is left."""
+    """w_max = U/(p (psi - L I)), i_d = -I.
+
+    The root's slope there is infinite, so 1e-6 before it 0.3 % is left.
+    """
     end = limit(LAZY, VOLTAGE) / (
         LAZY.pole_pairs * (LAZY.flux_linkage - LAZY.inductance * amplitude(LAZY))
     )
@@ -58,7 +64,10 @@ def test_the_speed_ends_where_the_current_cannot_weaken_the_magnets_enough():
 @BOTH
 @pytest.mark.parametrize("speed", [300.0, 600.0, 785.0, 1500.0, 4000.0])
 def test_it_is_the_most_that_both_circles_leave(winding, speed):
-    """Over a grid of 100 001 i_d the best i_q comes within the square of the grid's step: 1e-6 of the current."""
+    """Over a grid of 100 001 i_d the best i_q comes within the square of the grid's step.
+
+    1e-6 of the current.
+    """
     direct = np.linspace(-amplitude(winding), 0.0, 100_001)
     reach = limit(winding, VOLTAGE) / (winding.pole_pairs * speed)
     held = winding.flux_linkage + winding.inductance * direct
@@ -86,7 +95,10 @@ def test_speed_scales_with_the_voltage(winding):
 
 @BOTH
 def test_the_envelope_has_no_jump_and_never_rises(winding):
-    """Steps of 0.05 rad/s; a jump would be far above 3 N m, the steepest fall is just before the end of the speed."""
+    """Steps of 0.05 rad/s.
+
+    A jump would be far above 3 N m, the steepest fall is just before the end of the speed.
+    """
     speeds = np.arange(0.0, 3000.0, 0.05)
     torques = np.array([voltage_limited_torque(winding, VOLTAGE, speed) for speed in speeds])
     falls = -np.diff(torques)
@@ -106,7 +118,10 @@ def test_within_the_envelope_current_and_voltage_keep_their_limits():
 
 
 def test_phase_power_is_mechanical_power_and_copper_loss():
-    """A current across the magnets alone has the apparent power 3 U I; its active part is T w + k T^2."""
+    """A current across the magnets alone has the apparent power 3 U I.
+
+    Its active part is T w + k T^2.
+    """
     motor = Motor(winding=Winding(inductance=1e-6), copper_loss=0.045)
     current, voltage = phase_values(motor, 200.0, VOLTAGE, 100.0)
     reactive = 1.5 * 10 * 100.0 * 1e-6 * 2.0 * current * current  # 3 w_e L I^2
@@ -118,7 +133,10 @@ def test_phase_power_is_mechanical_power_and_copper_loss():
 
 @pytest.mark.parametrize("asked", [360.0, -360.0])
 def test_an_inverter_keeps_to_the_envelope_of_its_dc_link(asked):
-    """Torque is the envelope at 329.6 V and 7000 rpm behind the lag; DC current is all power over the voltage."""
+    """Torque is the envelope at 329.6 V and 7000 rpm behind the lag.
+
+    DC current is all power over the voltage.
+    """
     p, s, speed = InverterParameters(), Inverter(), 733.0
     s.state, s.dc_link.voltage = float(OPERATION_ENABLED), 0.5 * VOLTAGE
     s.command.mode, s.command.torque, s.command.torque_limit, s.command.speed = (

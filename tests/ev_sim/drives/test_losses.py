@@ -29,7 +29,10 @@ EFFICIENCY = np.array([0.5, 0.6, 0.8, 0.7, 0.85, 0.95])  # for each speed a row 
 
 
 def test_torque_at_standstill_costs_what_the_lowest_speed_of_the_map_does():
-    """100 N m at 50 rad/s and 0.6: 5000 W (1/0.6 - 1), whichever way the motor is about to turn; no torque, no loss."""
+    """100 N m at 50 rad/s and 0.6: 5000 W (1/0.6 - 1), whichever way the motor is about to turn.
+
+    No torque, no loss.
+    """
     for speed in (0.0, 1e-12, -1e-12, 25.0, 50.0):
         assert map_loss_power(100.0, speed, SPEEDS, TORQUES, EFFICIENCY) == pytest.approx(
             5000.0 * (1 / 0.6 - 1.0)
@@ -54,7 +57,10 @@ def test_a_row_at_standstill_is_not_looked_at():
 @pytest.mark.slow
 @pytest.mark.parametrize("torque", [100.0, -100.0, 37.0])
 def test_losses_of_a_map_have_no_jumps(torque):
-    """Steps of 0.01 rad/s from reverse through rest to beyond the map: 1 W, the steepest part is 67 W s/rad."""
+    """Steps of 0.01 rad/s from reverse through rest to beyond the map.
+
+    1 W, the steepest part is 67 W s/rad.
+    """
     speeds = np.arange(-450.0, 450.0, 0.01)
     losses = np.array(
         [map_loss_power(torque, speed, SPEEDS, TORQUES, EFFICIENCY) for speed in speeds]

@@ -34,7 +34,10 @@ OVERSHOOTS = (("ice", 0.0, 100.0, 20.0, 0.02), ("dry_asphalt", 0.05, 300.0, 10.0
 
 
 def test_proportional_and_integral_part_by_hand():
-    """K e = 6 and K e h/T = 0.06 on top of an integral of 1 N m; only the integral stays within the torques."""
+    """K e = 6 and K e h/T = 0.06 on top of an integral of 1 N m.
+
+    Only the integral stays within the torques.
+    """
     assert speed_control(CONTROL, 1.0, 2.0) == pytest.approx((7.06, 1.06), rel=1e-12)
     assert speed_control(CONTROL, 9.99, 2.0) == pytest.approx((16.0, 10.0), rel=1e-12)
     assert speed_control(CONTROL, 0.01, -2.0) == pytest.approx((-6.0, 0.0), rel=1e-12)
@@ -61,7 +64,9 @@ def signals(car: CompiledObject) -> dict[type, tuple]:
 
 @pytest.mark.slow
 def test_drive_reaches_its_set_point_within_the_torque_and_never_pulls_back():
-    """A hill of 5 % with at most 300 N m a wheel: 10 rad/s within 0.5 % after 10 s; then 5 rad/s, no torque at once.
+    """A hill of 5 % with at most 300 N m a wheel: 10 rad/s within 0.5 % after 10 s.
+
+    Then 5 rad/s, no torque at once.
 
     The speed control of these gains has a damping ratio of 0.6 with the car, 2 rad/s of natural
     frequency: 10 s are many times its settling.
@@ -85,7 +90,10 @@ def test_drive_reaches_its_set_point_within_the_torque_and_never_pulls_back():
 def test_an_integral_that_waited_at_the_limit_does_not_overshoot(
     surface, grade, torque, goal, beyond, sense
 ):
-    """The overshoot from rest is that of the PI itself; windup would make 0.27 rad/s on ice and 0.67 on the hill."""
+    """The overshoot from rest is that of the PI itself.
+
+    Windup would make 0.27 rad/s on ice and 0.67 on the hill.
+    """
     road = {"road.left": (surface,), "road.right": (surface,), "road.grade": (sense * grade,)}
     car = plant(**road)
     command = WheelTorqueCommand(Wheels.front(sense * torque, sense * torque), NO_WHEELS)

@@ -56,7 +56,10 @@ def test_averaged_current_follows_the_first_order_loop_it_is_tuned_for():
 
 
 def test_averaged_drive_rises_no_faster_than_the_bus_voltage_allows_and_does_not_overshoot():
-    """2 L i' = U - 2 R i while the voltage is limited; anti-windup keeps the overshoot below 0.1 %."""
+    """2 L i' = U - 2 R i while the voltage is limited.
+
+    Anti-windup keeps the overshoot below 0.1 %.
+    """
     result = run({"drive": "averaged"}, 200.0, 0.0, duration=5e-3, step=1e-4)
     decay = RESISTANCE / INDUCTANCE
     rise = BUS_VOLTAGE / (2 * RESISTANCE) * (1 - math.exp(-decay * 1e-3))

@@ -52,7 +52,10 @@ def test_without_windows_a_rule_says_the_mode(time, mode):
     ("time", "mode"), [(0.0, STOP), (0.5, TRACTION), (1.9, TRACTION), (2.0, REGENERATION)]
 )
 def test_windows_say_the_mode_whatever_the_cycle(time, mode):
-    """Each from its beginning on until the next; before the first the car stands, the last one holds."""
+    """Each from its beginning on until the next.
+
+    Before the first the car stands, the last one holds.
+    """
     windows = CycleModesParameters(begin=(0.5, 2.0), mode=(MODES[TRACTION], MODES[REGENERATION]))
     assert mode_at(cycle_modes(windows, CYCLE), time) == mode
 
@@ -73,7 +76,10 @@ def test_rule_finds_the_windows_that_the_dissertation_lists():
     "name", sorted(path.stem for path in find_file("cycles/ece_15.csv").parent.glob("*.csv"))
 )
 def test_windows_of_all_cycles_are_whole(name):
-    """No window between two of one mode is shorter than the rule allows; the car stands at both ends."""
+    """No window between two of one mode is shorter than the rule allows.
+
+    The car stands at both ends.
+    """
     cycle = wanted_speed(with_profile_from_file(SpeedProfileParameters(file=f"cycles/{name}.csv")))
     begin, mode = windows_by_rule(RULE, cycle)
     assert mode[0] == mode[-1] == STOP
@@ -84,7 +90,10 @@ def test_windows_of_all_cycles_are_whole(name):
 
 
 def test_hold_between_two_falls_is_no_traction_and_a_step_does_not_fall():
-    """5 s held at 4 m/s belong to the fall, 5.5 s do not, nor does a rise; in steps nothing falls but at once."""
+    """5 s held at 4 m/s belong to the fall, 5.5 s do not, nor does a rise.
+
+    In steps nothing falls but at once.
+    """
     for length, modes in (
         (5.0, (REGENERATION, STOP)),
         (5.5, (REGENERATION, TRACTION, REGENERATION, STOP)),

@@ -26,7 +26,10 @@ times = st.lists(st.floats(-60.0, 60.0), max_size=20)
 @pytest.mark.parametrize("interpolation", INTERPOLATIONS)
 @given(points=points, times=times)
 def test_values_are_those_one_by_one(interpolation, points, times):
-    """Between, at (the points themselves are among the times), before and behind the points; equal to the bit."""
+    """Between, at (the points themselves are among the times), before and behind the points.
+
+    Equal to the bit.
+    """
     profile = profile_of(*points, interpolation)
     times = [*times, *profile.time]
     assert values_at(profile, np.array(times)).tolist() == [value_at(profile, t) for t in times]

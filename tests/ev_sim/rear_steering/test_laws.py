@@ -71,7 +71,10 @@ def largest_sideslip(recording: Recording) -> float:
 
 
 def test_in_a_lane_change_little_sideslip_is_left():
-    """The linear law holds where the tyres are nearly linear and the car nearly steady: a third is asked here."""
+    """The linear law holds where the tyres are nearly linear and the car nearly steady.
+
+    A third is asked here.
+    """
     straight, by_speed, zero = (
         largest_sideslip(driven(run)) for run in ("straight", "speed_dependent", "zero_sideslip")
     )
@@ -101,7 +104,10 @@ def test_zero_sideslip_holds_forwards_and_in_reverse(speed):
 
 
 def test_wheels_are_turned_by_the_side_force_and_the_motor_works_against_it():
-    """Straight wheels have the servo's error alone, below a milliradian; it takes watts, not kilowatts."""
+    """Straight wheels have the servo's error alone, below a milliradian.
+
+    It takes watts, not kilowatts.
+    """
     channels = driven("straight").channels
     assert 1e-5 < np.abs(channels["rear_steering.state.angle"]).max() < 1e-3
     assert 0.1 < channels["rear_steering.state.power"].max() < 100.0
@@ -188,7 +194,10 @@ def test_a_plant_whose_rear_wheels_nothing_steers_is_refused_in_one_line():
 
 
 def test_side_force_of_the_road_is_within_what_the_motor_carries():
-    """3 N m behind 400 carry 1200 N m; the load of the rear axle at full grip and 3 cm of trail give 150 N m."""
+    """3 N m behind 400 carry 1200 N m.
+
+    The load of the rear axle at full grip and 3 cm of trail give 150 N m.
+    """
     rear_load = CAR.mass * GRAVITY * (1.0 - CAR.centre_of_mass_to_rear_axle / CAR.wheelbase)
     p = SpeedDependentParameters()
     assert p.trail * rear_load < p.peak_torque * p.gear_ratio / 5

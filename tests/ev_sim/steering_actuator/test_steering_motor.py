@@ -24,7 +24,10 @@ def test_it_rests_where_nothing_is_asked():
 
 @pytest.mark.parametrize("moment", [0.0, 160.0, -160.0])
 def test_it_holds_its_angle_against_the_road(moment):
-    """160 N m are 5.3 kN of side force behind 3 cm of trail; the integral leaves no error, the motor carries M/i."""
+    """160 N m are 5.3 kN of side force behind 3 cm of trail.
+
+    The integral leaves no error, the motor carries M/i.
+    """
     s = SteeringMotorState()
     for _ in range(300):
         turn(P, servo(P, PERIOD), s, 0.05, moment)
@@ -46,7 +49,10 @@ def test_it_gets_there_as_fast_as_it_may():
 
 @given(st.lists(st.tuples(ANGLES, MOMENTS), min_size=1, max_size=40))
 def test_limits_hold_whatever_is_asked_and_both_sides_are_alike(commands):
-    """Peak torque and angle exactly; the rate is a set-point, which the road may pass by a little."""
+    """Peak torque and angle exactly.
+
+    The rate is a set-point, which the road may pass by a little.
+    """
     s, mirrored, c = SteeringMotorState(), SteeringMotorState(), servo(P, PERIOD)
     for wanted, moment in commands:
         turn(P, c, s, wanted, moment)
@@ -80,7 +86,10 @@ def test_energy_closes(commands):
 
 
 def test_power_is_limited():
-    """500 W at 600 rad/s of the shaft leave 0.83 of 3 N m; in a step of 0.5 ms the speed gains less than 24 rad/s."""
+    """500 W at 600 rad/s of the shaft leave 0.83 of 3 N m.
+
+    In a step of 0.5 ms the speed gains less than 24 rad/s.
+    """
     quick = SteeringMotorParameters(
         max_rate=100.0, position_gain=1000.0, max_angle=1.0, damping=0.0
     )

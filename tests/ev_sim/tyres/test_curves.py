@@ -74,7 +74,10 @@ def test_magic_formula_slope():
 
 
 def test_dry_friction_is_that_of_limit_by_s_triple():
-    """PlanarMechanics: y = (3 x - x^3)/2 between -x_max and x_max, then level with y_sat; at 60 m/s as at 6 m/s."""
+    """PlanarMechanics: y = (3 x - x^3)/2 between -x_max and x_max, then level with y_sat.
+
+    At 60 m/s as at 6 m/s.
+    """
     use = [dry_friction(v, 1.0, 0.1, 0.7, 0.3) for v in (0.0, 0.05, 0.1, 0.2, 0.3, 5.0)]
     assert use == pytest.approx([0.0, 0.6875, 1.0, 0.85, 0.7, 0.7], abs=1e-12)
     tyre = namespace(number_tree(Tyre(curve="dry_friction", coefficients=TYRES["dry_friction"])))
@@ -156,7 +159,10 @@ def test_peak_is_the_highest_of_all_points_of_the_grid(curve):
 def test_dry_friction_is_that_of_its_slip_speed_however_fast(
     adhesion, sliding, rise, beyond, along, across, ratio
 ):
-    """The force is use times load at any speed of its own, of 20 m/s as well; the peak is the larger of both levels."""
+    """The force is use times load at any speed of its own, of 20 m/s as well.
+
+    The peak is the larger of both levels.
+    """
     coefficients = (adhesion, rise, sliding, rise * beyond)
     tyre = Tyre("dry_friction", coefficients, lateral_ratio=ratio)
     on_road = Coefficients(*coefficients)

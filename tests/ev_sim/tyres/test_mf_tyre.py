@@ -58,7 +58,10 @@ def test_forces_are_those_of_an_independent_implementation():
 
 
 def test_tyres_with_all_terms_follow_the_printed_formula():
-    """Curved weights, an angle in place of its tangent, P_Ky4 of its own: Pacejka's equations with the C library."""
+    """Curved weights, an angle in place of its tangent, P_Ky4 of its own.
+
+    Pacejka's equations with the C library.
+    """
     numbers = dict(FRONT) | {"rex1": 0.3, "rex2": -0.2, "rey1": -0.6, "rey2": 0.4, "rhy2": 0.01}
     numbers |= {"pky4": 1.8, "pex4": 0.2, "takes_tangent": 0.0}
     tyres = mf_tyres(tuple(numbers.values()), tuple(numbers.values()))
@@ -114,7 +117,10 @@ def test_plant_slides_at_the_slips_of_the_formula():
 
 
 def test_cornering_stiffness_is_degressive():
-    """p_Ky1 F_z0 sin(2 atan(F_z/(p_Ky2 F_z0))): at its load of 2.13 F_z0 the largest, p_Ky1 F_z0."""
+    """p_Ky1 F_z0 sin(2 atan(F_z/(p_Ky2 F_z0))).
+
+    At its load of 2.13 F_z0 the largest, p_Ky1 F_z0.
+    """
     top = FRONT["pky2"] * FRONT["fnomin"]
     assert stiffness(top) == pytest.approx(14.95 * 4000.0, rel=1e-12)
     assert stiffness(0.98 * top) < stiffness(top)
@@ -161,7 +167,10 @@ def test_a_file_of_another_kind_is_refused(changed, words):
 
 
 def test_a_coefficient_that_is_there_twice_is_refused(tmp_path):
-    """Two values in one section or two are refused; one value twice is not, nor is MASS of units and inertia."""
+    """Two values in one section or two are refused.
+
+    One value twice is not, nor is MASS of units and inertia.
+    """
     lines = [f"{key} = {value} $ comment" for key, value in ENTRIES.items()]
     file = tmp_path / "one.tir"
     file.write_text(

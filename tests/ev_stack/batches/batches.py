@@ -32,7 +32,10 @@ def lane_change() -> Mapping[str, Configuration]:
 
 
 def vary() -> dict[str, list[Any]]:
-    """Values of every kind: of a method, of all roles, of a sensor, an array, of the car, and faults."""
+    """Values of every kind.
+
+    Of a method, of all roles, of a sensor, an array, of the car, and faults.
+    """
     return {
         "plant.initial_speed": [18.0 + run for run in range(RUNS)],
         "*.seed": list(range(RUNS)),

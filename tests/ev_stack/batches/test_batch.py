@@ -105,7 +105,10 @@ def test_a_batch_of_nothing_else_is_the_run_itself():
 
 
 def test_a_run_that_is_not_finite_stops_alone():
-    """A lateral velocity of 1e300 m/s is infinite when it is squared; the neighbours do not notice."""
+    """A lateral velocity of 1e300 m/s is infinite when it is squared.
+
+    The neighbours do not notice.
+    """
     rows = np.repeat(method_part(lane_change()["plant"], compiled=True).state[None], 3, axis=0)
     good = batch(
         lane_change(), 1.0, initial_states={"plant": rows}, signals=SIGNALS, metrics=METRICS
@@ -125,7 +128,10 @@ def test_a_run_that_is_not_finite_stops_alone():
 
 
 def test_a_run_that_ends_early_has_the_bits_of_a_shorter_one():
-    """Each ends at the first half second behind 20 m, the last one never; sensors, faults and truth as ever."""
+    """Each ends at the first half second behind 20 m, the last one never.
+
+    Sensors, faults and truth as ever.
+    """
     looks: list[tuple[float, float]] = []
 
     def is_far(run: DrivenRun, since: int) -> bool:

@@ -114,7 +114,10 @@ def test_a_method_that_only_python_runs():
 
 
 def test_values_that_do_not_fit_together():
-    """Each is in its range, but the plant cannot step so stiff tyres; the error says in which run."""
+    """Each is in its range, but the plant cannot step so stiff tyres.
+
+    The error says in which run.
+    """
     vary = {
         "*.vehicle.tyre.longitudinal_stiffness": [3e5, 1e7],
         "*.vehicle.wheel_inertia": [1.0, 0.01],

@@ -59,7 +59,10 @@ def test_ones_own_torque_split_gives_the_bits_of_the_built_in_one(inside):
 
 
 def test_a_fault_of_the_plant_strikes_at_the_instants_of_a_run():
-    """The plant writes the next instant, and so does the fault behind it: one period late is another signal."""
+    """The plant writes the next instant, and so does the fault behind it.
+
+    One period late is another signal.
+    """
     changed = {
         **NOISE,
         "plant.initial_speed": 15.0,
@@ -73,7 +76,10 @@ def test_a_fault_of_the_plant_strikes_at_the_instants_of_a_run():
 
 
 def test_ones_own_driver_and_column_are_inputs(inside):
-    """Also a role that integrates can be left out: what it writes at an instant is given at that instant."""
+    """Also a role that integrates can be left out.
+
+    What it writes at an instant is given at that instant.
+    """
     signals = inside.signals
     outside = simulation(
         without=("driver", "steering_column"), method={"electronic_differential": "equal_torque"}

@@ -76,7 +76,10 @@ def test_the_body_lies_around_the_middle_of_the_car_not_around_its_centre_of_mas
 
 
 def test_a_car_that_has_left_the_road_has_not_passed_it_cleanly():
-    """No cone stands where the car is: 0 of them was "measured", as of a clean run. It is 4 m aside at 14.8 m."""
+    """No cone stands where the car is: 0 of them was "measured", as of a clean run.
+
+    It is 4 m aside at 14.8 m.
+    """
     astray = driven((13.0, 0.0), (17.0, 9.0))
     assert judged(astray) == (0.0, None, "not measured: the car left the road at 2.48 s")
 
@@ -151,7 +154,10 @@ def test_lanes_that_make_no_sense_are_refused(lanes, message):
 
 
 def test_a_run_over_before_the_end_has_not_passed_whatever_comes():
-    """Wavy ways, looked at each 2.5 m; some lanes aside reach across the middle, where a car may be on either side."""
+    """Wavy ways, looked at each 2.5 m.
+
+    Some lanes aside reach across the middle, where a car may be on either side.
+    """
     random, judgements = np.random.default_rng(1), set()
     for _ in range(200):
         widths = tuple(random.uniform(2.0, 6.0, 2).tolist())

@@ -1,4 +1,7 @@
-"""Metrics that users write: what they give, and that nothing else than what is written down has a meaning."""
+"""Metrics that users write.
+
+What they give, and that nothing else than what is written down has a meaning.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""The steady linear car in reverse: what metrics, drivers and laws reckon with is what the planar plant does."""
+"""The steady linear car in reverse.
+
+What metrics, drivers and laws reckon with is what the planar plant does.
+"""
 
 from __future__ import annotations
 
@@ -63,7 +66,10 @@ def motion(run: Recording) -> tuple[float, float, float, float]:
 @pytest.mark.parametrize("speed", SPEEDS)
 @pytest.mark.parametrize("car", CARS)
 def test_the_reference_of_the_metric_is_what_the_plant_does(car, speed, side):
-    """A reversing car that understeers forwards turns more than a neutral one; compliance steer stays as it is."""
+    """A reversing car that understeers forwards turns more than a neutral one.
+
+    Compliance steer stays as it is.
+    """
     run, vehicle = settled(car, speed, side), vehicle_of(car)
     angle, u, _, yaw_rate = motion(run)
     gradient = understeer_gradient(vehicle, ahead=np.copysign(1.0, speed))
@@ -76,7 +82,10 @@ def test_the_reference_of_the_metric_is_what_the_plant_does(car, speed, side):
 @pytest.mark.parametrize("speed", SPEEDS)
 @pytest.mark.parametrize("car", CARS)
 def test_the_driver_with_preview_knows_the_steady_circle(car, speed):
-    """Angle and sideslip that he learns are those beyond the linear car: here there is nothing to learn."""
+    """Angle and sideslip that he learns are those beyond the linear car.
+
+    Here there is nothing to learn.
+    """
     angle, u, aside, yaw_rate = motion(settled(car, speed, "left"))
     circle = steady_circle(vehicle_of(car), np.copysign(1.0, speed))
     assert angle == pytest.approx(
@@ -104,7 +113,10 @@ def test_laws_want_of_a_steady_car_what_it_does(speed):
 
 
 def test_beyond_its_critical_speed_the_linear_car_has_no_steady_turn():
-    """The length is that of L + K u|u| up to a tenth of L, and does not change its sign; forwards it only grows."""
+    """The length is that of L + K u|u| up to a tenth of L, and does not change its sign.
+
+    Forwards it only grows.
+    """
     lengths = [turning_length(2.5, 0.002, u) for u in np.linspace(-100.0, 100.0, 201)]
     assert min(lengths) == pytest.approx(0.25)
     assert lengths == sorted(lengths)

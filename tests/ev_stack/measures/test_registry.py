@@ -1,4 +1,7 @@
-"""Metrics by name: each declared once, needed channels true, the same number wherever it is asked for."""
+"""Metrics by name.
+
+Each declared once, needed channels true, the same number wherever it is asked for.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +45,10 @@ def driven() -> DrivenRun:
 
 @pytest.mark.parametrize("name", OF_A_CAR)
 def test_a_metric_needs_the_channels_that_it_names_and_no_others(name):
-    """All but its optional ones: without friction the wanted yaw rate is not limited, which it is not here."""
+    """All but its optional ones.
+
+    Without friction the wanted yaw rate is not limited, which it is not here.
+    """
     each, run = METRICS[name], driven()
     assert each.measured(run).value == result().metrics[name].value is not None
     channels = {
@@ -59,7 +65,10 @@ def test_a_metric_needs_the_channels_that_it_names_and_no_others(name):
 
 
 def test_the_understeer_gradient_of_a_slow_ramp_is_that_of_the_linear_car():
-    """Either way; 5 %: on the ramp the car lags behind its steady state, and the closed form has no drive forces."""
+    """Either way; 5 %.
+
+    On the ramp the car lags behind its steady state, and the closed form has no drive forces.
+    """
     scenario = load_scenario("steady_circle", Overrides(), ("linear",))
     configurations = scenario.runs[0].configurations
     for end in (1.0, -1.0):
@@ -147,7 +156,10 @@ def test_a_batch_names_what_only_reports_measure():
 
 
 def test_torque_activity_friction_use_and_battery_energy_are_what_they_say():
-    """Two wheels go to and fro by 10 N m in 2 s: 2 x 20/2 = 20 N m/s; 300 N and 400 N of 0.5 x 1000 N; 10 W for 2 s."""
+    """Two wheels go to and fro by 10 N m in 2 s: 2 x 20/2 = 20 N m/s.
+
+    300 N and 400 N of 0.5 x 1000 N; 10 W for 2 s.
+    """
     time = np.array([0.0, 1.0, 2.0])
     channels = {
         f"{quantity}.{wheel}": np.zeros(3)

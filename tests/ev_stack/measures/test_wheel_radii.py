@@ -1,4 +1,7 @@
-"""Wheels of different radii: rim speeds, their difference, and the mass that rotating wheels add."""
+"""Wheels of different radii.
+
+Rim speeds, their difference, and the mass that rotating wheels add.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""The bag on disk is complete at every instant: after an end in good order, a kill at any moment, a full disk."""
+"""The bag on disk is complete at every instant.
+
+After an end in good order, a kill at any moment, a full disk.
+"""
 
 from __future__ import annotations
 
@@ -90,7 +93,10 @@ def assert_killed(child: int) -> None:
 
 
 def test_messages_come_back_bit_for_bit(tmp_path: Path):
-    """Several chunks (1 MiB each) and several checkpoints; data of every kind, also what would not compress."""
+    """Several chunks (1 MiB each) and several checkpoints.
+
+    Data of every kind, also what would not compress.
+    """
     noise = random.Random(1)
     messages = [(stamp, noise.randbytes(noise.randrange(4, 2000))) for stamp in range(3000)]
     with DurableBag(tmp_path / "bag", checkpoint_period=NEVER) as bag:
@@ -231,7 +237,9 @@ def test_kill_loses_less_than_a_second(tmp_path: Path):
 
 
 def test_kill_before_any_step_on_the_file_system(tmp_path: Path):
-    """A child kills itself before its first, second, ... opening, renaming or removing of a file, until none is left.
+    """A child kills itself before its first, second, ...
+
+    Opening, renaming or removing of a file, until none is left.
 
     Chance would mostly miss the instants between two renames; this does not.
     """
@@ -325,7 +333,10 @@ def test_a_bag_is_readable_or_not_there_however_little_room_there_is(room: int, 
 
 
 def test_failed_exchange_of_metadata_is_made_good_later(tmp_path: Path):
-    """The new file has its name already when metadata.yaml cannot be written; the old one must stay the valid one."""
+    """The new file has its name already when metadata.yaml cannot be written.
+
+    The old one must stay the valid one.
+    """
     with DurableBag(tmp_path / "bag", checkpoint_period=NEVER) as bag:
         topics = add_two_topics(bag)
         write_counters(bag, topics, range(10))
@@ -347,7 +358,10 @@ def test_failed_exchange_of_metadata_is_made_good_later(tmp_path: Path):
 def test_a_bag_that_cannot_begin_leaves_nothing_that_is_written_later(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    """The library asks for its version when the file is open; without a descriptor the file outlived the error."""
+    """The library asks for its version when the file is open.
+
+    Without a descriptor the file outlived the error.
+    """
 
     def no_descriptor(_name: str) -> str:
         raise OSError(errno.EMFILE, "Too many open files")

@@ -19,7 +19,10 @@ from ev_stack.running.offline import recorded_topics
 def test_ctrl_c_leaves_a_bag_that_counts_what_it_holds(
     late, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    """Between a message and its count there is no place to be interrupted at; nor is an interrupt lost."""
+    """Between a message and its count there is no place to be interrupted at.
+
+    Nor is an interrupt lost.
+    """
     run = shchur(0.5)
     topics = recorded_topics(run)
     recording = run_offline(run.configurations, run.duration)

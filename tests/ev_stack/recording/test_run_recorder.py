@@ -97,7 +97,10 @@ heard = st.tuples(
 def test_what_is_held_is_what_has_come(
     tmp_path_factory: pytest.TempPathFactory, may_skip: bool, last: int, words: list
 ):
-    """Repeated, missing and skipped steps, the end of the run, resets; blocks of four steps have many borders."""
+    """Repeated, missing and skipped steps, the end of the run, resets.
+
+    Blocks of four steps have many borders.
+    """
     folder = tmp_path_factory.mktemp("recorder")
     with patch.object(spool, "BLOCK", 4):
         recorder = recorder_in(
@@ -130,7 +133,10 @@ def test_what_is_held_is_what_has_come(
 def test_answers_that_come_with_a_reset_are_kept_where_their_stamps_tell_them_from_older_ones(
     tmp_path, run, held
 ):
-    """After a reset they do; another master counts from zero again, and repeats itself until the answers come."""
+    """After a reset they do.
+
+    Another master counts from zero again, and repeats itself until the answers come.
+    """
     recorder = recorder_in(tmp_path)
     recorder.add(0, [message(USED[0], 0, 1.0)], [0], fail)
     recorder.took_all()
@@ -157,7 +163,10 @@ def test_a_closed_recorder_keeps_nothing_more(tmp_path):
 
 
 def test_memory_does_not_grow_with_the_steps(tmp_path: Path):
-    """60 000 steps are 50 MB of messages; what stays are a block of each topic, and one channel at the end."""
+    """60 000 steps are 50 MB of messages.
+
+    What stays are a block of each topic, and one channel at the end.
+    """
     steps = 60_000
     recorder = recorder_in(tmp_path)
     tracemalloc.start()

@@ -91,7 +91,10 @@ def test_what_is_published_is_black_named_once_and_changes_no_colour():
 
 @pytest.mark.parametrize(("width", "times"), [(20.0, 1), (0.5, 50)])
 def test_a_map_is_to_scale_or_says_how_much_larger_it_is_across(width: float, times: int):
-    """A course 20 m across over 100 m can be drawn to scale; one of 0.5 m would be a hair on 8.4 inches."""
+    """A course 20 m across over 100 m can be drawn to scale.
+
+    One of 0.5 m would be a hair on 8.4 inches.
+    """
     figure = plan_view("Path", [Curve(10 * TIME, width * SLOW / 2, "car")]).figure()
     (axes,) = figure.axes
     assert axes.get_aspect() == times
@@ -155,7 +158,10 @@ def test_another_format_is_refused(capsys: pytest.CaptureFixture[str]):
 
 
 def test_a_law_has_one_colour_in_every_panel_figure_and_study():
-    """Panels with fewer laws, in another order, and another study: what was named by its place was named otherwise."""
+    """Panels with fewer laws, in another order, and another study.
+
+    What was named by its place was named otherwise.
+    """
     from ev_core.methods.register import methods_of
 
     laws = list(methods_of("electronic_differential"))
@@ -180,7 +186,10 @@ def test_a_law_has_one_colour_in_every_panel_figure_and_study():
 
 
 def test_any_number_of_names_has_strokes_and_the_first_ones_differ():
-    """Seven runs, as in most reports, differ in colour; all strokes there are differ before one comes again."""
+    """Seven runs, as in most reports, differ in colour.
+
+    All strokes there are differ before one comes again.
+    """
     assert len({stroke.colour for stroke in strokes_of(map(str, range(7))).values()}) == 7
     many = [stroke for name, stroke in strokes_of(map(str, range(70))).items() if name]
     assert len(many) == 70 and len(set(many)) == len(set(many[:64])) == 64
@@ -188,7 +197,10 @@ def test_any_number_of_names_has_strokes_and_the_first_ones_differ():
 
 @pytest.mark.parametrize("count", [2, 4])
 def test_identical_curves_take_turns_so_that_all_are_seen(count: int):
-    """Drawn over each other only the last one would be seen: its colour covered every other pixel."""
+    """Drawn over each other only the last one would be seen.
+
+    Its colour covered every other pixel.
+    """
     curves = [Curve(TIME, SLOW, f"law {n}") for n in range(count)]
     figure = sheet_of(Panel("alike", "y [1]", curves))
     figure.legends[0].remove()

@@ -1,4 +1,7 @@
-"""Tables for LaTeX: columns of siunitx that fit their numbers, digits as wanted, the best values in bold."""
+"""Tables for LaTeX.
+
+Columns of siunitx that fit their numbers, digits as wanted, the best values in bold.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Figures for print over any data: nothing beyond the edge, nothing over anything else, one unit for one quantity."""
+"""Figures for print over any data.
+
+Nothing beyond the edge, nothing over anything else, one unit for one quantity.
+"""
 
 from __future__ import annotations
 

@@ -40,7 +40,10 @@ def test_the_car_avoids_the_obstacle_with_its_drives_released():
 
 
 def test_a_car_that_drives_straight_on_takes_the_cones_of_the_second_lane():
-    """Its body covers 0.66 to 2.34 m: the left rows of lanes 1 (1.04 m) and 3 (1.5 m), the right one of 2 (2.04 m)."""
+    """Its body covers 0.66 to 2.34 m.
+
+    The left rows of lanes 1 (1.04 m) and 3 (1.5 m), the right one of 2 (2.04 m).
+    """
     straight = {
         "driver.path.x": [-50.0, 200.0],
         "driver.path.y": [1.5, 1.5],

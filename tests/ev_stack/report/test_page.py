@@ -1,4 +1,7 @@
-"""report.html without a browser: what is packed comes back, what stands there is complete, closed and well ordered."""
+"""report.html without a browser.
+
+What is packed comes back, what stands there is complete, closed and well ordered.
+"""
 
 from __future__ import annotations
 

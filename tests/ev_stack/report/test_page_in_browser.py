@@ -1,4 +1,7 @@
-"""report.html in a headless Chromium: it draws, obeys pointer and keyboard, plays, and says nothing is wrong."""
+"""report.html in a headless Chromium.
+
+It draws, obeys pointer and keyboard, plays, and says nothing is wrong.
+"""
 
 from __future__ import annotations
 
@@ -144,7 +147,10 @@ def test_the_difference_is_second_minus_first(browser: Browser):
 
 
 def test_over_each_other_both_runs_are_in_one_plot_each_in_its_colour(browser: Browser):
-    """That of the figures; wheels of one run have the colours of their places, those of two runs only their dashes."""
+    """That of the figures.
+
+    Wheels of one run have the colours of their places, those of two runs only their dashes.
+    """
     of_runs = [list(stroke) for name, stroke in strokes_of(["slow", "fast one"]).items() if name]
     assert browser.run("INDEX.runs.map((run) => run.stroke)") == of_runs
     colours = [colour for colour, _ in of_runs]
@@ -184,7 +190,10 @@ def test_time_runs_and_the_car_moves(browser: Browser):
 
 
 def test_front_wheels_turn_and_forces_have_arrows(browser: Browser):
-    """Ink of the arrows' colour is where there are forces; the first row of the table is the inner front wheel."""
+    """Ink of the arrows' colour is where there are forces.
+
+    The first row of the table is the inner front wheel.
+    """
     show(browser, 0, -1, "beside")
     browser.run("document.getElementById('view').scrollIntoView(); clock.set(1.5)")
     browser.wait_for("!waiting")
@@ -212,7 +221,10 @@ def test_the_keyboard_moves_time_by_one_sample_and_hides_a_curve(browser: Browse
 
 
 def test_what_the_script_adds_can_be_read_and_named(browser: Browser):
-    """Contrast by WCAG 2.2: 4.5 to 1 for text; every control has a name, every heading follows its parent."""
+    """Contrast by WCAG 2.2: 4.5 to 1 for text.
+
+    Every control has a name, every heading follows its parent.
+    """
     show(browser, 0, 1, "beside")
     look_at(browser, TORQUE)
     assert browser.run(f"({TEXT_OF_POOR_CONTRAST})()") == []
@@ -280,7 +292,10 @@ def test_every_table_fits_its_screen(browser: Browser, width: int):
 
 
 def test_what_was_never_in_sight_is_printed(tmp_path: Path):
-    """A printer asks when the page is loaded, which it is with all samples: each curve is stroked in its colour."""
+    """A printer asks when the page is loaded, which it is with all samples.
+
+    Each curve is stroked in its colour.
+    """
     time = np.linspace(0.0, 1.0, 11)
     run = Recording(time, {f"measured.channel_{n}": n * time for n in range(1, CHANNELS + 1)})
     write_page(Page("printed", {}, (Signals("", {"run": run}, None),)), tmp_path / "page.html")

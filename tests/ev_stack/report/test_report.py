@@ -250,7 +250,10 @@ def test_band_of_a_negative_value_runs_upwards():
 )
 @pytest.mark.parametrize("size", [1.23, -0.4])
 def test_step_response_of_second_order(system, size):
-    """Against the closed form; the tolerances are those of sampling every 10 ms without interpolating the peak."""
+    """Against the closed form.
+
+    The tolerances are those of sampling every 10 ms without interpolating the peak.
+    """
     time = instants(30.0)
     found = step_response(time, size * second_order(system, time - 2.0), 2.0)
     assert found.steady_value == pytest.approx(size, rel=1e-3)
@@ -384,7 +387,10 @@ def test_cycle_report_reproduces_the_steady_turns():
 
 @pytest.mark.parametrize("parameters", [IDEAL, SWITCHED])
 def test_angle_is_held_within_half_a_degree_with_any_drives(parameters):
-    """An angle of 30.4 deg counts, one of 30.6 deg does not; wheel speeds that follow from 33 deg do not either."""
+    """An angle of 30.4 deg counts, one of 30.6 deg does not.
+
+    Wheel speeds that follow from 33 deg do not either.
+    """
 
     def judgements(error: float) -> dict[str, str]:
         metrics = report_for("shchur2019").metrics(
@@ -463,7 +469,10 @@ def test_generic_report_measures_every_run():
 
 
 def test_speed_is_that_along_the_path():
-    """The paper's V is 15 km/h in the left turn too, where the longitudinal component is smaller; backwards < 0."""
+    """The paper's V is 15 km/h in the left turn too, where the longitudinal component is smaller.
+
+    Backwards < 0.
+    """
     run = cycle_run()["shchur2019"]
     left_turn = (run.time >= 10) & (run.time <= 18)
     assert motion.path_speed(run)[left_turn] == pytest.approx(15 / 3.6)
@@ -623,7 +632,10 @@ def test_table_fits_into_the_terminal(width):
 
 
 def test_a_wide_table_is_several_that_fit_into_the_terminal(monkeypatch):
-    """Each with the columns that tell the rows apart, and none is lost; one that is too wide alone stands alone."""
+    """Each with the columns that tell the rows apart, and none is lost.
+
+    One that is too wide alone stands alone.
+    """
     columns, row = ("gamma", "a", "much_wider_than_all", "c", "d"), ("1", "2", "3", "4", "5")
     monkeypatch.setenv("COLUMNS", "14")
     assert tables_by_width(columns, [row], 1, left=()) == "\n\n".join(

@@ -1,4 +1,7 @@
-"""Reports of runs that end before anything has happened: not measured, never an error, figures laid out for print."""
+"""Reports of runs that end before anything has happened.
+
+Not measured, never an error, figures laid out for print.
+"""
 
 from __future__ import annotations
 

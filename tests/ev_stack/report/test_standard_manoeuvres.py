@@ -1,4 +1,7 @@
-"""Standard manoeuvres on the very car, to either side, in reverse, at any period; no number beyond its premise."""
+"""Standard manoeuvres on the very car, to either side, in reverse, at any period.
+
+No number beyond its premise.
+"""
 
 from __future__ import annotations
 
@@ -41,7 +44,9 @@ def values(result: Result) -> dict[str, float | None]:
     ],
 )
 def test_the_angles_of_the_files_are_what_the_slow_ramp_finds(name, run, within):
-    """FMVSS 126 rounds A to 0.1 deg, 0.6 %; on the slow ramp to 4 m/s^2 the Audi lags by 0.3 s, 1 % of the angle.
+    """FMVSS 126 rounds A to 0.1 deg, 0.6 %.
+
+    On the slow ramp to 4 m/s^2 the Audi lags by 0.3 s, 1 % of the angle.
 
     The circle of 50 m within 1 %, as ISO 4138 keeps it within 0.5 m.
     """
@@ -147,7 +152,10 @@ def test_a_car_too_slow_for_the_ramp_has_a_note(speed, message):
 
 
 def test_another_cycle_is_no_other_car():
-    """It draws random roads for as long as it takes, where there are some: the step was 1.8 % larger for it."""
+    """It draws random roads for as long as it takes, where there are some.
+
+    The step was 1.8 % larger for it.
+    """
     scenario = load_scenario(
         "step_steer", Overrides(prepared=cycle_values("nedc")[0]), only=["left"]
     )
@@ -183,7 +191,10 @@ def test_a_run_that_tells_nothing_is_configured_once(monkeypatch):
 
 
 def test_linear_and_real_tyres_are_two_runs_with_another_car():
-    """They were one to the last digit: what a run changes about its car is what the run is about."""
+    """They were one to the last digit.
+
+    What a run changes about its car is what the run is about.
+    """
     linear, friction = load_scenario(
         "steady_circle", Overrides(vehicle=OTHER), only=["linear", "friction"]
     ).runs
@@ -256,7 +267,10 @@ def test_straight_reversing_is_no_sideslip_and_a_spin_is():
 
 
 def test_sideslip_and_curvature_on_a_circle_are_the_same_in_reverse():
-    """Rolling on R = 20 m to the left: tan beta = b/R, and the centre of the circle stays on the left."""
+    """Rolling on R = 20 m to the left.
+
+    Tan beta = b/R, and the centre of the circle stays on the left.
+    """
     beta = math.atan(1.0 / 20.0)
     for speed in (5.0, -5.0):
         across = 25.0 / math.hypot(20.0, 1.0)
@@ -295,7 +309,10 @@ def test_the_circle_to_the_right_is_measured():
 
 
 def test_a_coast_down_from_below_100_km_h_has_no_time_from_there():
-    """9.49 s were "measured"; the road load holds, but is not judged: speed and duration are not the scenario's."""
+    """9.49 s were "measured".
+
+    The road load holds, but is not judged: speed and duration are not the scenario's.
+    """
     slow = ev_stack.run("coast_down", set={"plant.initial_speed": 90 / 3.6}, duration=30.0)
     assert (
         slow.metrics["time_from_100_to_80_km_h"].verdict

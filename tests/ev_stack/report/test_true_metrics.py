@@ -1,4 +1,7 @@
-"""Metrics are about the car: not about its sensors, to either side, in reverse, and whatever the control period is."""
+"""Metrics are about the car.
+
+Not about its sensors, to either side, in reverse, and whatever the control period is.
+"""
 
 from __future__ import annotations
 

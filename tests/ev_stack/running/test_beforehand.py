@@ -167,7 +167,10 @@ def test_a_process_killed_while_it_compiles_keeps_no_other_from_it(tmp_path):
 @pytest.mark.slow
 @pytest.mark.weekly
 def test_a_run_that_is_stopped_while_it_compiles_ends_at_once_and_the_next_one_goes_on(tmp_path):
-    """Ctrl-C reaches all processes, SIGTERM the command alone; nothing is left but what is compiled already."""
+    """Ctrl-C reaches all processes, SIGTERM the command alone.
+
+    Nothing is left but what is compiled already.
+    """
     words = [
         RUN,
         "shchur2019",

@@ -55,7 +55,10 @@ def test_a_run_that_takes_no_step_behind_a_set_back_has_not_begun(clocks):
     "jump", [0, HOUR, -500_000], ids=["none", "ahead", "by half a millisecond"]
 )
 def test_without_a_set_back_a_run_may_take_its_time(jump, clocks):
-    """A node of a user's own may load for a minute, or stand at a breakpoint; clocks are slewed all the time."""
+    """A node of a user's own may load for a minute, or stand at a breakpoint.
+
+    Clocks are slewed all the time.
+    """
     begins = Beginning(patient=True)
     clocks.ahead += jump
     assert waited(begins, standing(), clocks) == math.inf

@@ -33,7 +33,10 @@ def test_a_seed_draws_the_same_again():
 
 @pytest.mark.parametrize("kind", ["swapped", "restarted", "motor_share"])
 def test_kinds_of_faults_take_turns_and_change_what_they_strike(kind):
-    """A trial says which, and draws the same again; the hash beside it is that of the run with them."""
+    """A trial says which, and draws the same again.
+
+    The hash beside it is that of the run with them.
+    """
     trial = 2 * list(KINDS).index(kind)
     changes, expected = drawn_changes(*STEP, trial, 1)
     assert kind in {

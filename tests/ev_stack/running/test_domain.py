@@ -15,7 +15,10 @@ FIRST_PORTS = range(2000, 7000, 1000)  # far below those of DDS and those that s
 
 @pytest.fixture(autouse=True)
 def first_port(monkeypatch, tmp_path):
-    """Three domains at ports that no run uses, nor a test beside this one: it would hold the first of them."""
+    """Three domains at ports that no run uses, nor a test beside this one.
+
+    It would hold the first of them.
+    """
     monkeypatch.setattr(domain, "_DOMAINS", range(1, 4))
     monkeypatch.setattr(domain.tempfile, "gettempdir", lambda: str(tmp_path))
     for port in FIRST_PORTS:

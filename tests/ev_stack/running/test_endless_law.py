@@ -1,4 +1,7 @@
-"""Ctrl-C and SIGTERM end every run, also where a compiled law never returns; it costs nothing but the law's process."""
+"""Ctrl-C and SIGTERM end every run, also where a compiled law never returns.
+
+It costs nothing but the law's process.
+"""
 
 from __future__ import annotations
 

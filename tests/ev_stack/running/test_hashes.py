@@ -32,7 +32,10 @@ def test_a_published_hash_is_that_of_the_run(scenario, run):
 
 
 def test_the_hash_of_a_copy_under_another_name_is_that_of_the_signals(tmp_path):
-    """The name of the file is none of the signals; the printed hash of one run is that of the page."""
+    """The name of the file is none of the signals.
+
+    The printed hash of one run is that of the page.
+    """
     copy = tmp_path / "another_name.yaml"
     copy.write_bytes(files_in_config("scenarios")["step_steer"].read_bytes())
     only_one, copied = (

@@ -84,7 +84,10 @@ def deviations(recording: Recording, state: np.ndarray, reference: np.ndarray) -
 @pytest.mark.parametrize(("scenario", "name"), CASES)
 @pytest.mark.sampled
 def test_halving_the_step_keeps_the_end_of_the_run(scenario, name):
-    """Less than 0.1 % of the way and of the largest speeds at its end; measured is 8e-6 at most, in a spin."""
+    """Less than 0.1 % of the way and of the largest speeds at its end.
+
+    Measured is 8e-6 at most, in a spin.
+    """
     recording, coarse = driven(scenario, name)
     _, fine = driven(scenario, name, halved=True)
     steps_of = [
@@ -98,7 +101,9 @@ def test_halving_the_step_keeps_the_end_of_the_run(scenario, name):
 @pytest.mark.parametrize(("scenario", "name"), CASES)
 @pytest.mark.weekly
 def test_an_adaptive_solver_ends_the_run_alike(scenario, name):
-    """DOP853 at a relative tolerance of 1e-9 under the same commands: promised are 0.1 %, a tenth is asked here.
+    """DOP853 at a relative tolerance of 1e-9 under the same commands.
+
+    Promised are 0.1 %, a tenth is asked here.
 
     Measured are 2e-5 in the spin of `times_5_0` and beyond the limit of the circle, 2e-6 where a
     wheel spins on ice, below 1e-6 else: no run is chaotic. Torques taken at the beginning of a step
@@ -185,7 +190,10 @@ def test_step_steer_is_the_same_to_the_left_and_to_the_right():
 
 
 def test_steady_circle_agrees_with_the_closed_form():
-    """K = m (b/C_f - a/C_r)/L within 5 %: the drive forces of the front wheels pull the car inwards, 1 % of 2500 N."""
+    """K = m (b/C_f - a/C_r)/L within 5 %.
+
+    The drive forces of the front wheels pull the car inwards, 1 % of 2500 N.
+    """
     metrics = metrics_of("steady_circle")
     mass, length, rear_arm = (
         Vehicle().mass,
@@ -200,7 +208,9 @@ def test_steady_circle_agrees_with_the_closed_form():
 
 @pytest.mark.parametrize(("tyres", "band"), [("linear", 0.01), ("friction", 0.05)])
 def test_both_methods_for_the_steady_circle_agree(tyres, band):
-    """The understeer gradient is one of the car: measured are 0.2 % with linear tyres and 2 % with real ones.
+    """The understeer gradient is one of the car.
+
+    Measured are 0.2 % with linear tyres and 2 % with real ones.
 
     Real tyres give no straight line over the acceleration, and both the samples along it and the
     drive forces differ between the circle of 40 m and that of 50 m, which widens to 53 m.
@@ -226,7 +236,10 @@ def test_each_method_for_the_steady_circle_has_its_figure():
 
 @pytest.mark.parametrize("tyres", ["linear", "friction"])
 def test_constant_radius_is_kept(tyres):
-    """ISO 4138 allows 0.5 m off the circle, here of 40 m radius about (10, 40); judged as the gradients, to 4 m/s^2."""
+    """ISO 4138 allows 0.5 m off the circle, here of 40 m radius about (10, 40).
+
+    Judged as the gradients, to 4 m/s^2.
+    """
     recording, _ = driven("steady_circle", f"constant_radius_{tyres}")
     radius = np.hypot(recording.channels["pose.x"] - 10.0, recording.channels["pose.y"] - 40.0)
     acceleration = lateral_acceleration_on_path(recording)
@@ -241,7 +254,10 @@ def test_lane_change_leaves_all_cones_standing():
 
 
 def test_a_car_beside_its_lane_hits_the_cones_of_one_row():
-    """Straight on at y = 2 m its body covers 1.16 to 2.84 m: the right row of lane 2 (2.37 m), the left one of 3."""
+    """Straight on at y = 2 m its body covers 1.16 to 2.84 m.
+
+    The right row of lane 2 (2.37 m), the left one of 3.
+    """
     values = [
         ("plant", "initial_y", 2.0),
         ("driver", "path.x", [-50.0, 200.0]),
@@ -268,7 +284,10 @@ def test_sine_with_dwell_multiples_of_a():
 
 
 def test_split_friction():
-    """Steering holds the car that spins with a fixed steering wheel; wheels on snow lock, on asphalt they do not."""
+    """Steering holds the car that spins with a fixed steering wheel.
+
+    Wheels on snow lock, on asphalt they do not.
+    """
     metrics = metrics_of("straight_brake_split_mu")
     assert (
         metrics["steered_peak_yaw_deviation"] < 0.2 < metrics["fixed_steering_peak_yaw_deviation"]
@@ -282,7 +301,10 @@ def test_split_friction():
 
 
 def test_plant_notes_refused_commands_and_lifted_wheels():
-    """Each text once, counts by powers of ten as of the end; the launch asks 7500 N m of motors that have 5328 N m."""
+    """Each text once, counts by powers of ten as of the end.
+
+    The launch asks 7500 N m of motors that have 5328 N m.
+    """
     too_much = [("driver", "pedals.drive_torque", [0.0, 0.0, 7500.0])]
     run = load_scenario("launch_split_mu", Overrides((), too_much, 2.0)).runs[0]
     notes = []

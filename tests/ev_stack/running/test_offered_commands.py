@@ -1,4 +1,7 @@
-"""A package brings commands by an entry point; a table that cannot be taken is named, and all others go on."""
+"""A package brings commands by an entry point.
+
+A table that cannot be taken is named, and all others go on.
+"""
 
 from __future__ import annotations
 

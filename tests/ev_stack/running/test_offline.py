@@ -92,7 +92,10 @@ def test_answers_arrive_at_once_and_integrated_states_one_step_later():
     ("duration", "steps"), [(0.03, 3), (0.039, 3), (0.0299999999999, 3), (0.01, 1), (0.0, 0)]
 )
 def test_both_ends_are_recorded(duration, steps):
-    """A duration between two steps ends with the step before; one that misses a step by rounding has it."""
+    """A duration between two steps ends with the step before.
+
+    One that misses a step by rounding has it.
+    """
     recording = run_offline(clockwork(), duration)
     assert recording.time.tolist() == [step / 100 for step in range(steps + 1)]
     assert {len(column) for column in recording.channels.values()} == {steps + 1}

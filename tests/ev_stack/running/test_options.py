@@ -1,4 +1,7 @@
-"""Values of options that are no values: refused by argparse before anything is driven or written."""
+"""Values of options that are no values.
+
+Refused by argparse before anything is driven or written.
+"""
 
 from __future__ import annotations
 

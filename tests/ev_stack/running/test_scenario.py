@@ -245,7 +245,10 @@ def test_what_a_file_is_called_and_says_of_itself_is_shown_as_text(scenario, cap
     "pattern", ["/**/drivr", "/ev/other/driver", "driver", "/plant", "/*/*/driver"]
 )
 def test_a_section_that_means_no_node_is_refused(scenario, more, pattern):
-    """A mistyped name would else be a silent nothing; `driver` alone means the root namespace, as in ROS."""
+    """A mistyped name would else be a silent nothing.
+
+    `driver` alone means the root namespace, as in ROS.
+    """
     text = section(pattern, "{seed: 1}")
     known = "known: plant, steering_column, rear_steering, test_bench, driver, electronic_differential, asr, "
     known += "inverter_gateway"
@@ -516,7 +519,10 @@ def test_a_scenario_may_borrow_a_report_and_bring_metrics(scenario):
 
 @pytest.mark.parametrize("name", scenario_names())
 def test_every_scenario_names_five_numbers_of_its_nodes_for_a_lesson(name):
-    """A study of their effect is no test: each of them changed the hash of the run when it was chosen."""
+    """A study of their effect is no test.
+
+    Each of them changed the hash of the run when it was chosen.
+    """
     loaded = load_scenario(name)
     there = {
         f"{node}.{key}"

@@ -1,4 +1,7 @@
-"""A running graph from a shell without the ros2 command: what there is, messages, parameters, time."""
+"""A running graph from a shell without the ros2 command.
+
+What there is, messages, parameters, time.
+"""
 
 import io
 import os

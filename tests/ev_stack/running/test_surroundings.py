@@ -1,4 +1,7 @@
-"""Commands in surroundings that are unlike a developer's terminal: no home folder, closed streams, an early Ctrl-C."""
+"""Commands in surroundings that are unlike a developer's terminal.
+
+No home folder, closed streams, an early Ctrl-C.
+"""
 
 from __future__ import annotations
 

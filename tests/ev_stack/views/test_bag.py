@@ -237,7 +237,10 @@ def test_parameters_are_those_of_all_nodes(driven):
 
 
 def test_views_are_a_small_part_of_a_bag(driven, tmp_path):
-    """Less than half of what the signals take: on by default, they must not make bags twice as large."""
+    """Less than half of what the signals take.
+
+    On by default, they must not make bags twice as large.
+    """
     topics = recorded_topics(driven.run)
     names = [f"/ev/{topic.name}" for topic in topics]
     write_bag(

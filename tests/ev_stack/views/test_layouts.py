@@ -91,7 +91,10 @@ class Ear:
 
 
 def test_a_run_that_is_watched_is_shown_by_the_packages_that_are_there(monkeypatch):
-    """Their messages are serialized without them, here by stand-ins for the packages; one that is missing is named."""
+    """Their messages are serialized without them, here by stand-ins for the packages.
+
+    One that is missing is named.
+    """
     monkeypatch.setattr(ros_views, "message_class", lambda kind: KINDS[kind])
     node, notes = Ear(), []
     numbers = np.zeros((1, SIZE))

@@ -75,7 +75,10 @@ def magnitude(car: SideSlipModel, frequency: np.ndarray) -> np.ndarray:
 
 
 def neutral_front_share(car: SideSlipModel) -> float:
-    """Front share h that makes the car steer neutrally without M_z: 2 J_z j cos(phi)/(L^2 X) [1] (eq 4)."""
+    """Front share h that makes the car steer neutrally without M_z.
+
+    2 J_z j cos(phi)/(L^2 X) [1] (eq 4).
+    """
     return (
         2 * car.yaw_inertia * car.longitudinal_acceleration / (car.wheelbase**2 * car.drive_force)
     )
@@ -91,7 +94,10 @@ def neutral_rear_difference(car: SideSlipModel) -> float:
 def slip_angle_rates(
     car: SideSlipModel, d1: float, d2: float, theta: float, moment: float
 ) -> np.ndarray:
-    """d1', d2' [rad/s] from force and moment balance of v and r at a held steering angle: none of the model's terms."""
+    """d1', d2' [rad/s] from force and moment balance of v and r at a held steering angle.
+
+    None of the model's terms.
+    """
     half, speed = car.wheelbase / 2, car.speed
     v, r = speed * ((theta - d1) - d2) / 2, speed * ((theta - d1) + d2) / car.wheelbase
     front = car.axle_cornering_stiffness * d1 + car.front_share * car.drive_force * theta
@@ -125,7 +131,10 @@ angles = st.floats(-0.1, 0.1)
 
 @given(car=cars, d1=angles, d2=angles, theta=angles)
 def test_model_is_newton_euler(car, d1, d2, theta):
-    """Eqs 1 and 2 with M_z = m_z J_z r against the turn: to 1e-9 of the largest rate that a term may have."""
+    """Eqs 1 and 2 with M_z = m_z J_z r against the turn.
+
+    To 1e-9 of the largest rate that a term may have.
+    """
     system = state_space(car)
     yaw_rate = car.speed / car.wheelbase * (theta + d2 - d1)
     expected = slip_angle_rates(car, d1, d2, theta, car.moment_rate * car.yaw_inertia * yaw_rate)
@@ -158,7 +167,10 @@ def test_neutral_front_share():
 
 
 def test_a_car_that_steers_neutrally_has_a_transfer_function():
-    """N = 0 is a gain like any other; as a polynomial it would be a numerator without coefficients, with a warning."""
+    """N = 0 is a gain like any other.
+
+    As a polynomial it would be a numerator without coefficients, with a warning.
+    """
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         _, response = CAR.transfer_function().freqresp([0.1, 1.0])
@@ -210,14 +222,20 @@ def test_understeer_of_ge_and_ni():
 
 
 def test_tyres_with_forces_that_follow_the_load_steer_neutrally():
-    """One friction curve on all wheels: C proportional to the load, m_1/C_1 = m_2/C_2 wherever the mass is."""
+    """One friction curve on all wheels.
+
+    C proportional to the load, m_1/C_1 = m_2/C_2 wherever the mass is.
+    """
     for distance in (0.8, 1.2, 1.6):
         car = Vehicle(centre_of_mass_to_rear_axle=distance)
         assert understeer_gradient(car) == pytest.approx(0.0, abs=1e-15)
 
 
 def test_slope_of_the_friction_curve_is_the_cornering_stiffness():
-    """Burckhardt on dry asphalt: C1 C2 - C3 = 17.135 per load; secant at 1e-6 differs by C2 1e-6/2 of it."""
+    """Burckhardt on dry asphalt: C1 C2 - C3 = 17.135 per load.
+
+    Secant at 1e-6 differs by C2 1e-6/2 of it.
+    """
     car = Vehicle(centre_of_mass_to_rear_axle=2.405 / 2)
     expected = (1.029 * 17.16 - 0.523) * 1400 / 2 * 9.81
     assert axle_cornering_stiffnesses(car) == pytest.approx((expected, expected), rel=2e-5)
@@ -285,7 +303,10 @@ def with_front_share(share: float, force: float, accelerates: bool = False) -> O
     ("share", "accelerates"), [(0.0, False), (0.4, False), (0.0, True), (0.4, True)]
 )
 def test_linearised_plant_is_w12_with_the_steering_rate(share, accelerates):
-    """2 % up to 10 Hz: the stiffest carcass that there is still delays the forces by 2 ms, W12 knows no delay."""
+    """2 % up to 10 Hz.
+
+    The stiffest carcass that there is still delays the forces by 2 ms, W12 knows no delay.
+    """
     force = 2000.0
     plant = linearised(LINEAR, with_front_share(share, force, accelerates))
     model = dataclasses.replace(
@@ -298,7 +319,10 @@ def test_linearised_plant_is_w12_with_the_steering_rate(share, accelerates):
 
 
 def test_linearised_plant_has_the_closed_form_of_a_steady_turn():
-    """Yaw rate gain u/(L + K u^2) of Ge & Ni at 5 m/s, straight ahead: to 1e-6, the size of the differences."""
+    """Yaw rate gain u/(L + K u^2) of Ge & Ni at 5 m/s, straight ahead.
+
+    To 1e-6, the size of the differences.
+    """
     # resistances act across the bend
     free = dataclasses.replace(GE_NI, rolling_resistance=0.0, drag_coefficient=0.0)
     plant = linearised(free, OperatingPoint(5.0))
@@ -370,7 +394,10 @@ def test_command_line_prints_how_a_vehicle_steers(tmp_path, capsys):
 
 
 def test_command_line_prints_what_a_drive_force_does(tmp_path, capsys):
-    """W12 = N/(D + s): N > 0 by the force of the front wheels alone; without a force there is nothing to say."""
+    """W12 = N/(D + s): N > 0 by the force of the front wheels alone.
+
+    Without a force there is nothing to say.
+    """
     analyse(["audi_a2", "--drive-force", "1000", "--out", str(tmp_path)])
     printed = {
         line[:52].strip(): line[52:].split() for line in capsys.readouterr().out.splitlines()

@@ -1,4 +1,7 @@
-"""Laws that the command line adds to a board: driven and ranked beside the others, or refused in one line."""
+"""Laws that the command line adds to a board.
+
+Driven and ranked beside the others, or refused in one line.
+"""
 
 from __future__ import annotations
 
@@ -51,7 +54,10 @@ def parameter_file(folder: Path, values: str) -> Path:
 
 
 def test_a_law_file_and_a_law_with_its_parameter_file_are_ranked_beside_the_others(tmp_path: Path):
-    """An allowed moment of 1 N m is no control: it costs what equal torques do, to 1 %; the law itself 2 % off."""
+    """An allowed moment of 1 N m is no control: it costs what equal torques do, to 1 %.
+
+    The law itself 2 % off.
+    """
     weak = parameter_file(tmp_path, "{largest: 1.0}")
     out = tmp_path / "out"
     adding = ["--add", EXAMPLE, "--add", f"{EXAMPLE}={weak}"]
@@ -144,7 +150,10 @@ def test_what_cannot_be_added_is_one_line(tmp_path: Path):
     ],
 )
 def test_no_board_makes_a_law_file_run(tmp_path: Path, old: str, new: str):
-    """Neither in its laws nor in the values of a manoeuvre; the file would leave a mark if it ran."""
+    """Neither in its laws nor in the values of a manoeuvre.
+
+    The file would leave a mark if it ran.
+    """
     mark = tmp_path / "mark"
     (tmp_path / "my_law.py").write_text(f"open({str(mark)!r}, 'w').close()\n")
     path = tmp_path / "own.yaml"

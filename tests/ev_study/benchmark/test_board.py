@@ -156,7 +156,10 @@ def test_the_command_writes_scores_and_all_runs(tmp_path: Path, capsys):
 def test_the_command_beside_a_cell_gives_the_hash_of_the_board(
     result: BoardResult, way: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ):
-    """Whatever drives the run: the batch of the board, the offline runner, nodes in one process over DDS."""
+    """Whatever drives the run.
+
+    The batch of the board, the offline runner, nodes in one process over DDS.
+    """
     (expected,) = [
         run["signal_hash"] for run in result.runs() if (run["law"], run["draw"]) == ("pi", 1)
     ]

@@ -146,7 +146,10 @@ def costs(
 
 
 def test_a_run_pays_for_what_it_misses_of_the_demand():
-    """All of it or more: its own cost, 0.75; 0.8: 0.8*0.75 + 0.2*3 = 1.2; less than a half, or no number: 3."""
+    """All of it or more: its own cost, 0.75.
+
+    0.8: 0.8*0.75 + 0.2*3 = 1.2; less than a half, or no number: 3.
+    """
     assert costs([10.0, 12.0, 8.0, 4.9, np.nan]) == pytest.approx(
         [0.75, 0.75, 1.2, LARGEST, LARGEST]
     )
@@ -185,7 +188,10 @@ def test_a_demand_near_zero_is_held_against_its_scale():
 
 
 def test_of_several_demands_the_least_share_counts():
-    """1 m of 10 m less, 0.5 m/s of the scale of 1 m/s less, both; none of the demands makes up for another one."""
+    """1 m of 10 m less, 0.5 m/s of the scale of 1 m/s less, both.
+
+    None of the demands makes up for another one.
+    """
     board = replace(read_board("small"), reference="one", scales={"way": 1.0, "kept": 1.0})
     two = replace(MANOEUVRE, demand=[*MANOEUVRE.demand, "kept [m/s] = last(twist.longitudinal)"])
     one = {"way": np.full(4, 10.0), "kept": np.zeros(4)}

@@ -10,7 +10,10 @@ from ev_study.benchmark.ranking.drawing import undominated
 
 
 def test_a_profile_is_the_share_of_runs_that_cost_no_more():
-    """Costs 0.5, 1, 1.5 and 2 in one cell, 1 in all draws of another one: half of them is known without a doubt."""
+    """Costs 0.5, 1, 1.5 and 2 in one cell, 1 in all draws of another one.
+
+    Half of them is known without a doubt.
+    """
     costs = np.array([[[0.5, 1.0, 1.5, 2.0], [1.0, 1.0, 1.0, 1.0]]])
     value, low, high = (
         dict(zip(COSTS_SHOWN.round(2), of[0], strict=True)) for of in performance_profiles(costs, 1)
@@ -23,7 +26,10 @@ def test_a_profile_is_the_share_of_runs_that_cost_no_more():
 
 
 def test_improvement_counts_draws_and_ties_count_half():
-    """Better in one draw of four and equal in two of them: (1 + 2/2)/4; the other way round the rest."""
+    """Better in one draw of four and equal in two of them: (1 + 2/2)/4.
+
+    The other way round the rest.
+    """
     one, other = np.array([[[1.0, 1.0, 1.0, 1.0]], [[0.9, 1.0, 1.0, 1.1]]])
     value, low, high = improvement(np.stack([one, other]), seed=1)
     assert value.tolist() == [[0.5, 0.5], [0.5, 0.5]]

@@ -1,4 +1,7 @@
-"""The full board beyond the small one: entry speeds by bisection, steering angles of each car, friction jumps."""
+"""The full board beyond the small one.
+
+Entry speeds by bisection, steering angles of each car, friction jumps.
+"""
 
 from __future__ import annotations
 
@@ -62,7 +65,10 @@ def test_every_cell_has_a_graph_and_draws(board: Board):
 
 @pytest.mark.parametrize("entry", CASES)
 def test_every_law_suits_the_cars_of_all_cases(board: Board, entry: str):
-    """One of them had a differential in its front axle, which no yaw moment control drives: nothing was held out."""
+    """One of them had a differential in its front axle, which no yaw moment control drives.
+
+    Nothing was held out.
+    """
     check_laws(with_cases(board, entry, 7), list(board.laws), [])
 
 
@@ -141,7 +147,10 @@ def test_the_last_place_is_found_from_any_start(count: int, start: int):
 def test_all_that_is_kept_of_a_search_is_of_the_run_at_the_speed_it_found(
     board: Board, monkeypatch
 ):
-    """Metrics, hash and end; of a draw that is clean nowhere those of the lowest speed, also where that run failed."""
+    """Metrics, hash and end.
+
+    Of a draw that is clean nowhere those of the lowest speed, also where that run failed.
+    """
     limits, fails = np.array([31.0, 25.3, 14.6, 11.0, 5.0]), np.array([99.0, 26.0, 14.7, 99.0, 0.0])
     runs = np.zeros(5)
 
@@ -198,7 +207,10 @@ def test_a_lap_is_driven_with_its_highest_clean_scale(board: Board):
 
 
 def test_what_is_recorded_counts_in_no_cost(board: Board):
-    """Understeer as designed takes more angle than that of the car with equal torques; its medians are written."""
+    """Understeer as designed takes more angle than that of the car with equal torques.
+
+    Its medians are written.
+    """
     # which a ramp does not have
     ramp, more = board.manoeuvres["slow_ramp"], ["way [m] = last(pose.x)", "lap_time"]
     ramp = replace(ramp, recorded=[*ramp.recorded, *more])

@@ -1,4 +1,7 @@
-"""Held-out cases: other cars, roads and variations by one seed, and boards of which only scores are written."""
+"""Held-out cases.
+
+Other cars, roads and variations by one seed, and boards of which only scores are written.
+"""
 
 from __future__ import annotations
 
@@ -76,7 +79,10 @@ def test_the_command_drives_them_and_says_so(tmp_path: Path, capsys: pytest.Capt
 def test_of_a_secret_board_nothing_but_scores_is_written(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ):
-    """No road, no cell, no run, no metric: the board differs from small in the name of a road and what it records."""
+    """No road, no cell, no run, no metric.
+
+    The board differs from small in the name of a road and what it records.
+    """
     path, out = tmp_path / "secret.yaml", tmp_path / "out"
     text = files_in_config("benchmarks")["small"].read_text()
     path.write_text("recorded: [distance]\n" + re.sub(r"\bwet\b", "puddle", text))

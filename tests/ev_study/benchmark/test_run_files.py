@@ -1,4 +1,7 @@
-"""The files with a record of each run: alike in JSON, in lines and in Parquet, with two cells in memory at most."""
+"""The files with a record of each run.
+
+Alike in JSON, in lines and in Parquet, with two cells in memory at most.
+"""
 
 from __future__ import annotations
 

@@ -55,7 +55,10 @@ def test_what_is_below_the_scale_is_no_difference():
 
 
 def test_lost_and_unstable_runs_cost_most():
-    """A number that is not there, a run that is unstable; where only the reference has none, it says nothing."""
+    """A number that is not there, a run that is unstable.
+
+    Where only the reference has none, it says nothing.
+    """
     unstable = np.array([[False, False, False], [False, True, False]])
     found = costs([0.1, 0.1, np.nan], [np.nan, 0.05, 0.05], unstable)
     assert found.tolist() == [[1.0, 1.0, LARGEST], [LARGEST, LARGEST, 1.0]]

@@ -117,7 +117,10 @@ def test_numbers_of_the_traction_control_are_free_as_well(reference: list):
 
 
 def test_the_cost_is_what_ranks():
-    """Middle half 1, worst of eight runs 3, of which a tenth counts: no run between them changes it."""
+    """Middle half 1, worst of eight runs 3, of which a tenth counts.
+
+    No run between them changes it.
+    """
     costs = np.array([0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 2.0, 3.0])
     assert robust_cost(costs) == pytest.approx(1.0 + 0.1 * 3.0)
 
@@ -147,7 +150,10 @@ def test_other_runs_choose_among_the_best(training: Training, monkeypatch: pytes
 
 
 def test_candidates_are_judged_one_by_one_and_misfits_cost_most(training: Training):
-    """first_sideslip above last_sideslip is refused by the law: it is not driven, and its neighbours do not notice."""
+    """first_sideslip above last_sideslip is refused by the law.
+
+    It is not driven, and its neighbours do not notice.
+    """
     one, misfit, other = (
         {"wanted.first_sideslip": 0.05},
         {"wanted.first_sideslip": 0.3},
@@ -162,7 +168,10 @@ def test_candidates_are_judged_one_by_one_and_misfits_cost_most(training: Traini
 def test_a_stopped_search_goes_on_and_gives_the_same(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys
 ):
-    """Stopped in its second generation; the cost falls, and the parameter file brings it onto the board."""
+    """Stopped in its second generation.
+
+    The cost falls, and the parameter file brings it onto the board.
+    """
     whole, stopped = tmp_path / "whole", tmp_path / "stopped"
     run_tune([*WORDS, "--out", str(whole)])
     assert "\nequal_torque in these 1.1000 and 1.1000\n" in capsys.readouterr().out
@@ -207,7 +216,10 @@ def test_a_stopped_search_goes_on_and_gives_the_same(
 def test_candidates_are_held_against_the_reference_in_their_own_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    """Other cars validate than train; the reference is asked for by the numbers of the cells of both."""
+    """Other cars validate than train.
+
+    The reference is asked for by the numbers of the cells of both.
+    """
     made: list[Training] = []
 
     class Noted(Training):

@@ -1,4 +1,7 @@
-"""Control periods and motor faults as variations: the same draws for all laws, and single runs with the same hash."""
+"""Control periods and motor faults as variations.
+
+The same draws for all laws, and single runs with the same hash.
+"""
 
 from __future__ import annotations
 
@@ -97,7 +100,10 @@ def test_a_run_alone_has_the_hash_of_the_board(
 
 
 def test_draws_are_within_what_is_declared(board: Board):
-    """A thousand of them: the frequencies are within four standard deviations of a binomial distribution."""
+    """A thousand of them.
+
+    The frequencies are within four standard deviations of a binomial distribution.
+    """
     many = replace(board, draws=1000)
     (cell,) = many.cells(STEP)
     base = run_of(board, cell, values_of(board, cell)).configurations
@@ -377,7 +383,10 @@ ED = "electronic_differential"
 def test_a_variation_that_does_not_fit_ends_the_board_before_anything_is_driven(
     board: Board, path: Path, variation: Variation, line: str
 ):
-    """A factor on a number of a law was one on that of the law of the scenario; what laws believe was overwritten."""
+    """A factor on a number of a law was one on that of the law of the scenario.
+
+    What laws believe was overwritten.
+    """
     own = replace(board, variations=[variation])
     with pytest.raises(ParameterError) as refused:
         kept_cells(own, own.cells(STEP), ["pi"], {})

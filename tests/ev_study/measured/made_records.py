@@ -38,7 +38,9 @@ def driven(duration: float = 12.0, seed: int = 0) -> Recording:
 
 
 def columns_of(recording: Recording, noise: float = 0.0, seed: int = 0) -> dict[str, np.ndarray]:
-    """The columns that `MAPPING` describes: other units, SAE axes, a sensor beside the centre of mass.
+    """The columns that `MAPPING` describes.
+
+    Other units, SAE axes, a sensor beside the centre of mass.
 
     `noise` is that of the yaw rate [rad/s], a tenth of it that of the lateral velocity over 1 s
     [m/s].

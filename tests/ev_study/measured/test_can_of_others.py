@@ -1,4 +1,7 @@
-"""Logs of CAN buses as other people's cars have them: what is passed over is counted, what is ambiguous is refused."""
+"""Logs of CAN buses as other people's cars have them.
+
+What is passed over is counted, what is ambiguous is refused.
+"""
 
 from __future__ import annotations
 
@@ -157,7 +160,10 @@ def test_a_page_that_the_dbc_does_not_have_is_passed_over_and_counted(tmp_path, 
 
 
 def test_a_value_beyond_the_range_of_the_dbc_is_passed_over_and_counted(tmp_path, clean):
-    """0x7FFF is 327.67 deg/s where 200 are declared: a control unit sends it for "not available"."""
+    """0x7FFF is 327.67 deg/s where 200 are declared.
+
+    A control unit sends it for "not available".
+    """
     record = read(tmp_path, changed(301, lambda line: (*line[:3], b"\xff\x7f" + bytes(6))))
     assert any(
         "YAW.RATE: 1 of 200 values passed over, expected in the DBC's range of -200" in n
@@ -195,7 +201,10 @@ def test_a_spike_within_the_range_is_bridged(tmp_path, clean, at, data):
 def test_values_of_a_sensor_that_has_not_begun_or_has_ended_are_passed_over(
     tmp_path, clean, frames, place
 ):
-    """182 km/h more than the car drives, in the first or last frames: it is they that are wrong, not the one beside."""
+    """182 km/h more than the car drives, in the first or last frames.
+
+    It is they that are wrong, not the one beside.
+    """
     of_speed = range(0, 3 * STEPS, 3)
     spoilt = of_speed[:frames] if place == "beginning" else of_speed[-frames:]
     found = lines()
@@ -377,7 +386,10 @@ def test_another_source_than_that_of_the_dbc_is_named(tmp_path):
 
 @pytest.mark.parametrize("base", ["absolute", "relative"])
 def test_times_of_an_asc_file_are_relative_or_negative_as_well(tmp_path, clean, base):
-    """A trigger in the middle makes the times before it negative; relative ones count from the line before."""
+    """A trigger in the middle makes the times before it negative.
+
+    Relative ones count from the line before.
+    """
     first, last, rows = lines()[0][0], None, []
     for time, _, name, data in lines():
         written = time - first - 1.0 if base == "absolute" or last is None else time - last
@@ -449,7 +461,9 @@ def goes_back(frames: list) -> bool:
     )
 )
 def test_a_few_spoilt_frames_never_move_the_others(tmp_path, spoilt):
-    """Lost, cut, stamped ahead or behind by hours, doubled: the rest stays within what 0.1 s of the drive changes.
+    """Lost, cut, stamped ahead or behind by hours, doubled.
+
+    The rest stays within what 0.1 s of the drive changes.
 
     Instants that are believed differ by no more than a line over 12 frames in a row does; what was
     cut or stamped wrong is in the notes.

@@ -1,4 +1,7 @@
-"""Comparisons with measured data, on files made here: what holds, what does not, and what is kept of them."""
+"""Comparisons with measured data, on files made here.
+
+What holds, what does not, and what is kept of them.
+"""
 
 from __future__ import annotations
 

@@ -18,7 +18,10 @@ from ev_study.measured.replays.corridors import STEERING, Corridor, CorridorPara
 
 
 def test_what_lies_inside_by_instants_ranges_and_medians():
-    """1 + 10 % around 5 and -5 is 1.5: the errors of 1.4 lie inside, those of 1.6 do not, and NaN does not count."""
+    """1 + 10 % around 5 and -5 is 1.5.
+
+    The errors of 1.4 lie inside, those of 1.6 do not, and NaN does not count.
+    """
     acceleration = np.repeat([[3.5], [-9.5]], 200, axis=1)
     simulated = np.repeat([[5.0], [-5.0]], 200, axis=1)
     measured = simulated + np.where(np.arange(200) < 150, 1.4, 1.6)
@@ -46,7 +49,9 @@ def test_what_lies_inside_by_instants_ranges_and_medians():
 
 @pytest.mark.parametrize("ahead", [1.0, -1.0])
 def test_steering_is_compared_by_curvature_and_at_rest_not_at_all(ahead):
-    """Both cars stand at 3 deg; at 2.5 m and 10 m/s, 0.02 rad/s more are worth atan(L r/u): 0.005 rad less of it.
+    """Both cars stand at 3 deg.
+
+    At 2.5 m and 10 m/s, 0.02 rad/s more are worth atan(L r/u): 0.005 rad less of it.
 
     In reverse the car turns the other way by the same angle.
     """

@@ -315,7 +315,10 @@ def test_no_signal_weighs_more_than_its_sensor_allows():
 
 
 def test_a_fit_of_which_answers_are_kept_is_that_of_one_without():
-    """Both fits ask at one point, by other weights; once more all of it is kept, and the bits are the same."""
+    """Both fits ask at one point, by other weights.
+
+    Once more all of it is kept, and the bits are the same.
+    """
     noise = 0.01 * np.random.Generator(np.random.PCG64(1)).standard_normal(len(driven().time))
     replay = replay_of(
         replace(record_of({YAW_RATE: driven().channels[YAW_RATE] + noise}), noise={}), inertia=1.2
@@ -343,7 +346,10 @@ def test_a_fit_of_which_answers_are_kept_is_that_of_one_without():
 
 
 def test_what_was_not_measured_is_no_error():
-    """A sideslip angle that is NaN at the beginning of a window: the errors there are zero, elsewhere they count."""
+    """A sideslip angle that is NaN at the beginning of a window.
+
+    The errors there are zero, elsewhere they count.
+    """
     record = record_of()
     record.channels[SIDESLIP][:100] = np.nan
     replay = replay_of(record, inertia=1.5)

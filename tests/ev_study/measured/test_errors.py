@@ -12,7 +12,10 @@ SINE = np.sin(2.0 * TIME)[None] * np.ones((2, 1))
 
 
 def test_a_shifted_and_biased_sine():
-    """sin(2 (t - 0.0333)) + 0.1: a lag of 33.3 ms between samples, a bias of 0.1 with what a cut period adds."""
+    """sin(2 (t - 0.0333)) + 0.1.
+
+    A lag of 33.3 ms between samples, a bias of 0.1 with what a cut period adds.
+    """
     late = np.sin(2.0 * (TIME - 0.0333))[None] * np.ones((2, 1)) + 0.1
     found = errors_of(late, SINE, 0.01)
     assert found.lag == pytest.approx(0.0333, abs=1e-3)

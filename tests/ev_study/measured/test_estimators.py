@@ -51,7 +51,9 @@ def validated(folder, of: dict[str, np.ndarray], *more: str) -> dict:
 def test_kinematics_with_a_true_accelerometer_have_the_sideslip_and_wheels_the_speed(
     tmp_path, capsys
 ):
-    """Steps of 10 ms of v' = a_y - r u are off by half a step, 1 % of motions at 5 rad/s and less; tyres slip by 1 %.
+    """Steps of 10 ms of v' = a_y - r u are off by half a step, 1 % of motions at 5 rad/s and less.
+
+    Tyres slip by 1 %.
 
     The linear tyre of the default, stiffer than that of this car, is off by more.
     """

@@ -1,4 +1,7 @@
-"""Sensors that fail in a drive and clocks that are set back: what is wrong is masked, and no window leads across."""
+"""Sensors that fail in a drive and clocks that are set back.
+
+What is wrong is masked, and no window leads across.
+"""
 
 from __future__ import annotations
 
@@ -134,7 +137,9 @@ def test_equal_times_and_single_wrong_ones_are_no_clock_that_is_set_back():
 @settings(deadline=None, max_examples=30)
 @given(together=st.integers(3, 12), apart=st.floats(1e-5, 1e-3))
 def test_samples_in_bursts_have_the_period_of_their_sensor(together, apart):
-    """A buffer hands several on at once: their median distance is that of two messages on a line, not of two samples.
+    """A buffer hands several on at once.
+
+    Their median distance is that of two messages on a line, not of two samples.
 
     What is read is late by the length of a burst at most, and all of it is believed.
     """

@@ -90,7 +90,10 @@ def write_bag(
 
 
 def test_a_bag_of_standard_messages_needs_no_mapping(tmp_path):
-    """Imu, odometry at half the rate and a float32 angle, a line over 20 ms of a sine of 5 rad/s: 5e-4 of 0.14 m/s."""
+    """Imu, odometry at half the rate and a float32 angle, a line over 20 ms of a sine of 5 rad/s.
+
+    5e-4 of 0.14 m/s.
+    """
     record = read_standard(write_bag(tmp_path))
     assert record.period == PERIOD
     assert record.valid.all()
@@ -104,7 +107,9 @@ def test_a_bag_of_standard_messages_needs_no_mapping(tmp_path):
 
 
 def test_a_car_is_identified_from_a_bag_that_knows_no_lateral_velocity(tmp_path, capsys):
-    """Odometry of wheels has zero there: each window begins 1 s earlier, and the yaw rate alone is compared.
+    """Odometry of wheels has zero there.
+
+    Each window begins 1 s earlier, and the yaw rate alone is compared.
 
     Yaw inertia begun 20 % off comes back to 2 %, without noise; what is left is the way into the
     window.
@@ -308,7 +313,10 @@ def test_channels_of_an_mdf_file_are_read_by_name(tmp_path):
 
 
 def test_pedals_drive_the_car_as_the_imposed_speed_does(tmp_path):
-    """Torques of a run of ours that a driver drove, imposed on its car: its speed and yaw rate come back to 0.1 %."""
+    """Torques of a run of ours that a driver drove, imposed on its car.
+
+    Its speed and yaw rate come back to 0.1 %.
+    """
     run = load_scenario("double_lane_change", Overrides(duration=6.0)).runs[0]
     save(run_offline(run.configurations, 6.0), tmp_path / "signals.npz")
     for impose in ("pedals", "torques"):

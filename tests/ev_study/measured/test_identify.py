@@ -1,4 +1,7 @@
-"""scripts/run.sh identify: parameters of a simulated car come back, and what a record cannot tell is named."""
+"""scripts/run.sh identify.
+
+Parameters of a simulated car come back, and what a record cannot tell is named.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +28,9 @@ FREE = ("vehicle.yaw_inertia", "vehicle.tyre.front_mf.pky1", "steering_column.of
 def test_a_simulated_car_with_noise_gives_back_its_parameters_within_their_intervals(
     tmp_path, capsys
 ):
-    """Begun 20 % off, with noise of 0.01 rad/s: within twice the interval (the study counts how often within it).
+    """Begun 20 % off, with noise of 0.01 rad/s.
+
+    Within twice the interval (the study counts how often within it).
 
     The same command gives the same bits, and the vehicle file is one that validate takes.
     """
@@ -131,7 +136,10 @@ def test_the_tool_that_counts_held_intervals_starts(capsys):
 
 @pytest.mark.weekly
 def test_intervals_hold_the_truth_with_noise_on_all_that_is_imposed_and_compared():
-    """Six seeds of the study in docs/measured.md: of 95 % intervals less than four of six have a chance of 1e-4."""
+    """Six seeds of the study in docs/measured.md.
+
+    Of 95 % intervals less than four of six have a chance of 1e-4.
+    """
     for group in ("yaw", "centre"):
         held, given = coverage_of_intervals.counted(group, 6, 20.0, 4.0)
         assert (given >= 4).all(), group
@@ -139,7 +147,10 @@ def test_intervals_hold_the_truth_with_noise_on_all_that_is_imposed_and_compared
 
 
 def test_few_windows_do_not_make_an_interval_narrower_than_its_deviation():
-    """Three windows, of which each draw of the bootstrap has at most three: at least 1.96 deviations to either side."""
+    """Three windows, of which each draw of the bootstrap has at most three.
+
+    At least 1.96 deviations to either side.
+    """
     random = np.random.Generator(np.random.PCG64(2))
     derivatives, residuals = random.standard_normal((3, 50, 1)), random.standard_normal((3, 50))
     known = knowledge(
@@ -151,7 +162,10 @@ def test_few_windows_do_not_make_an_interval_narrower_than_its_deviation():
 
 
 def test_what_cannot_be_identified_is_named_by_its_parameters():
-    """Two parameters of which only the sum acts: their difference is unknown, their deviation that of the prior."""
+    """Two parameters of which only the sum acts.
+
+    Their difference is unknown, their deviation that of the prior.
+    """
     random = np.random.Generator(np.random.PCG64(1))
     one = random.standard_normal((12, 50, 1))
     derivatives = np.concatenate([one, one, random.standard_normal((12, 50, 1))], axis=2)

@@ -1,4 +1,7 @@
-"""scripts/run.sh identify --motor: losses that made a map come back, and what is no map is refused."""
+"""scripts/run.sh identify --motor.
+
+Losses that made a map come back, and what is no map is refused.
+"""
 
 from __future__ import annotations
 

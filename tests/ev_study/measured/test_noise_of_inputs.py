@@ -95,7 +95,10 @@ def test_a_window_begins_from_smoothed_values():
 
 
 def test_an_even_acceleration_passes_the_filter_unchanged():
-    """Neither a delay nor a smaller slope; at the ends, where the filter swings in, 1 mm/s. A short record stays."""
+    """Neither a delay nor a smaller slope; at the ends, where the filter swings in, 1 mm/s.
+
+    A short record stays.
+    """
     ramp = np.linspace(5.0, 25.0, len(driven().time))
     record = record_of({LONGITUDINAL: ramp})
     assert smoothed(record, LONGITUDINAL, 3.0) == pytest.approx(ramp, abs=1e-3)
@@ -106,7 +109,10 @@ def test_an_even_acceleration_passes_the_filter_unchanged():
 
 
 def test_a_record_without_noise_stays_as_it_is():
-    """Bit by bit, and so does the car that is replayed: no rounding of pedals and bends; the line says so."""
+    """Bit by bit, and so does the car that is replayed: no rounding of pedals and bends.
+
+    The line says so.
+    """
     record = record_of()
     for name in SMOOTHED:
         assert smoothed(record, name) is record[name]
@@ -140,7 +146,10 @@ def test_the_noise_that_is_left_makes_a_hundredth_of_what_a_car_does(seed, noise
 
 @pytest.mark.parametrize("rate", [10, 20, 50])
 def test_noise_of_a_slow_sensor_is_seen_between_its_own_samples(rate):
-    """A speed of 10 to 50 Hz beside a yaw rate of 100 Hz: straight lines between its samples hide no noise."""
+    """A speed of 10 to 50 Hz beside a yaw rate of 100 Hz.
+
+    Straight lines between its samples hide no noise.
+    """
     run = driven()
     random, slow = np.random.Generator(np.random.PCG64(0)), run.time[:: 100 // rate]
     values = np.interp(slow, run.time, run.channels[LONGITUDINAL]) + 0.05 * random.standard_normal(
@@ -175,7 +184,10 @@ def test_noise_of_a_slow_sideslip_sensor_is_seen_in_the_lateral_velocity_that_fo
 
 
 def test_a_car_at_rest_has_no_sideslip_and_no_window():
-    """5 s at rest with noise of 0.01 m/s: no sideslip angle there, its windows passed over and counted, no spin."""
+    """5 s at rest with noise of 0.01 m/s.
+
+    No sideslip angle there, its windows passed over and counted, no spin.
+    """
     random, run = np.random.Generator(np.random.PCG64(0)), driven()
     rest = run.time < 5.0
     values = {name: np.where(rest, 0.0, run.channels[name]) for name in IMPOSED_AND_COMPARED}
@@ -196,7 +208,10 @@ def test_a_car_at_rest_has_no_sideslip_and_no_window():
 
 
 def test_no_spin_is_judged_where_no_sideslip_was_measured():
-    """An angle that is off by 90 deg where none was measured; a number that is not finite spins all the same."""
+    """An angle that is off by 90 deg where none was measured.
+
+    A number that is not finite spins all the same.
+    """
     measured_angle = np.array([[np.nan, 0.0], [0.0, 0.0], [np.nan, 0.0]])
     assert spins(np.array([[1.6, 0.0], [1.6, 0.0], [np.nan, 0.0]]), measured_angle).tolist() == [
         False,
@@ -210,7 +225,10 @@ def test_no_spin_is_judged_where_no_sideslip_was_measured():
 def test_a_sideslip_sensor_is_moved_to_the_centre_of_mass_and_gives_the_lateral_velocity(
     mirror, direction
 ):
-    """1.5 m ahead the velocity to the side is v + 1.5 r: forwards, in reverse, and turned to the other side."""
+    """1.5 m ahead the velocity to the side is v + 1.5 r.
+
+    Forwards, in reverse, and turned to the other side.
+    """
     run = driven()
     speed, lateral, rate = (run.channels[n] for n in (LONGITUDINAL, LATERAL, YAW_RATE))
     speed, lateral, rate = direction * speed, mirror * lateral, mirror * rate
@@ -226,7 +244,10 @@ def test_a_sideslip_sensor_is_moved_to_the_centre_of_mass_and_gives_the_lateral_
 
 
 def test_a_place_is_refused_for_a_channel_that_has_none():
-    """An angle of the steering is the same wherever it is measured; a yaw rate too, but its sensor has a place."""
+    """An angle of the steering is the same wherever it is measured.
+
+    A yaw rate too, but its sensor has a place.
+    """
     with pytest.raises(
         ParameterError, match=r"road_wheel_angle: x and y are refused, expected for twist"
     ):

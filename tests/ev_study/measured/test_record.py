@@ -64,7 +64,10 @@ def test_the_axes_of_sae_turn_the_sign_of_all_that_points_to_the_left(channel, s
 
 
 def test_a_short_spike_is_bridged_and_a_gap_is_masked(tmp_path):
-    """One sample that jumps by 10 deg is interpolated; half a second without rows splits the windows."""
+    """One sample that jumps by 10 deg is interpolated.
+
+    Half a second without rows splits the windows.
+    """
     columns = columns_of(driven())
     columns["steer"][300] += 10.0
     kept = np.ones(len(columns["t"]), bool)

@@ -71,7 +71,10 @@ def test_what_a_sensor_shows_that_has_stopped_is_not_believed(
 
 @pytest.mark.parametrize("channel", FOLLOWERS)
 def test_a_sensor_at_the_end_of_its_range_is_masked_and_named(channel):
-    """Half of a wave is cut off: what is kept is right, and the line has the channel and how long."""
+    """Half of a wave is cut off.
+
+    What is kept is right, and the line has the channel and how long.
+    """
     most = 0.5 * np.abs(TRUTH[channel]).max()
     record = record_of({channel: np.clip(TRUTH[channel], -most, most)})
     assert 0.3 < record.valid.mean() < 0.4  # 2/3 of a wave is beyond half of it

@@ -1,4 +1,7 @@
-"""CSV files and clocks as other people's loggers have them: read whole, or one line that names what is not."""
+"""CSV files and clocks as other people's loggers have them.
+
+Read whole, or one line that names what is not.
+"""
 
 from __future__ import annotations
 
@@ -134,7 +137,10 @@ def test_a_clock_reading_ahead_or_behind_costs_one_row(tmp_path):
 
 
 def test_a_clock_that_was_set_late_or_runs_backwards_is_named(tmp_path):
-    """The first 100 rows are of the day before and passed over. Where most do not increase, nothing is read."""
+    """The first 100 rows are of the day before and passed over.
+
+    Where most do not increase, nothing is read.
+    """
     columns = columns_of(driven())
     columns["t"][100:] += 1e8
     record = read_record(write(tmp_path, columns), tmp_path / "made.yaml")
@@ -160,7 +166,10 @@ def test_times_of_another_unit_that_leave_no_period_are_refused(tmp_path):
 
 @pytest.mark.parametrize(("first", "second"), [(1201, 900), (700, 1201)])
 def test_of_two_drives_in_one_file_the_longer_one_is_read(tmp_path, first, second):
-    """Each begins at 0 s: no instant of the one stands behind those of the other, as if the car had jumped there."""
+    """Each begins at 0 s.
+
+    No instant of the one stands behind those of the other, as if the car had jumped there.
+    """
     one = {name: values[:first] for name, values in columns_of(driven()).items()}
     other = {name: values[:second] for name, values in columns_of(driven(seed=1)).items()}
     both = {name: np.concatenate([one[name], other[name]]) for name in one}

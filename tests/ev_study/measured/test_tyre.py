@@ -1,4 +1,7 @@
-"""identify --tyre: the whole Magic Formula against that of the plant, and a made tyre found again from rig data."""
+"""identify --tyre.
+
+The whole Magic Formula against that of the plant, and a made tyre found again from rig data.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,10 @@ NUMBERS = read_tyre("tyre", FILE)
 
 
 def coefficients() -> dict[str, float]:
-    """The tyre of the file as the plant takes it: upright, nominal pressure, no shifts but that of the weight."""
+    """The tyre of the file as the plant takes it.
+
+    Upright, nominal pressure, no shifts but that of the weight.
+    """
     of = {name.upper(): value for name, value in zip(MF_NAMES, NUMBERS, strict=True)} | FIXED
     of["PKY1"] = -of["PKY1"]
     zero = "PDX3 PHX1 PHX2 PVX1 PVX2 PPX1 PPX2 PPX3 PPX4 PDY3 PEY3 PEY4 PKY3 PKY6 PKY7 PHY1 PHY2 PVY1 PVY2 PVY3 PVY4"
@@ -37,7 +43,10 @@ def points(slip: np.ndarray, angle: np.ndarray, load: np.ndarray) -> Points:
 
 
 def test_the_whole_formula_is_that_of_the_plant_where_the_plant_has_it():
-    """Upright, without shifts: to the 1e-9 of the plant's polynomials for arc tangent, sine and cosine."""
+    """Upright, without shifts.
+
+    To the 1e-9 of the plant's polynomials for arc tangent, sine and cosine.
+    """
     random = np.random.Generator(np.random.PCG64(0))
     slip, angle = random.uniform(0.005, 0.3, 40), random.uniform(0.005, 0.2, 40)
     load = random.uniform(1000.0, 7000.0, 40)
@@ -52,7 +61,10 @@ def test_the_whole_formula_is_that_of_the_plant_where_the_plant_has_it():
 
 
 def rig(noise: float = 0.0) -> dict[str, np.ndarray]:
-    """Sweeps of the made tyre as the TTC writes them: 6 loads, slip angle alone, then slip ratio at three angles."""
+    """Sweeps of the made tyre as the TTC writes them.
+
+    6 loads, slip angle alone, then slip ratio at three angles.
+    """
     random = np.random.Generator(np.random.PCG64(0))
     wave, parts, time = np.sin(np.linspace(0.0, 6.28, 120)), [], 0.0
     for angle in (None, 0.0, -0.03, -0.07):
@@ -86,7 +98,9 @@ def write(path: Path, columns: dict[str, np.ndarray]) -> Path:
 
 
 def test_a_made_tyre_is_found_again_and_its_file_is_read(tmp_path, capsys):
-    """Noise of 30 N on forces of up to 7 kN is 0.4 %: unseen sweeps within 1 %, and the plant reads the file.
+    """Noise of 30 N on forces of up to 7 kN is 0.4 %.
+
+    Unseen sweeps within 1 %, and the plant reads the file.
 
     The friction of the road is the named factor times that of the belt.
     """
@@ -121,7 +135,10 @@ def test_what_is_no_rig_data_is_refused(tmp_path):
 
 
 def test_coefficients_that_no_sweep_decides_are_named_as_assumed(tmp_path, capsys):
-    """Side force alone: what belongs to slip ratios stands in a section of its own, and the plant reads the file."""
+    """Side force alone.
+
+    What belongs to slip ratios stands in a section of its own, and the plant reads the file.
+    """
     columns = rig()
     lateral = columns["SL"] == 0.0
     path = write(tmp_path / "rig.csv", {name: values[:720] for name, values in columns.items()})

@@ -1,4 +1,7 @@
-"""Recorded inputs into a role: as recorded it says the same bits, and what differs is found where it begins."""
+"""Recorded inputs into a role.
+
+As recorded it says the same bits, and what differs is found where it begins.
+"""
 
 from __future__ import annotations
 

@@ -44,7 +44,10 @@ def test_every_control_on_every_road_by_default():
 
 
 def test_control_wins_on_snow(results):
-    """Friction in use rises from 0.59 to 0.98 on the mean: more way by half at least, less slip, and less work lost."""
+    """Friction in use rises from 0.59 to 0.98 on the mean.
+
+    More way by half at least, less slip, and less work lost.
+    """
     off, *others = (results[f"snow: {name}"].measured for name in NAMES)
     assert off["time_to_30"] is None
     for on in others:
@@ -71,7 +74,9 @@ def test_control_does_nothing_where_the_road_carries_the_torque(results):
 
 
 def test_slip_energy_is_the_work_that_the_speeds_do_not_show(results):
-    """Work of the drives on dry asphalt: 2 750 N m times the angle of a wheel, of which the mean slip is lost.
+    """Work of the drives on dry asphalt.
+
+    2 750 N m times the angle of a wheel, of which the mean slip is lost.
 
     Within a fifth: force and slip grow together, so slip counts more where the force is large.
     """
@@ -82,7 +87,9 @@ def test_slip_energy_is_the_work_that_the_speeds_do_not_show(results):
 
 @pytest.mark.parametrize("finer", [2, 5])
 def test_measures_do_not_count_control_periods(finer):
-    """The same motion at 2.5 and 1 ms: commands hold, all else goes on evenly. Slip energy was 2 and 5 times it.
+    """The same motion at 2.5 and 1 ms: commands hold, all else goes on evenly.
+
+    Slip energy was 2 and 5 times it.
 
     The ripple within 2 %: a command that holds in steps of 5 ms has that ripple itself, which is
     seen between samples.
@@ -131,7 +138,10 @@ def test_a_run_that_ends_early_has_gaps_and_no_error():
 
 
 def test_the_shortest_study_has_its_page(tmp_path, capsys):
-    """`--duration 1`, half a second of torque: what has not happened yet is a gap. It crashed behind the driving."""
+    """`--duration 1`, half a second of torque: what has not happened yet is a gap.
+
+    It crashed behind the driving.
+    """
     words = [
         "--roads",
         "snow",

@@ -196,7 +196,10 @@ def values_of(entry: Entry) -> Iterator[str]:
 @settings(max_examples=15)
 @given(st.data())
 def test_a_row_stands_under_what_was_driven_or_is_refused(data):
-    """Any parameter of any scenario, with another car, cycle or file: rows stood under angles and speeds of others."""
+    """Any parameter of any scenario, with another car, cycle or file.
+
+    Rows stood under angles and speeds of others.
+    """
     scenario = data.draw(st.sampled_from(scenario_names()))
     run = load_scenario(scenario).runs[0]
     role = data.draw(st.sampled_from(sorted(run.configurations)))
@@ -231,7 +234,10 @@ def test_an_angle_that_a_study_sets_stays_with_another_car():
 
 @pytest.mark.parametrize("words", [("--cycle", "nedc"), ()])
 def test_points_under_a_file_are_refused(words, tmp_path):
-    """They did nothing: all rows were the cycle. The scenario names the file, or the command line."""
+    """They did nothing: all rows were the cycle.
+
+    The scenario names the file, or the command line.
+    """
     scenario = "urban_mixed" if words else str(tmp_path / "own.yaml")
     (tmp_path / "p.csv").write_text("t_s,v_mps\n0,1\n10,2\n")
     text = f"/**/driver: {{ros__parameters: {{speed_profile: {{file: {tmp_path / 'p.csv'}}}}}}}\n"

@@ -77,7 +77,10 @@ def made(**channels) -> Recording:
 
 
 def test_slip_energy_is_what_the_drives_give_and_the_car_does_not_keep():
-    """Drive work = kinetic energy + drag + slip on the road of Tatar & Chudzik, to 1 %: samples instead of steps."""
+    """Drive work = kinetic energy + drag + slip on the road of Tatar & Chudzik, to 1 %.
+
+    Samples instead of steps.
+    """
     run = driven("tatar_chudzik").runs["rear_equal"]
     car = driven("tatar_chudzik").scenario.runs[2].configurations["plant"].common.vehicle
     c = run.channels
@@ -98,7 +101,10 @@ def test_peak_sideslip_leaves_out_a_car_that_stands():
 
 
 def test_a_car_that_slides_backwards_has_spun_and_one_in_reverse_has_not():
-    """Turned by 100 deg while it moves on at 10 m/s; the same angle where it stands, or 80 deg, is no spin."""
+    """Turned by 100 deg while it moves on at 10 m/s.
+
+    The same angle where it stands, or 80 deg, is no spin.
+    """
     angle = np.radians(np.linspace(0.0, 100.0, 101))
     spun = made(twist__longitudinal=10.0 * np.cos(angle), twist__lateral=10.0 * np.sin(angle))
     assert handling.has_spun(spun)
@@ -111,7 +117,10 @@ def test_a_car_that_slides_backwards_has_spun_and_one_in_reverse_has_not():
 
 
 def test_yaw_rate_error_is_against_the_neutral_car_within_its_friction():
-    """A neutral car turns with u delta/L = 10 0.024/2.405; on ice (mu 0.05) with mu g/u = 0.049 at most."""
+    """A neutral car turns with u delta/L = 10 0.024/2.405.
+
+    On ice (mu 0.05) with mu g/u = 0.049 at most.
+    """
     angle, wanted = 0.02405, 0.1
     turning = made(steering_column__state__road_wheel_angle=angle, imu__yaw_rate=wanted + 0.03)
     assert handling.yaw_rate_error(turning, Vehicle()) == pytest.approx(0.03, rel=1e-9)
@@ -121,7 +130,10 @@ def test_yaw_rate_error_is_against_the_neutral_car_within_its_friction():
 
 
 def test_time_over_limit_counts_slip_beyond_the_peak_of_the_curve():
-    """Burckhardt's peak is at ln(C1 C2/C3)/C2 = 0.2048 on dry asphalt; along and across count together."""
+    """Burckhardt's peak is at ln(C1 C2/C3)/C2 = 0.2048 on dry asphalt.
+
+    Along and across count together.
+    """
     peak = math.log(1.029 * 17.16 / 0.523) / 17.16
     assert peak_slip("burckhardt", (1.029, 17.16, 0.523, 0.0)) == pytest.approx(peak, abs=1e-4)
     available = max(
@@ -183,7 +195,10 @@ def test_methods_that_a_layout_forbids_are_driven_on_another_one():
 
 
 def test_methods_differ_and_metrics_say_so():
-    """These laws differ in a bend, so they must not have the same signals: none stands under another one's name."""
+    """These laws differ in a bend, so they must not have the same signals.
+
+    None stands under another one's name.
+    """
     metrics = compare.metrics(asked(), compared(True))
     assert set(metrics) == {f"{q}_{name}" for q in compare.QUANTITIES for name in driven_here()}
     assert all(metric.judgement == "measured" for metric in metrics.values())
@@ -278,7 +293,10 @@ OWN_LAW = Path(__file__).parents[3] / "docs" / "examples" / "yaw_moment.py"
 
 
 def test_a_law_file_stands_beside_methods(tmp_path, capsys):
-    """Under the name of the file, as on a board; the same file once more under a name of its own."""
+    """Under the name of the file, as on a board.
+
+    The same file once more under a name of its own.
+    """
     words = [
         "compare",
         "--scenario",

@@ -1,4 +1,7 @@
-"""Energy of electric cars: the list, the assumptions by class, sums over a cycle beside the plant, and the fit."""
+"""Energy of electric cars.
+
+The list, the assumptions by class, sums over a cycle beside the plant, and the fit.
+"""
 
 from __future__ import annotations
 
@@ -81,7 +84,10 @@ def test_a_list_without_cars_or_with_a_class_missing_is_refused(tmp_path):
 
 
 def test_a_car_is_new_unless_the_assumptions_were_fitted_to_its_code(tmp_path):
-    """A list of other cars is all new, whatever its order; a fitted code of the shipped assumptions is not."""
+    """A list of other cars is all new, whatever its order.
+
+    A fitted code of the shipped assumptions is not.
+    """
     known = sorted(read_assumptions().fitted)[0]
     file = listed(tmp_path, [car("X", DRIVES[0]), car(known, DRIVES[0]), car("Y", DRIVES[1])])
     given = SimpleNamespace(cars=file, assumptions=None, fit=False, only=[], duration=None)
@@ -120,7 +126,10 @@ def test_the_plant_agrees_with_the_sums_over_the_cycle(tmp_path, drive):
 
 @pytest.mark.slow
 def test_a_fit_finds_assumptions_that_made_the_numbers(tmp_path):
-    """Consumption made with other assumptions than those expected is met within 1 %; held-out cars are every third."""
+    """Consumption made with other assumptions than those expected is met within 1 %.
+
+    Held-out cars are every third.
+    """
     rows = [
         car(
             f"X{n}", DRIVES[n % 2], weight=3000 + 500 * (n % 5), a=25 + 3 * (n % 4), b=0.1 * (n % 3)

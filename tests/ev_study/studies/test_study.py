@@ -75,7 +75,10 @@ def test_cases_differ_and_are_driven(driven_here):
 
 
 def test_a_worker_that_dies_costs_no_results(driven_here, tmp_path, monkeypatch):
-    """Workers of this machine: one is killed while it has a case; the results are those of this process, in order."""
+    """Workers of this machine: one is killed while it has a case.
+
+    The results are those of this process, in order.
+    """
     monkeypatch.setenv("EV_STACK_TEST_MARK", str(tmp_path / "died"))
     heard = []
 
@@ -164,7 +167,10 @@ def is_running(pid: int) -> bool:
 
 @pytest.mark.weekly
 def test_scheduler_with_two_workers_of_which_one_is_lost(driven_here, tmp_path, monkeypatch):
-    """A real scheduler and two workers, all processes of their own; one worker is killed after the first result."""
+    """A real scheduler and two workers, all processes of their own.
+
+    One worker is killed after the first result.
+    """
     lost = tmp_path / "lost"
     monkeypatch.setenv("EV_STACK_TEST_MARK", str(lost))
 
@@ -183,7 +189,10 @@ def test_scheduler_with_two_workers_of_which_one_is_lost(driven_here, tmp_path, 
 
 @pytest.mark.parametrize("other", ["versions", "digest_of_sources"])
 def test_a_worker_with_other_packages_or_sources_is_refused(other):
-    """Its rows would be kept as if our text had driven them; a checkout of last week has the same version."""
+    """Its rows would be kept as if our text had driven them.
+
+    A checkout of last week has the same version.
+    """
 
     class OneWorker:
         def run(self, function, **arguments):
@@ -197,7 +206,10 @@ def test_a_worker_with_other_packages_or_sources_is_refused(other):
 
 
 def test_a_file_that_is_another_one_for_a_worker_is_refused(tmp_path, monkeypatch):
-    """Its numbers would be of another car; a worker on another machine has files of its own, in a folder of its own."""
+    """Its numbers would be of another car.
+
+    A worker on another machine has files of its own, in a folder of its own.
+    """
     monkeypatch.chdir(tmp_path)
     there = Path("/elsewhere")
     car = tmp_path / "car.yaml"
@@ -216,7 +228,10 @@ def test_a_file_that_is_another_one_for_a_worker_is_refused(tmp_path, monkeypatc
 
 @pytest.mark.weekly
 def test_workers_with_another_map_of_the_same_name(tmp_path, monkeypatch):
-    """They work in another folder; the map stands beside the car that names it. With the same one they drive."""
+    """They work in another folder; the map stands beside the car that names it.
+
+    With the same one they drive.
+    """
     here, there = tmp_path / "here", tmp_path / "there"
     car = files_in_config("vehicles")["layout_1_8_c"]
     text = car.read_text().replace("      motor:\n", "      motor:\n        map_file: map.csv\n")

@@ -118,7 +118,10 @@ def test_signals_are_kept_where_they_are_asked_for(folder):
 
 @pytest.mark.slow
 def test_signals_stay_while_another_command_drives_the_same(tmp_path, monkeypatch):
-    """It begins when the first one has driven, and is stopped at once: both keep signals in one place."""
+    """It begins when the first one has driven, and is stopped at once.
+
+    Both keep signals in one place.
+    """
     drive = run_study.drive_cases
 
     def stopped(*given):
@@ -139,7 +142,10 @@ def test_signals_stay_while_another_command_drives_the_same(tmp_path, monkeypatc
 
 @pytest.mark.slow
 def test_rows_and_signals_are_those_of_the_car_as_its_file_is_now(tmp_path, capsys):
-    """A car that the user's scenario names: with 3000 kg instead of 1600 the rows and signals of before came back."""
+    """A car that the user's scenario names.
+
+    With 3000 kg instead of 1600 the rows and signals of before came back.
+    """
     car, own = (
         find_file(f"{name}.yaml").read_text()
         for name in ("vehicles/compact_ev", "scenarios/coast_down")

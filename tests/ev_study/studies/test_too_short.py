@@ -22,7 +22,10 @@ NEEDED = {
 
 @pytest.mark.parametrize("name", study_names())
 def test_runs_that_are_too_short_have_one_line(name):
-    """All studies, shorter than the command line lets them be: each case has a row or says why it has none."""
+    """All studies, shorter than the command line lets them be.
+
+    Each case has a row or says why it has none.
+    """
     study, given = study_named(name), arguments(name, NEEDED.get(name, ()))
     cases = study.cases(given)
     result = drive_case(replace(cases[0], duration=0.05), study.measure)

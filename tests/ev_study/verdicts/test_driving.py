@@ -140,7 +140,10 @@ def test_a_refused_case_of_a_study_stays_refused(tmp_path: Path):
 
 
 def test_two_may_drive_the_same_and_what_is_cut_off_is_driven_again(tmp_path: Path):
-    """The second of two commands takes the file of the first; half a file, of a crash, counts as missing."""
+    """The second of two commands takes the file of the first.
+
+    Half a file, of a crash, counts as missing.
+    """
     driven: list[str] = []
     store = store_at(tmp_path)
 

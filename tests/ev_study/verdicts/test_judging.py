@@ -64,7 +64,10 @@ def test_tolerances(tolerance: str, unit: str, band, text: str):
 
 @pytest.mark.parametrize("sign", ["", "-"])
 def test_a_comparison_needs_a_margin(sign: str):
-    """1 % of the larger number: 1.009 against 1 is no difference, 1.011 is one; equal magnitudes never are."""
+    """1 % of the larger number: 1.009 against 1 is no difference, 1.011 is one.
+
+    Equal magnitudes never are.
+    """
 
     def judgement(a: str, b: str) -> str:
         one, relation, other = a, *b.split()

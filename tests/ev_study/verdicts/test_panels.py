@@ -1,4 +1,7 @@
-"""The figures of the sources: every panel is declared, has its own file, and shows ids that were published."""
+"""The figures of the sources.
+
+Every panel is declared, has its own file, and shows ids that were published.
+"""
 
 from __future__ import annotations
 
@@ -62,7 +65,10 @@ def test_page_shows_what_was_drawn_and_why_something_was_not(
     ("cycle", "count"), [(CYCLES[1], 5 + 2), (ON_BENCH[1], 7)], ids=["simulation", "bench"]
 )
 def test_figures_of_one_method_of_the_dissertation(tmp_path, cycle, count):
-    """A minute of its cycle: 5 figures in simulation with the fitted slip curve and the road, 7 on the bench."""
+    """A minute of its cycle.
+
+    5 figures in simulation with the fitted slip curve and the road, 7 on the bench.
+    """
     short = driven(replace(cycle, duration=60.0))
     shown = [panel for panel in panels("dissertation") if panel.needs == (cycle,)]
     drawn = draw_panels("dissertation", shown, {cycle: short}, tmp_path)

@@ -28,7 +28,10 @@ def ratios_of(angle):
 
 @given(printed_angles)
 def test_front_wheels_follow_the_printed_equations(angle):
-    """Eqs 8 to 11 literally; 1e-12 leaves room for cancellation in L/tan(delta) - d/2 near 73 deg."""
+    """Eqs 8 to 11 literally.
+
+    1e-12 leaves room for cancellation in L/tan(delta) - d/2 near 73 deg.
+    """
     right = math.atan(WHEELBASE / (WHEELBASE / math.tan(angle) + TRACK / 2))
     left = math.atan(WHEELBASE / (WHEELBASE / math.tan(angle) - TRACK / 2))
     radius = math.copysign(WHEELBASE * math.sqrt(math.tan(angle) ** -2 + 0.45**2), angle)
@@ -67,7 +70,10 @@ def test_a_right_turn_mirrors_a_left_turn_to_the_last_bit(angle):
 
 @given(st.floats(-3.0, 3.0))
 def test_every_wheel_moves_with_the_rigid_body_and_does_not_slip_sideways(angle):
-    """Velocity of each wheel from that of the centre of mass and the yaw rate; 1e-12 is rounding of values near 1."""
+    """Velocity of each wheel from that of the centre of mass and the yaw rate.
+
+    1e-12 is rounding of values near 1.
+    """
     curvature = path_curvature(angle, WHEELBASE, BEHIND)
     offset = course_offset(angle, WHEELBASE, BEHIND)
     left_angle, right_angle = front_wheel_angles(angle, WHEELBASE, TRACK)
@@ -92,6 +98,9 @@ def test_inner_rear_wheel_rolls_backwards_about_a_centre_between_the_rear_wheels
 
 @pytest.mark.parametrize("angle", [math.pi / 2, math.atan(2 * WHEELBASE / TRACK)])
 def test_nothing_jumps_where_tangent_or_arctangent_would(angle):
-    """Column tests at rest pass 90 deg (fig 1a); the ratios move by less than 10 per radian there."""
+    """Column tests at rest pass 90 deg (fig 1a).
+
+    The ratios move by less than 10 per radian there.
+    """
     before, after = ratios_of(angle - 1e-6), ratios_of(angle + 1e-6)
     assert after == pytest.approx(before, abs=2e-5)

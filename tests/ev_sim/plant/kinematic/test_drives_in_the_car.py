@@ -20,7 +20,10 @@ from ev_sim.drives.drive import DRIVE_MODELS
 
 @pytest.mark.parametrize("drive", DRIVE_MODELS[1:])
 def test_car_with_real_drives_moves_like_one_with_ideal_drives(drive):
-    """The car reaches 15 km/h in 4 s; 1 % is what commutation takes from the torque up to this speed."""
+    """The car reaches 15 km/h in 4 s.
+
+    1 % is what commutation takes from the torque up to this speed.
+    """
     command = torque(1400.0 * 15 / 3.6 / 4 * 0.294 + ROLLING_TORQUE)
     ideal = Car(drive="ideal").drive(command, steps=400)
     assert ideal.speed == pytest.approx(15 / 3.6, rel=0.01)
@@ -29,7 +32,9 @@ def test_car_with_real_drives_moves_like_one_with_ideal_drives(drive):
 
 @pytest.mark.parametrize("drive", DRIVE_MODELS[1:])
 def test_second_turn_loses_current_control_on_a_bus_of_300_volt(drive):
-    """34 N m at each front wheel carry the car through the second turn. 7 %: commutation at 95 rad/s.
+    """34 N m at each front wheel carry the car through the second turn.
+
+    7 %: commutation at 95 rad/s.
 
     At 300 V the outer (left) motor brakes, the inner one, with an EMF of 293 V, still holds its
     torque at first.

@@ -96,7 +96,10 @@ def test_coasting_down_follows_the_closed_solution_of_eq_13():
 @pytest.mark.parametrize("drive", DRIVE_MODELS)
 @pytest.mark.parametrize("speed", [8.0, -8.0])
 def test_brakes_bring_the_car_to_rest_and_hold_it(drive, speed):
-    """Rest is exact and lasts, released brakes included; V^2/(2 a) without drag is met up to rounding (ideal drive)."""
+    """Rest is exact and lasts, released brakes included.
+
+    V^2/(2 a) without drag is met up to rounding (ideal drive).
+    """
     car = Car(WITHOUT_DRAG, drive=drive, initial_speed=speed).drive(brake(2000.0), steps=400)
     assert car.speed == 0.0
     stopped = car[BodyPose]

@@ -23,7 +23,10 @@ from ev_sim.drives.drive import DRIVE_MODELS
     [(15, 30, 1.222), (30, -30, -2.444), (-15, 30, -1.222)],
 )
 def test_difference_of_the_wheel_speeds_in_the_two_turns(kilometres_per_hour, degrees, difference):
-    """Eq 12: V_R - V_L at the speed V of the centre of mass; half a unit of the last digit given."""
+    """Eq 12: V_R - V_L at the speed V of the centre of mass.
+
+    Half a unit of the last digit given.
+    """
     car = Car(WITHOUT_RESISTANCE, initial_speed=kilometres_per_hour / 3.6).drive(degrees=degrees)
     wheels = car[WheelStates].velocity
     assert 0.294 * (wheels.front_right - wheels.front_left) == pytest.approx(difference, abs=5e-4)
@@ -38,7 +41,10 @@ def test_emf_of_the_outer_motor_in_the_second_turn():
 
 @pytest.mark.parametrize("degrees", [30.0, -30.0, 5.0])
 def test_held_angle_drives_a_circle(degrees):
-    """Radius of eq 11 about a fixed centre, V^2/R towards it; arcs are exact, so only rounding adds up."""
+    """Radius of eq 11 about a fixed centre, V^2/R towards it.
+
+    Arcs are exact, so only rounding adds up.
+    """
     car = Car(WITHOUT_RESISTANCE, initial_speed=5.0)
     cot = 1 / math.tan(math.radians(degrees))
     radius = math.copysign(2.405 * math.hypot(cot, 0.45), degrees)
@@ -104,7 +110,9 @@ def test_column_beyond_a_right_angle_does_no_harm():
 
 @pytest.mark.parametrize(("driven", "more"), [("front", 0.1208), ("rear", -0.0320)])
 def test_work_of_the_motors_in_a_bend_is_not_what_the_car_gets(driven, more):
-    """Fig 3 adds M_j/r to the force on the point mass whatever M_j w_j is: docs/shchur2019.md has both numbers.
+    """Fig 3 adds M_j/r to the force on the point mass whatever M_j w_j is.
+
+    docs/shchur2019.md has both numbers.
 
     (R_L + R_R)/2 over R of eqs 10 and 11 is 1.1208 in front and 0.9680 behind at 30 deg, without
     resistance.

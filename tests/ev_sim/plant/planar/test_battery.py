@@ -39,7 +39,10 @@ def test_an_empty_battery_is_noted(charge, noted):
 
 @pytest.mark.parametrize(("lag", "most"), [(0.01, 1.093), (1e-4, 1.007)])
 def test_spinning_wheels_overshoot_the_battery_limit_by_what_lag_and_step_take(lag, most):
-    """The limit reaches the torque through its lag, at the speed that a step begins with: docs/planar_plant.md."""
+    """The limit reaches the torque through its lag, at the speed that a step begins with.
+
+    docs/planar_plant.md.
+    """
     car = Vehicle(battery=Battery(discharge_power=20e3), motor=Motor(torque_lag=lag))
     moved = plant(car, period=1e-3, road__left=("ice",), road__right=("ice",))
     powers = []

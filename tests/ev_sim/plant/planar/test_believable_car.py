@@ -1,4 +1,7 @@
-"""The car with real tyres, roll stiffness and compliance: it steers as the linear model of its own tyres does."""
+"""The car with real tyres, roll stiffness and compliance.
+
+It steers as the linear model of its own tyres does.
+"""
 
 from __future__ import annotations
 
@@ -45,7 +48,10 @@ def test_it_understeers_as_cars_do():
 
 
 def test_damping_is_that_of_the_single_track(fast):
-    """Frequency and damping ratio of the yaw motion agree within 1 %: the plant's contact slip lags on top (0.8 %)."""
+    """Frequency and damping ratio of the yaw motion agree within 1 %.
+
+    The plant's contact slip lags on top (0.8 %).
+    """
     ratio, frequency = yaw_damping(single_track(COASTING, 25.0))
     pole = next(
         p for p in sorted(np.linalg.eigvals(fast.system.A), key=lambda p: -p.real) if p.imag > 0.0

@@ -74,7 +74,10 @@ def of_planar_plant(speed: float, angle: float) -> np.ndarray:
 
 
 def of_commonroad(speed: float, angle: float) -> np.ndarray:
-    """The same by CommonRoad's right-hand side: states x, y, steering angle, speed, heading, yaw rate, sideslip."""
+    """The same by CommonRoad's right-hand side.
+
+    States x, y, steering angle, speed, heading, yaw rate, sideslip.
+    """
     module = pytest.importorskip(
         "vehiclemodels.vehicle_dynamics_st",
         reason="for this comparison: pip install commonroad-vehicle-models",
@@ -94,7 +97,9 @@ def of_commonroad(speed: float, angle: float) -> np.ndarray:
 @pytest.mark.parametrize("speed", [10.0, 20.0, 30.0])
 @pytest.mark.parametrize("angle", [0.005, -0.005])
 def test_step_steer_is_that_of_commonroads_single_track_model(speed, angle):
-    """Within 2 % of the largest yaw rate and sideslip; left are the carcass, though stiff, and the angles squared.
+    """Within 2 % of the largest yaw rate and sideslip.
+
+    Left are the carcass, though stiff, and the angles squared.
 
     A yaw inertia that is 6 % off, and nothing else, would show: 2.6 to 4.5 %.
     """

@@ -1,4 +1,7 @@
-"""Drivelines of real cars: an axle of its own kind, a centre differential, locks by their make, an engine."""
+"""Drivelines of real cars.
+
+An axle of its own kind, a centre differential, locks by their make, an engine.
+"""
 
 from __future__ import annotations
 
@@ -71,7 +74,10 @@ def engine_car(**values: object) -> Vehicle:
 
 @pytest.mark.parametrize(("device", "place"), LOCK_COEFFICIENTS)
 def test_lock_coefficient_is_the_torque_of_the_slower_over_that_of_the_faster_side(device, place):
-    """Eq 1.1, K = M_slow/M_fast, at both ends of the survey's range; a tenth of a turn apart the lock is complete."""
+    """Eq 1.1, K = M_slow/M_fast, at both ends of the survey's range.
+
+    A tenth of a turn apart the lock is complete.
+    """
     for coefficient in LOCK_COEFFICIENTS[device, place]:
         values = {place: device, f"{place}_lock": coefficient}
         car = namespace(
@@ -163,7 +169,10 @@ def test_engines_without_a_shaft_are_refused():
 
 
 def test_axle_of_twice_the_size_is_one_with_two_motors_side_by_side():
-    """Torque and power doubled, copper loss per torque squared halved, speed losses doubled: the same to rounding."""
+    """Torque and power doubled, copper loss per torque squared halved, speed losses doubled.
+
+    The same to rounding.
+    """
     motor = dataclasses.replace(CAR.motor, rotor_inertia=0.02)
     twice = dataclasses.replace(
         motor,
@@ -190,7 +199,10 @@ def test_axle_of_twice_the_size_is_one_with_two_motors_side_by_side():
 
 
 def test_front_axle_turns_its_motor_by_its_own_gear():
-    """8.8 in front, 8 behind; in front both wheels get the mean of what is asked of them, behind each its own."""
+    """8.8 in front, 8 behind.
+
+    In front both wheels get the mean of what is asked of them, behind each its own.
+    """
     driven = drive(
         plant(named("layout_1_8_b"), initial_speed=5.0), 0.5, Wheels(300.0, 100.0, 300.0, 100.0)
     )
@@ -208,7 +220,10 @@ def test_front_axle_turns_its_motor_by_its_own_gear():
 
 
 def test_converter_of_the_source():
-    """Kotwicki: torque ratio 1.68 at stall; where the two torques meet the coupling takes over within 0.5 %."""
+    """Kotwicki: torque ratio 1.68 at stall.
+
+    Where the two torques meet the coupling takes over within 0.5 %.
+    """
     taken, given = converter_torques(1.0, 200.0, 0.0)
     assert (taken, given / taken) == (pytest.approx(137.3), pytest.approx(1.6797, rel=1e-4))
     below = converter_torques(1.0, 200.0, 200.0 * COUPLING_POINT - 1e-9)
@@ -233,7 +248,10 @@ def test_engine_has_its_power_at_its_speed():
 
 
 def test_engine_at_full_load_stalls_where_the_converter_takes_its_torque():
-    """Brakes on, all that there is asked: 3.4325e-3 w^2 = M(w), w = 233 rad/s; a percent for what the lag leaves."""
+    """Brakes on, all that there is asked: 3.4325e-3 w^2 = M(w), w = 233 rad/s.
+
+    A percent for what the lag leaves.
+    """
     car = plant(engine_car())
     drive(car, 3.0, Wheels.all(2000.0), brake=3000.0)
     speed = car.state[index("engine.speed")]
@@ -271,7 +289,10 @@ def test_engine_goes_backwards_when_that_is_asked_at_rest_and_creeps_without_ped
 
 
 def test_engine_shifts_up_through_all_gears_and_brakes_by_its_drag():
-    """Shifts between 150 and 350 rad/s of the turbine; released the torque is none, negative it is at most the drag."""
+    """Shifts between 150 and 350 rad/s of the turbine.
+
+    Released the torque is none, negative it is at most the drag.
+    """
     car = plant(engine_car())
     gears = []
     for _ in range(3000):
@@ -292,7 +313,10 @@ def test_engine_shifts_up_through_all_gears_and_brakes_by_its_drag():
 
 
 def allowed(role: str, vehicle: str) -> set[str]:
-    """The methods of a role that take a car of config/vehicles; a refusal is one line that names car and coupling."""
+    """The methods of a role that take a car of config/vehicles.
+
+    A refusal is one line that names car and coupling.
+    """
     values = {f"vehicle.{name}": value for name, value in _values_of(vehicle).items()}
     found = set()
     for name in all_methods()[role]:
@@ -372,7 +396,10 @@ def test_wheels_of_their_own():
 @pytest.mark.parametrize("vehicle", CARS)
 @pytest.mark.parametrize("manoeuvre", MANOEUVRES)
 def test_power_balance_closes_in_every_standard_manoeuvre(vehicle, manoeuvre):
-    """Battery and engine give: losses + what they store + work at the wheels; that = motion + what roads take."""
+    """Battery and engine give: losses + what they store + work at the wheels.
+
+    that = motion + what roads take.
+    """
     (run, *_) = load_scenario(manoeuvre, Overrides(vehicle=vehicle)).runs
     duration = run.duration if manoeuvre == "hill_start" else min(run.duration, 20.0)
     end = DrivenPlant(run.configurations["plant"], run_offline(run.configurations, duration))

@@ -73,7 +73,9 @@ def test_electrical_power_is_mechanical_power_and_losses(speed, torque):
 
 
 def test_the_winding_takes_the_copper_loss_and_ends_at_the_closed_form():
-    """T = T_coolant + R k_c M^2, the inverter T_coolant + R k_t M; the coolant carries both away, m c dT = P.
+    """T = T_coolant + R k_c M^2, the inverter T_coolant + R k_t M.
+
+    The coolant carries both away, m c dT = P.
 
     20 time constants leave 2e-9 of the difference.
     """
@@ -104,7 +106,9 @@ def test_the_winding_takes_the_copper_loss_and_ends_at_the_closed_form():
 
 @pytest.mark.parametrize("torque", [100.0, -100.0])
 def test_heat_takes_torque_away_and_never_turns_it_around(torque):
-    """Coolants up to the limit of 120 degC, above the warm 100: what is left of the peak torque falls linearly to 0.
+    """Coolants up to the limit of 120 degC, above the warm 100.
+
+    What is left of the peak torque falls linearly to 0.
 
     In 0.2 s the winding gets warmer by 0.03 K, less than two thousandths of the 20 K.
     """
@@ -151,7 +155,10 @@ def test_the_voltage_of_the_cells_limits_the_torque():
 
 
 def test_charge_is_counted():
-    """State of charge lost = charge passed over capacity, in steps of 1 ms; single precision leaves 1e-6."""
+    """State of charge lost = charge passed over capacity, in steps of 1 ms.
+
+    Single precision leaves 1e-6.
+    """
     car, passed = electrical(period=1e-3, initial_speed=20.0), 0.0
     for n in range(400):
         pedal = 900.0 if n < 200 else -500.0

@@ -39,7 +39,10 @@ def test_energy_never_grows():
 
 @pytest.mark.parametrize("name", MANOEUVRES)
 def test_power_balance_closes(name):
-    """Battery = losses + drive; drive = change of kinetic energy + tyres + friction + air + slope + hold: 1e-6."""
+    """Battery = losses + drive.
+
+    drive = change of kinetic energy + tyres + friction + air + slope + hold: 1e-6.
+    """
     parameters, inputs = MANOEUVRES[name]
     car = plant(road__grade=(0.03,), **parameters)
     work = {n: index(n) for n in ("battery_work", "motor_loss", "driveline_loss", "auxiliary_work", "drive_work",

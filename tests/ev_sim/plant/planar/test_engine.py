@@ -1,4 +1,7 @@
-"""The engine car between steps: stable however it is geared, converging, and saying what it does not give."""
+"""The engine car between steps.
+
+Stable however it is geared, converging, and saying what it does not give.
+"""
 
 from __future__ import annotations
 
@@ -100,7 +103,10 @@ def test_no_gear_and_no_size_makes_the_converter_ring(
 
 @pytest.mark.parametrize(("final_drive", "size"), [(7.0, 1.0), (8.0, 1.0), (4.1, 3.0), (4.1, 5.0)])
 def test_geared_low_in_reverse_its_torque_does_not_alternate(final_drive, size):
-    """Begun at -15 m/s with 500 N m asked forwards: by an explicit step 1160 N m each step, or NaN after 0.37 s."""
+    """Begun at -15 m/s with 500 N m asked forwards.
+
+    By an explicit step 1160 N m each step, or NaN after 0.37 s.
+    """
     values = (
         ("*", "vehicle.gear_ratio", final_drive),
         ("*", "vehicle.engine.converter_size", size),
@@ -130,7 +136,10 @@ CONVERGENCE = {  # final drive, size, speed [m/s], torque of each wheel [N m], d
 
 @pytest.mark.parametrize("name", CONVERGENCE)
 def test_engine_car_converges_with_the_step(name):
-    """First order: from 0.5 ms on, each half of the step leaves half of the change, within a third; no gear changes."""
+    """First order: from 0.5 ms on, each half of the step leaves half of the change, within a third.
+
+    No gear changes.
+    """
     final_drive, size, speed, torque, duration, road = CONVERGENCE[name]
     gearbox = Gearbox(upshift_speed=5000.0, downshift_speed=0.0)
     ends = []
@@ -154,7 +163,10 @@ def test_engine_car_converges_with_the_step(name):
 @settings(max_examples=20)
 @given(st.integers(1, 400))
 def test_a_gear_stays_in_for_its_dwell_at_any_step(n):
-    """0.5 s of steps of 10/n ms, to the nearest; 2000 steps of 0.25 ms are less than 0.5 s by rounding."""
+    """0.5 s of steps of 10/n ms, to the nearest.
+
+    2000 steps of 0.25 ms are less than 0.5 s by rounding.
+    """
     engine, h = Engine(peak_power=110e3), 0.01 / n
     s, shaft = EngineState(since_shift=engine.gearbox.dwell), 2.0 * engine.gearbox.upshift_speed
     shifts = []
@@ -166,7 +178,10 @@ def test_a_gear_stays_in_for_its_dwell_at_any_step(n):
 
 
 def test_shifts_leave_way_and_speed_of_first_order():
-    """The launch with split friction, four shifts: docs/drivelines.md. Half of the step left more than the whole."""
+    """The launch with split friction, four shifts: docs/drivelines.md.
+
+    Half of the step left more than the whole.
+    """
     ends = []
     for step in (1e-3, 5e-4, 2.5e-4, 1.25e-4):
         values = [("plant", "step", step)]
@@ -186,7 +201,10 @@ def test_shifts_leave_way_and_speed_of_first_order():
 
 @pytest.mark.parametrize(("speed", "torque", "gear"), [(2.0, -800.0, 1.0), (-1.5, 1400.0, -1.0)])
 def test_a_gear_that_the_selector_keeps_is_noted(speed, torque, gear):
-    """The outcome of docs/drivelines.md: it goes on in its direction, without torque against it but the drag."""
+    """The outcome of docs/drivelines.md.
+
+    It goes on in its direction, without torque against it but the drag.
+    """
     moving = plant(engine_car(), initial_speed=speed)
     for _ in range(200):
         moving.advance(command((torque / 4,) * 4), STRAIGHT)
@@ -205,7 +223,10 @@ def test_an_engine_that_is_asked_for_what_it_gives_notes_nothing():
 
 
 def test_a_wheel_motor_of_its_own_size_and_gear_has_its_own_inertia():
-    """1 + 8^2 * 0.05 = 4.2 kg m^2 in front; behind, 1.5 times the gear and twice the motor, 1 + 12^2 * 0.1 = 15.4."""
+    """1 + 8^2 * 0.05 = 4.2 kg m^2 in front.
+
+    Behind, 1.5 times the gear and twice the motor, 1 + 12^2 * 0.1 = 15.4.
+    """
     motor = dataclasses.replace(FOUR_MOTORS.motor, rotor_inertia=0.05)
     car = dataclasses.replace(
         FOUR_MOTORS, gear_ratio=8.0, motor=motor, driveline=Driveline(rear_gear=1.5, rear_size=2.0)

@@ -14,7 +14,10 @@ from ev_sim.profiles.profile import profile_of, value_at
 
 
 def test_held_speed_is_held_by_a_force_that_neither_turns_nor_pitches_the_car():
-    """The speed holds to the bit; a level straight road takes the tyres' force but for drag, which alone pitches."""
+    """The speed holds to the bit.
+
+    A level straight road takes the tyres' force but for drag, which alone pitches.
+    """
     held = plant(initial_speed=10.0, speed="held")
     for _ in range(300):
         held.advance(command(drive=(300.0, 300.0, 0.0, 0.0)), STRAIGHT)
@@ -33,7 +36,10 @@ def test_held_speed_is_held_by_a_force_that_neither_turns_nor_pitches_the_car():
 
 
 def test_imposed_speed_follows_its_profile():
-    """The speed is that of the profile to rounding, in a bend and with any drives; the accelerometer feels it."""
+    """The speed is that of the profile to rounding, in a bend and with any drives.
+
+    The accelerometer feels it.
+    """
     parameters, inputs = MANOEUVRES["imposed speed"]
     car = plant(**parameters)
     profile = profile_of(
@@ -72,7 +78,10 @@ def test_speed_imposed_at_the_wheels_is_carried_by_the_tyres():
 
 
 def test_a_car_with_its_mass_right_of_the_middle_is_pulled_to_the_left_when_braked():
-    """The brakes act as far left of the mass as that is right of the middle: J r' = m a y, less what the tyres hold."""
+    """The brakes act as far left of the mass as that is right of the middle.
+
+    J r' = m a y, less what the tyres hold.
+    """
     braking = {"initial_speed": 30.0, "speed": "imposed", "imposed_speed__time": (0.0, 2.0)}
     rates = []
     for offset in (-0.05, 0.05):

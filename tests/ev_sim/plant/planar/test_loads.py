@@ -53,7 +53,10 @@ def test_centre_of_mass_off_the_middle():
 
 
 def test_what_a_lifted_wheel_cannot_take_goes_to_the_other_axle():
-    """The front axle takes all of a roll moment until its inner wheel lifts; moment balance holds nevertheless."""
+    """The front axle takes all of a roll moment until its inner wheel lifts.
+
+    Moment balance holds nevertheless.
+    """
     loads = wheel_loads(numbers_of(**SQUARE, front_roll_share=1.0), 1000.0, 0.0, 500.0)
     assert loads[0] == 0.0
     assert 0.75 * ((loads[1] - loads[0]) + (loads[3] - loads[2])) == pytest.approx(500.0)

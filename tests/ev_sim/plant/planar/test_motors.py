@@ -38,7 +38,10 @@ def test_efficiency_map_in_the_plant():
 
 
 def test_holding_a_car_by_its_motors_empties_the_battery():
-    """A second at rest under brakes with 100 N m at each motor: twice 5000 W (1/0.6 - 1), and the auxiliaries."""
+    """A second at rest under brakes with 100 N m at each motor.
+
+    Twice 5000 W (1/0.6 - 1), and the auxiliaries.
+    """
     efficiency = (0.5, 0.6, 0.8, 0.7, 0.85, 0.95)  # for each speed a row over the torques
     motor = Motor(
         map_speed=(50.0, 100.0, 400.0), map_torque=(10.0, 100.0), map_efficiency=efficiency

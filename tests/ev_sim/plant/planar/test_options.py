@@ -35,7 +35,10 @@ def rear(angle: float) -> RearSteeringState:
 
 @pytest.mark.parametrize("chosen", [*product((False, True), repeat=3)])
 def test_each_option_adds_its_signals_beside_the_others(chosen):
-    """Eight plants of one name: their signals are those of the plain one, and those of each option."""
+    """Eight plants of one name.
+
+    Their signals are those of the plain one, and those of each option.
+    """
     values = dict(zip(OPTIONS, chosen, strict=True))
     method = configure("plant", values | {"method": "planar"}).method
     plain = configure("plant", {"method": "planar"}).method
@@ -93,7 +96,10 @@ def test_all_options_mirror_to_the_bit():
 
 
 def test_the_electrical_side_does_not_move_a_car_whose_torque_it_does_not_limit():
-    """Rear steering at 80 km/h takes a tenth of the torque: motion to the bit, and the losses as heat."""
+    """Rear steering at 80 km/h takes a tenth of the torque.
+
+    Motion to the bit, and the losses as heat.
+    """
     driven = {
         run: run_offline(loaded.runs[0].configurations, loaded.runs[0].duration).channels
         for run in ("zero_sideslip", "electrical")

@@ -1,4 +1,7 @@
-"""Pulling away uphill: up to the peak of the friction curve, by the closed form with load transfer, and not beyond."""
+"""Pulling away uphill.
+
+Up to the peak of the friction curve, by the closed form with load transfer, and not beyond.
+"""
 
 from __future__ import annotations
 
@@ -102,7 +105,10 @@ HILLS = [
 @pytest.mark.parametrize("share", [0.4, 0.8, 0.97])
 @pytest.mark.parametrize("hill", HILLS)
 def test_below_the_peak_the_car_climbs(hill, share):
-    """Up to 3 % below the closed form; beyond it is what load and slip need to settle. The wheels grip to the end."""
+    """Up to 3 % below the closed form; beyond it is what load and slip need to settle.
+
+    The wheels grip to the end.
+    """
     way, rim = hill.climb(share * hill.steepest())
     assert way > 0.2
     assert rim.max() < 4.0

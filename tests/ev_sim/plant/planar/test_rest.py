@@ -45,7 +45,10 @@ def test_braked_to_rest_on_a_slope_the_car_stays():
 
 
 def test_without_brakes_the_car_rolls_down():
-    """The acceleration is g sin(atan 0.2) - f g cos(..) over the mass with four wheels: 1 + 4 J/(m r^2)."""
+    """The acceleration is g sin(atan 0.2) - f g cos(..) over the mass with four wheels.
+
+    1 + 4 J/(m r^2).
+    """
     car = plant(dataclasses.replace(CAR, drag_coefficient=0.0), road__grade=(0.2,))
     for _ in range(300):
         car.advance(command(), STRAIGHT)
@@ -81,7 +84,10 @@ def test_pull_away_slip_has_one_sign(surface, torque, direction):
 
 
 def test_creep_is_steady():
-    """0.03 m/s up a slope of 1 % under a speed controller: neither wheel speed nor slip chatters."""
+    """0.03 m/s up a slope of 1 % under a speed controller.
+
+    Neither wheel speed nor slip chatters.
+    """
     car = plant(road__grade=(0.01,))
     speeds, torque = [], 0.0
     for _ in range(3000):

@@ -22,7 +22,10 @@ GIVEN = dataclasses.replace(
 
 @pytest.mark.parametrize("direction", (1.0, -1.0))
 def test_a_coasting_car_loses_speed_by_its_road_load(direction):
-    """m_eff V' = -(A + B V + C V^2) within 0.1 %: carcasses and loads settle within the first tenth of a second."""
+    """m_eff V' = -(A + B V + C V^2) within 0.1 %.
+
+    Carcasses and loads settle within the first tenth of a second.
+    """
     car = plant(GIVEN, initial_speed=20.0 * direction)
     for _ in range(50):
         car.advance(command(), STRAIGHT)

@@ -43,7 +43,10 @@ def accelerating_turn(car: Vehicle) -> dict[type, tuple]:
 
 @pytest.mark.parametrize("transfer", ["lateral", "none"])
 def test_load_transfer_that_a_source_leaves_out(transfer):
-    """Axle loads stay at rest's without longitudinal transfer, to rounding; left and right differ by F_y h/B."""
+    """Axle loads stay at rest's without longitudinal transfer, to rounding.
+
+    Left and right differ by F_y h/B.
+    """
     car = dataclasses.replace(CAR, load_transfer=transfer)
     seen = accelerating_turn(car)
     load = seen[TireForces].load
@@ -61,7 +64,10 @@ def test_both_transfers_move_axle_loads():
 
 
 def test_constant_stiffness_gives_a_lateral_force_by_the_slip_angle_alone():
-    """F_y = -C alpha at every wheel, whatever its load; 1e-3: the lag of the carcass while the car gets faster."""
+    """F_y = -C alpha at every wheel, whatever its load.
+
+    1e-3: the lag of the carcass while the car gets faster.
+    """
     forces = accelerating_turn(dataclasses.replace(CAR, tyre=LINE))[TireForces]
     assert forces.load.front_right > 1.1 * forces.load.front_left
     for force, angle, stiffness in zip(
@@ -99,7 +105,10 @@ def test_a_line_needs_uncoupled_slip():
 
 @pytest.mark.parametrize("ratio", [-0.5, 0.4])
 def test_rear_steering_turns_by_the_difference_of_both_angles(ratio):
-    """Yaw rate u (delta_f - delta_r)/(L + K u^2), K = m (b/C_f - a/C_r)/L, for 0.5 %: two tracks."""
+    """Yaw rate u (delta_f - delta_r)/(L + K u^2), K = m (b/C_f - a/C_r)/L, for 0.5 %.
+
+    Two tracks.
+    """
     car = dataclasses.replace(
         CAR,
         tyre=LINE,
@@ -131,7 +140,10 @@ def test_printed_wheel_inertia_counts_the_mass_twice():
 
 
 def test_each_wheel_rolls_and_drives_on_its_own_radius():
-    """A free wheel of 5 % more radius turns 5 % slower; a driven one pushes with torque over its radius."""
+    """A free wheel of 5 % more radius turns 5 % slower.
+
+    A driven one pushes with torque over its radius.
+    """
     ratios = (1.1, 1.0, 1.05, 1.0)
     car = dataclasses.replace(CAR, wheel_radius_ratio=ratios, rolling_resistance=0.0)
     driven = plant(car, initial_speed=10.0, speed="held")

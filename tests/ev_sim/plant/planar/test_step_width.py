@@ -39,7 +39,10 @@ from ev_sim.plant.planar.prepare import number_of_steps
 
 @pytest.mark.parametrize("name", MANOEUVRES)
 def test_halving_the_step_changes_nothing(name):
-    """0.1 % of velocities, path and wheel speeds after four seconds; a tenth of that here, measured are 7e-6."""
+    """0.1 % of velocities, path and wheel speeds after four seconds.
+
+    A tenth of that here, measured are 7e-6.
+    """
     coarse, fine = end_state(1e-3, name), end_state(5e-4, name)
     path = max(np.hypot(fine[X], fine[Y]), 1.0)
     speed = max(np.hypot(fine[VX], fine[VY]), 1.0)
@@ -53,7 +56,10 @@ def test_halving_the_step_changes_nothing(name):
 @pytest.mark.weekly
 @pytest.mark.parametrize("surface", ["dry_asphalt", "ice"])
 def test_against_an_adaptive_solver(surface):
-    """The same right-hand side by scipy's DOP853 at a relative tolerance of 1e-9: within 0.1 % after half a second."""
+    """The same right-hand side by scipy's DOP853 at a relative tolerance of 1e-9.
+
+    Within 0.1 % after half a second.
+    """
     car = plant(initial_speed=6.0, **on(surface))
     car.advance(command(), steered(0.03))
     start = car.state[:INTEGRATED_SIZE].copy()

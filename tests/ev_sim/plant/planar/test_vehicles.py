@@ -60,7 +60,9 @@ def test_vehicle_drives(path):
 
 
 def test_readings_of_the_growth_of_rolling_resistance():
-    """Eq 2.8 of the dissertation, f = f_0 + k_f V^2, with 4.5e-5: added in (m/s)^2, or relative to f_0 with V in km/h.
+    """Eq 2.8 of the dissertation, f = f_0 + k_f V^2, with 4.5e-5.
+
+    Added in (m/s)^2, or relative to f_0 with V in km/h.
 
     Relative, at 47.3 km/h it adds 0.0011 to 0.0013 for k_f of 4e-5 to 5e-5, added 0.0069 to 0.0086.
     """
