@@ -64,8 +64,9 @@ def test_an_installed_source_is_listed_driven_and_reported_with_its_verdicts(
     installed: Path, tmp_path: Path
 ):
     """An installed source brings its law and its scenario; twice in a row."""
-    driven = ["own_source", "--offline", "--out", "out"]
-    listed = output_of(program(["--list"], driven, driven), installed, tmp_path)
+    driven = ["own_source", "--offline", "--out"]
+    calls = program(["--list"], [*driven, "first"], [*driven, "out"])
+    listed = output_of(calls, installed, tmp_path)
     names = [line.split()[0] for line in listed.splitlines() if line.strip()]
     assert {"own_source", "outer_wheel"} <= set(names)
     metrics = json.loads((tmp_path / "out" / "summary.json").read_text())["metrics"]
@@ -74,8 +75,8 @@ def test_an_installed_source_is_listed_driven_and_reported_with_its_verdicts(
 
 
 def test_its_verdicts_are_those_of_its_page(installed: Path, tmp_path: Path):
-    judged = ["verdicts", "--only", "own_source", "--out", "out"]
-    output_of(program(judged, judged), installed, tmp_path)
+    judged = ["verdicts", "--only", "own_source", "--out"]
+    output_of(program([*judged, "first"], [*judged, "out"]), installed, tmp_path)
     rows = re.findall(
         r"^\| `(own\.\w+)` \|(.*)\|$", (tmp_path / "out" / "verdicts.md").read_text(), re.MULTILINE
     )

@@ -1,8 +1,7 @@
-"""What a run leaves behind: no process, no memory, no lock, and what it has recorded can be read."""
+"""What a run leaves behind: no process, no memory, and what it has recorded can be read."""
 
 from __future__ import annotations
 
-import fcntl
 import os
 import re
 import time
@@ -13,10 +12,7 @@ import numpy as np
 from rosbags.highlevel import AnyReader
 
 from campaign.under_way import UnderWay
-from ev_msgs_py.refusal import ParameterError
-from ev_stack.recording.recording import OF_ALL_RUNS, load
-from ev_stack.running.output_folder import OutputFolder
-from ev_stack.scenarios.scenario import load_scenario
+from ev_stack.recording.recording import load
 
 _GONE_WITHIN = 2.0  # s after its end until nothing of a run is there any more
 
@@ -32,9 +28,7 @@ def left_behind(run: UnderWay, before: set[str]) -> Iterator[str]:
         yield f"shared memory is left: {', '.join(sorted(memory))}"
     out = run.trial.out
     if out.exists():
-        yield from _held_lock(out)
         yield from _unreadable(out)
-        yield from _no_room_for_another(out, run)
 
 
 def shared_memory() -> set[str]:
@@ -51,16 +45,6 @@ def _mapped() -> set[str]:
         except OSError:
             continue
     return names
-
-
-def _held_lock(out: Path) -> Iterator[str]:
-    held = os.open(out, os.O_RDONLY)
-    try:
-        fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        yield "the lock of the output folder is held"
-    finally:
-        os.close(held)
 
 
 def _unreadable(out: Path) -> Iterator[str]:
@@ -80,14 +64,3 @@ def _unreadable(out: Path) -> Iterator[str]:
             continue
         if not all(np.isfinite(values).all() for values in recording.channels.values()):
             yield f"{path.name} holds numbers that are not finite"
-
-
-def _no_room_for_another(out: Path, run: UnderWay) -> Iterator[str]:
-    """The next run must be able to replace this one."""
-    run.trial.make_room()
-    scenario = load_scenario(run.trial.scenario)
-    try:
-        with OutputFolder(out, f"scenario {scenario.name}", OF_ALL_RUNS, scenario.runs):
-            pass
-    except ParameterError as error:
-        yield f"no other run can use the folder: {error}"

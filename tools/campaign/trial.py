@@ -65,11 +65,8 @@ class Trial:
     names: str = ""
     from_the_start: bool = False  # whether the fault is there before anything strikes
     must_end: bool = False  # whether what strikes ends the run, so that its end must come soon
-    # whether another run has put its results in the place of those of this one
-    replaced: bool = False
     # whether somebody speaks in the name of nodes, so that what nodes take may be another's
     forged: bool = False
-    make_room: Callable[[], object] = lambda: None  # for the next run
     turn: int = 0  # how many trials of this kind have lower seeds
     about: str = ""
     clean_up: ExitStack = field(default_factory=ExitStack)

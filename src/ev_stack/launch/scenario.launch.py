@@ -18,7 +18,7 @@ ARGUMENTS = {
         "",
         "what `ev-stack parameters --help` knows besides: --run, --method, --set, --realtime ...",
     ),
-    "out": ("results/launched", "folder for bag and signals"),
+    "out": ("", "new or empty folder for bag and signals; default results/SCENARIO/TIME"),
     "rviz": ("false", "whether RViz shows the car"),
 }
 
@@ -36,7 +36,8 @@ def nodes_of_run(context):
         LaunchConfiguration(name).perform(context) for name in ("scenario", "options", "out")
     )  # fmt: skip
     program = Path(get_package_prefix("ev_stack"), "lib", "ev_stack", "ev-stack")
-    words = [str(program), "parameters", scenario, "--out", out, *shlex.split(options)]
+    words = [str(program), "parameters", scenario, *shlex.split(options)]
+    words += ["--out", out] if out else []
     graph = json.loads(subprocess.check_output(words, text=True))
     shown = IfCondition(LaunchConfiguration("rviz"))
     nodes = [

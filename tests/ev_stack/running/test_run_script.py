@@ -401,31 +401,3 @@ def test_a_node_that_is_stopped_ends_the_run(name: str, tmp_path: Path):
         rf"error: node {name} was stopped, at [\d.]+ s of simulated time$", running.text()
     )
     assert running.left_behind() == ({}, set())
-
-
-def test_a_folder_that_holds_something_else_is_not_touched(tmp_path: Path):
-    """A file of the name of ours is no proof of an earlier run: once it let all the others be deleted."""
-    (tmp_path / "log").mkdir()
-    for name in ("log/diary.txt", "map.png", "parameters.yaml"):
-        (tmp_path / name).write_text("a: 1\n")
-    result = run("shchur2019", "--offline", "--duration", 1, "--out", tmp_path, check=False)
-    assert result.returncode == 1
-    assert "log there is not of an earlier run" in result.stderr
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["log", "map.png", "parameters.yaml"]
-    assert (tmp_path / "log" / "diary.txt").read_text() == "a: 1\n"
-
-
-def test_a_second_run_replaces_the_first(tmp_path: Path):
-    run("shchur2019", "--offline", "--duration", 0.1, "--no-report", "--out", tmp_path)
-    run(
-        "shchur2019",
-        "--offline",
-        "--duration",
-        0.2,
-        "--no-record",
-        "--no-report",
-        "--out",
-        tmp_path,
-    )
-    assert not (tmp_path / "bag").exists()
-    assert summary(tmp_path)["simulated_time"] == 0.2

@@ -30,7 +30,6 @@ ODD = [
     "",
     ".",
     "summary.json",
-    "ev_stack_manifest.json",
     "x\x1b[31m",
     "1",
     "n" * 101,

@@ -20,8 +20,6 @@ from ev_msgs_py.contract.fields import SignalError
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.commands.run_scenario import main
 from ev_stack.recording.outcome import progress_bar
-from ev_stack.running.output_folder import OutputFolder
-from ev_stack.scenarios.scenario import load_scenario
 
 ROOT = Path(__file__).parents[3]
 
@@ -286,15 +284,3 @@ def test_files_of_vehicles_refuse_what_no_car_is(tmp_path):
         ParameterError, match=rf"^{path}: not readable as YAML in line 2: mass stands there twice$"
     ):
         ev_stack.run("shchur2019", vehicle=path)
-
-
-def test_one_folder_is_for_one_run_at_a_time(tmp_path):
-    """The second one is refused before it clears anything."""
-    runs = load_scenario("coast_down").runs
-    first = OutputFolder(tmp_path / "out", "scenario coast_down", runs=runs)
-    (first.directory / "signals.npz").touch()
-    with pytest.raises(
-        ParameterError, match=r"another run is writing there, expected another folder$"
-    ):
-        OutputFolder(tmp_path / "out", "scenario coast_down", runs=runs)
-    assert (first.directory / "signals.npz").exists()

@@ -119,8 +119,8 @@ def test_the_command_of_a_run_drives_it_again(result: BoardResult):
 
 
 def test_the_command_writes_scores_and_all_runs(tmp_path: Path, capsys):
-    words = ["benchmark", "--cells", STEP, "--laws", "pi", "--draws", "1", "--out", str(tmp_path)]
-    main(words)
+    words = ["benchmark", "--cells", STEP, "--laws", "pi", "--draws", "1"]
+    main([*words, "--out", str(tmp_path)])
     board, runs = (
         json.loads((tmp_path / f"{name}.json").read_text()) for name in ("board", "runs")
     )
@@ -145,7 +145,7 @@ def test_the_command_writes_scores_and_all_runs(tmp_path: Path, capsys):
     assert "driven before" not in printed
     part = next(Path(os.environ["EV_STACK_RESULTS"]).glob("*/*.row"))
     part.write_bytes(part.read_bytes()[::-1])
-    main([*words, "--no-report"])
+    main([*words, "--no-report", "--out", str(tmp_path / "again")])
     printed, errors = capsys.readouterr()
     assert f"hash of all runs {board['hash']}" in printed
     assert ", 1 of them driven before" in printed

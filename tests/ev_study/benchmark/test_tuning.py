@@ -50,7 +50,7 @@ def configurations(law: str) -> dict:
 
 def history(folder: Path) -> list[list[str]]:
     """Rows of the history behind its head."""
-    with (folder / "history.csv").open() as file:
+    with (folder / "pi_history.csv").open() as file:
         return list(csv.reader(file))[1:]
 
 

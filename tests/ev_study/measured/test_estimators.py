@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
+from tempfile import mkdtemp
 
 import numpy as np
 import pytest
@@ -31,21 +33,10 @@ def validated(folder, of: dict[str, np.ndarray], *more: str) -> dict:
         f"  {channel}: {{column: {name}}}\n" for name, channel in channels.items() if name in of
     ]
     mapping.write_text(mapping.read_text() + "".join(lines))
-    main(
-        [
-            "validate",
-            str(record),
-            "--vehicle",
-            CAR,
-            "--window",
-            "2",
-            "--no-report",
-            "--out",
-            str(folder),
-            *more,
-        ]
-    )
-    return json.loads((folder / "summary.json").read_text())
+    out = mkdtemp(dir=folder)
+    words = [str(record), "--vehicle", CAR, "--window", "2", "--no-report", "--out", out]
+    main(["validate", *words, *more])
+    return json.loads(Path(out, "summary.json").read_text())
 
 
 def test_kinematics_with_a_true_accelerometer_have_the_sideslip_and_wheels_the_speed(

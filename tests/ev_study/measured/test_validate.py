@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
 
 import numpy as np
 import pytest
@@ -13,10 +12,7 @@ from measured.made_records import CAR, PERIOD, columns_of, driven, write
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_stack.commands.run_scenario import main
 from ev_stack.recording.offline import run_offline
-from ev_stack.running.output_folder import OutputFolder
-from ev_stack.scenarios.files import configured_file
 from ev_stack.scenarios.scenario import Overrides
-from ev_study.measured.identified import CAR as CAR_FILE
 from ev_study.measured.records.record import (
     LONGITUDINAL,
     ROAD_WHEEL_ANGLE,
@@ -146,17 +142,6 @@ def test_a_replay_has_the_period_of_the_record(tmp_path):
             main(["validate", str(path), "--vehicle", CAR, *given])
 
 
-def test_a_car_that_is_found_in_the_output_folder_is_not_removed_from_there(tmp_path):
-    """A search goes on from its own result into another folder: one that is stopped would have lost its start."""
-    record, out = write(tmp_path, columns_of(driven())), tmp_path / "found"
-    with OutputFolder(out, "identify", [CAR_FILE]):
-        shutil.copy(configured_file("vehicle", CAR), out / CAR_FILE)
-    given = ["--vehicle", str(out / CAR_FILE), "--window", "2", "--no-report", "--out", str(out)]
-    with pytest.raises(SystemExit, match=rf"found: {CAR_FILE} there is what this command reads"):
-        main(["identify", str(record), "--free", "yaw", *given])
-    assert (out / CAR_FILE).exists()
-
-
 def test_the_torque_of_each_wheel_is_imposed_by_itself(tmp_path, capsys):
     """A car straight ahead that only a difference of its front torques turns, and a brake at one rear wheel.
 
@@ -192,7 +177,7 @@ def test_the_torque_of_each_wheel_is_imposed_by_itself(tmp_path, capsys):
     mapping = record.with_suffix(".yaml")
     own = mapping.read_text()
 
-    def validated(names: dict[str, str]) -> dict[str, dict[str, float]]:
+    def validated(names: dict[str, str], out: str) -> dict[str, dict[str, float]]:
         lines = [
             f"  torque_command.{name}: {{column: {column}, unit: N m}}\n"
             for name, column in names.items()
@@ -210,12 +195,12 @@ def test_the_torque_of_each_wheel_is_imposed_by_itself(tmp_path, capsys):
                 CAR,
                 "--no-report",
                 "--out",
-                str(tmp_path / "out"),
+                str(tmp_path / out),
             ]
         )
-        return json.loads((tmp_path / "out" / "summary.json").read_text())["errors"]
+        return json.loads((tmp_path / out / "summary.json").read_text())["errors"]
 
-    right = validated({name: name for name in torques})
+    right = validated({name: name for name in torques}, "right")
     assert right["twist.yaw_rate"]["explained"] > 0.999
     assert right["twist.longitudinal"]["rms"] < 0.01
     out = capsys.readouterr().out
@@ -227,8 +212,9 @@ def test_the_torque_of_each_wheel_is_imposed_by_itself(tmp_path, capsys):
         {
             name: name.replace("left", "x").replace("right", "left").replace("x", "right")
             for name in list(torques)[:2]
-        }
+        },
+        "exchanged",
     )
     assert exchanged["twist.yaw_rate"]["explained"] < 0.0
     with pytest.raises(SystemExit, match=r"drive\.rear_left: a torque there is refused"):
-        validated({"drive.rear_left": "drive.front_left"})
+        validated({"drive.rear_left": "drive.front_left"}, "refused")

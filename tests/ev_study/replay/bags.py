@@ -14,8 +14,9 @@ from ev_stack.recording.recording import Recording
 from ev_stack.recording.run_recorder import RecorderParameters, RunRecorder
 from ev_stack.recording.spool import MessageTable
 from ev_stack.running.offline import drive_offline
+from ev_stack.running.output_folder import new_or_empty
 from ev_stack.scenarios.scenario import Overrides
-from ev_study.replay.graph import prepared, replay_folder, replay_of
+from ev_study.replay.graph import prepared, replay_of
 from ev_study.replay.recorded import Recorded
 
 PERIOD = 10_000_000  # ns, of shchur2019
@@ -23,8 +24,7 @@ PERIOD = 10_000_000  # ns, of shchur2019
 
 def differences(recorded: Recorded, out: Path, role: str, vehicle: str | None = None):
     replay = replay_of(recorded, role, "", Overrides(vehicle=vehicle))
-    with replay_folder(replay, out) as folder:
-        return replay.differences(drive_offline(prepared(replay, folder)).recording)
+    return replay.differences(drive_offline(prepared(replay, new_or_empty(out))).recording)
 
 
 def realtime_bag(of: Recording, folder: Path, lost: dict[str, int]) -> Path:

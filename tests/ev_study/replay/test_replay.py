@@ -182,7 +182,7 @@ def test_as_recorded_every_role_says_the_same_bits(tmp_path: Path):
     played = [role for role in ROLES if any(map(bag.has, ROLES[role].writes))]
     assert {"plant", "test_bench", "inverter_gateway"} < set(played)
     for role in played:
-        found = differences(bag, tmp_path / "out", role)
+        found = differences(bag, tmp_path / "out" / role, role)
         written = {name for signal in ROLES[role].writes for name in TOPICS[signal].channels}
         assert {each.channel for each in found} == written & set(bag.recording.channels)
         assert {each.compared for each in found} == {len(bag.recording.time)}

@@ -329,7 +329,7 @@ def test_a_law_file_is_swept(tmp_path, capsys):
         "--vary",
         f"electronic_differential.method=equal_torque,{OWN_LAW}",
     ]
-    words += ["--duration", "0.1", "--workers", "1", "--out", str(tmp_path)]
-    run_scenario(words)
-    run_scenario(words)
+    words += ["--duration", "0.1", "--workers", "1"]
+    run_scenario([*words, "--out", str(tmp_path / "first")])
+    run_scenario([*words, "--out", str(tmp_path / "second")])
     assert "2 of them driven before" in capsys.readouterr().out

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 import time
 from pathlib import Path
@@ -10,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ev_stack.running.folder_content import locked
 from ev_study.studies.result_store import Answers, ResultStore
 
 SOURCES = f"{7:024x}"
@@ -67,19 +65,6 @@ def test_results_of_other_sources_stay_for_a_month_and_recordings_of_the_last_fe
     ]
     assert all((folder / "of_a_case.row").exists() for folder in folders[:4])
     assert (tmp_path / "thesis").exists()
-
-
-def test_what_another_command_uses_stays_whatever_its_age(tmp_path: Path):
-    used = ResultStore(f"{1:024x}", tmp_path)
-    used["a.row"] = b""
-    age(used.folder, 400.0)
-    mine = ResultStore(SOURCES, tmp_path)
-    assert used.get("a.row") == b""
-    with pytest.raises(BlockingIOError), locked(mine.folder, fcntl.LOCK_EX | fcntl.LOCK_NB):
-        pytest.fail("another command may remove what this one uses")
-    del mine
-    with locked(tmp_path / SOURCES, fcntl.LOCK_EX | fcntl.LOCK_NB):
-        pass
 
 
 def test_the_folder_is_that_of_the_variable(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -18,9 +18,8 @@ from helpers.schedulers import free_port, process, scheduler_with_two_workers, w
 
 from ev_core.parameters.data_file import files_in_config
 from ev_stack.recording.outcome import RunFailed
-from ev_stack.running.folder_content import digest_of
-from ev_stack.running.output_folder import OutputFolder
 from ev_study.commands.benchmark import run_benchmark
+from ev_study.studies.digests import digest_of
 from ev_study.studies.driving import drive_cases
 from ev_study.studies.run_study import arguments
 from ev_study.studies.study import Case, drive_case
@@ -126,8 +125,6 @@ def test_a_disk_that_is_full_ends_the_study():
 KILLED = """
 import os, signal, sys
 from pathlib import Path
-from ev_stack.running.folder_content import digest_of
-from ev_stack.running.output_folder import OutputFolder
 from ev_study.studies.driving import drive_cases
 from ev_study.studies.study import Case
 from ev_study.studies.workers import Workers
@@ -139,23 +136,20 @@ def measure(recording, run):
     signal.pause()
 
 cases = [Case(str(n), "coast_down", (("plant", "initial_speed", 10.0 + n),), duration=0.1) for n in range(3)]
-with OutputFolder(folder, "study sweep"):
-    drive_cases(cases, measure, workers=Workers(2))
+drive_cases(cases, measure, workers=Workers(2))
 """
 
 
-def test_a_study_that_is_killed_leaves_neither_workers_nor_its_lock(tmp_path):
-    """Its workers waited for ever and held its folder: it could not be gone on with."""
+def test_a_study_that_is_killed_leaves_no_workers(tmp_path):
+    """Workers end with the process that has started them."""
     study = subprocess.Popen([sys.executable, "-c", KILLED, str(tmp_path / "out")])
     while len(marks := list(tmp_path.glob("worker_*"))) < 2:
         assert study.poll() is None
         time.sleep(0.01)
     study.kill()
     study.wait()
-    while any(is_running(int(mark.name.partition("_")[2])) for mark in marks):  # for ever, before
+    while any(is_running(int(mark.name.partition("_")[2])) for mark in marks):
         time.sleep(0.01)
-    with OutputFolder(tmp_path / "out", "study sweep"):
-        pass
 
 
 def is_running(pid: int) -> bool:

@@ -104,16 +104,15 @@ def test_a_sweep_that_was_killed_goes_on_where_it_was(tmp_path, capsys):
 
 
 @pytest.mark.slow
-def test_signals_are_kept_where_they_are_asked_for(folder):
+def test_signals_are_kept_where_they_are_asked_for(folder, tmp_path):
     hashes = {
         name: case["signal_hash"]
         for name, case in json.loads((folder / "summary.json").read_text())["cases"].items()
     }
-    sweep_into(folder, "--signals")
-    cases = json.loads((folder / "summary.json").read_text())["cases"]
-    assert {
-        name: signal_hash(load(folder / case["signals"])) for name, case in cases.items()
-    } == hashes
+    out = sweep_into(tmp_path, "--signals")
+    cases = json.loads((out / "summary.json").read_text())["cases"]
+    found = {name: signal_hash(load(out / case["signals"])) for name, case in cases.items()}
+    assert found == hashes
 
 
 @pytest.mark.slow
@@ -165,21 +164,11 @@ def test_rows_and_signals_are_those_of_the_car_as_its_file_is_now(tmp_path, caps
     found = []
     for mass in ("1600.0", "3000.0"):
         (tmp_path / "car.yaml").write_text(car.replace("mass: 1600.0", f"mass: {mass}"))
-        main(
-            [
-                "sweep",
-                str(tmp_path / "own.yaml"),
-                *words,
-                "--signals",
-                "--out",
-                str(tmp_path / "out"),
-            ]
-        )
-        cases = json.loads((tmp_path / "out" / "summary.json").read_text())["cases"].values()
+        out = tmp_path / mass
+        main(["sweep", str(tmp_path / "own.yaml"), *words, "--signals", "--out", str(out)])
+        cases = json.loads((out / "summary.json").read_text())["cases"].values()
         found += [each["signal_hash"] for each in cases]
-        assert [signal_hash(load(tmp_path / "out" / each["signals"])) for each in cases] == found[
-            -2:
-        ]
+        assert [signal_hash(load(out / each["signals"])) for each in cases] == found[-2:]
     assert len(set(found)) == 4
     assert "driven before" not in capsys.readouterr().out
 

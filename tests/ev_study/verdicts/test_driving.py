@@ -192,7 +192,7 @@ def test_command_writes_one_object_for_each_id(
     )
     main(["verdicts", *only])
     output = capsys.readouterr().out
-    written = json.loads((tmp_path / "results" / "verdicts" / "verdicts.json").read_text())
+    written = json.loads((tmp_path / "results/verdicts/latest/verdicts.json").read_text())
     assert [each["id"] for each in written] == [
         "shchur.fig1b.end",
         "shchur.hold30.manual",
@@ -213,7 +213,7 @@ def test_command_writes_one_object_for_each_id(
         "all: 6 ids, 3 reproduced with assumption, 1 reproduced, 1 not judgeable, 1 no verdict"
         in output
     )
-    assert "shchur.hold30.manual" in (tmp_path / "results" / "verdicts" / "verdicts.md").read_text()
+    assert "shchur.hold30.manual" in (tmp_path / "results/verdicts/latest/verdicts.md").read_text()
 
 
 @pytest.mark.parametrize("command", ["verdicts", "figures"])

@@ -7,7 +7,6 @@ import re
 import resource
 import subprocess
 import sys
-from functools import partial
 
 from campaign.moments import MOVING, Moment, drawn
 from campaign.time_of_day import TimeOfDay
@@ -52,9 +51,6 @@ def full_disk(trial: Trial) -> None:
     if mounted.returncode:
         raise Skipped("mount of a tmpfs is not granted: no small disk")
     trial.clean_up.callback(subprocess.run, ["umount", "--lazy", trial.out], check=False)
-    trial.make_room = partial(
-        subprocess.run, ["mount", "-o", "remount,size=100m", trial.out], check=True
-    )
     trial.from_the_start = True
     trial.names = "No space left on device|no space left on device|Disk quota"
 
@@ -145,7 +141,7 @@ def wall_clock(trial: Trial) -> None:
 
 
 def rival(trial: Trial) -> None:
-    """A second run wants the same folder, and gets a line; the first one goes on."""
+    """A second run wants the folder of the first one, which goes on, and is refused in one line."""
     moment = Moment(MOVING, trial.chance.uniform(0.0, 0.2))
     trial.about = f"{moment}"
 
@@ -165,11 +161,9 @@ def rival(trial: Trial) -> None:
             words, env=run.environment, capture_output=True, text=True, timeout=PATIENCE
         )
         refused = second.returncode == 1 and re.search(
-            "another run is writing there|is of scenario", second.stderr
+            "expected a new or an empty folder", second.stderr
         )
-        if second.returncode == 0 and run.process.poll() is not None:
-            trial.replaced = True  # on a busy machine it begins when the first one has ended
-        elif not refused and run.process.poll() is None:
+        if not refused:
             run.remark = (
                 f"the second run was not refused: {second.returncode}"
                 f" {second.stderr.strip()[-200:]}"

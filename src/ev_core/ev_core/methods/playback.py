@@ -1,4 +1,4 @@
-"""Roles that are played by recorded signals: `driver=results/shchur2019/signals.npz`."""
+"""Roles that are played by recorded signals: `driver=results/shchur2019/latest/signals.npz`."""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.command_line.options import add_overrides, overrides
-from ev_stack.command_line.paths import output_folder
+from ev_stack.command_line.paths import add_out
 from ev_stack.command_line.refusal import Parser, refuse
 
 if TYPE_CHECKING:
@@ -25,9 +25,7 @@ def export_library(argv: list[str]) -> None:
     parser.add_argument(
         "--name", default="", help="names in C begin with evs_NAME; default: run and roles"
     )
-    parser.add_argument(
-        "--out", type=output_folder, required=True, metavar="DIR", help="where the files shall be"
-    )
+    add_out(parser)
     given = parser.parse_args(argv)
     try:
         target = target_of(given.target)

@@ -17,7 +17,7 @@ from ev_doors.export.library import Library, low_of
 from ev_doors.export.targets import Target
 from ev_msgs_py.refusal import ParameterError, unknown_name
 from ev_stack.recording.recording import atomic_file
-from ev_stack.running.output_folder import OutputFolder
+from ev_stack.running.output_folder import new_file
 
 VERSIONS = (2, 3)
 _OPTIONS = (
@@ -78,10 +78,9 @@ class Variable(NamedTuple):
 
 
 def write_fmu(content: Content, fmi: int, targets: Sequence[Target], file: Path) -> None:
-    """Write an FMU of FMI 2 or 3, whose model is named after the file.
+    """Write an FMU of FMI 2 or 3, whose model is named after the file, which must be new.
 
-    ParameterError, in one line, for another name, a file of others there, and a target that has no
-    FMUs.
+    ParameterError, in one line, for another name and a target that has no FMUs.
     """
     if file.suffix != ".fmu":
         raise ParameterError(f"{file} is refused, expected NAME.fmu")
@@ -98,11 +97,7 @@ def write_fmu(content: Content, fmi: int, targets: Sequence[Target], file: Path)
             "modelDescription.xml": _description(library, fmi, targets[0], Path(made)),
             **packed,
         }
-        with (
-            OutputFolder(file.parent, f"fmu {file.name}", [file.name]),
-            atomic_file(file) as written,
-            zipfile.ZipFile(written, "w") as archive,
-        ):
+        with atomic_file(new_file(file)) as written, zipfile.ZipFile(written, "w") as archive:
             for name, path in packed.items():
                 entry = zipfile.ZipInfo(name, _NO_DATE)
                 entry.external_attr = 0o644 << 16

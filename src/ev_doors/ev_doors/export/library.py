@@ -22,7 +22,7 @@ from ev_msgs_py.contract.frame import UNSIGNED_COMMANDS
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.refusal import ParameterError, quoted
 from ev_stack.recording.recording import atomic_file
-from ev_stack.running.output_folder import OutputFolder
+from ev_stack.running.output_folder import new_or_empty
 
 PROTOCOL = 2  # version of what program.c answers
 _PER_LINE = 8  # constants
@@ -182,10 +182,10 @@ def _number(value: float) -> str:
 
 
 def write_library(content: Content, name: str, target: Target, directory: Path) -> None:
-    """Write the library of an export into a folder, where it replaces nothing but an earlier one.
+    """Write the library of an export into a new or empty folder.
 
-    ParameterError, and nothing is written, for a name that C does not know, for a target that
-    cannot have it, or for files of others in the folder.
+    ParameterError, and nothing is written, for another folder, for a name that C does not know, or
+    for a target that cannot have it.
     """
     library = Library(content, name)
     if target.board:
@@ -224,7 +224,7 @@ def write_library(content: Content, name: str, target: Target, directory: Path) 
             *(["board.c", "board.ld"] if target.board else []),
         ]
         written = [*sources, archive, *library.write(folder, target, templates, **more)]
-        with OutputFolder(directory, f"export {name}", [file.name for file in written]) as output:
-            for file in written:
-                with atomic_file(output.directory / file.name) as to:
-                    to.write(file.read_bytes())
+        output = new_or_empty(directory)
+        for file in written:
+            with atomic_file(output / file.name) as to:
+                to.write(file.read_bytes())

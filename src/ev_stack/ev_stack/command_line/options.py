@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import shlex
 import sys
 from collections.abc import Sequence
@@ -17,7 +16,7 @@ from ev_core.parameters.values import number_of
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_stack.command_line.offered_commands import STUDIES, offered_commands
-from ev_stack.command_line.paths import output_folder
+from ev_stack.command_line.paths import add_out
 from ev_stack.command_line.refusal import Parser
 from ev_stack.figures.saving import FORMATS, Print
 from ev_stack.figures.sheets import COLUMN, TALLEST, WIDE
@@ -68,9 +67,7 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
         metavar="NODE=PROCESSOR",
         help="a law as a program on aarch64 or arm (emulated), or by a command; drives without DDS",
     )
-    parser.add_argument(
-        "--out", type=output_folder, metavar="DIR", help="output folder; default results/SCENARIO"
-    )
+    add_out(parser, "SCENARIO")
     parser.add_argument(
         "--no-record", action="store_true", help="no bag; signals, metrics and figures all the same"
     )
@@ -255,19 +252,6 @@ def overrides(given: argparse.Namespace) -> Overrides:
         values.append(("*", "mode", "realtime"))
     changed = Overrides(given.params, values, given.duration, given.vehicle)
     return changed.with_seed(given.seed).with_cycle(getattr(given, "cycle", None))
-
-
-def files_read(given: argparse.Namespace, *words: str) -> list[Path | str]:
-    """The files that a command line names for `overrides`, and those among further words.
-
-    A name in a config folder has neither folder nor suffix, and may be that of an output folder as
-    well.
-    """
-    named = (given.vehicle, getattr(given, "cycle", None), *words)
-    return [
-        *given.params,
-        *(word for word in named if word and (os.sep in word or Path(word).suffix)),
-    ]
 
 
 def _split(word: str, mark: str, option: str, form: str) -> tuple[str, str]:

@@ -19,7 +19,7 @@ from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.refusal import ParameterError
 from ev_nodes.master.real_time import MasterParameters
 from ev_stack.command_line.options import add_overrides, overrides
-from ev_stack.command_line.paths import output_folder
+from ev_stack.command_line.paths import add_out
 from ev_stack.command_line.refusal import Parser, refuse
 from ev_stack.recording.outcome import RunFailed
 from ev_stack.recording.recording import PARAMETERS
@@ -54,11 +54,11 @@ starting nodes by other means than scripts/run.sh, such as launch files (launch/
 
 
 def write_parameters(argv: list[str]) -> None:
-    """ev-stack parameters SCENARIO --out DIR; standard output is JSON."""
+    """ev-stack parameters SCENARIO [--out DIR]; standard output is JSON."""
     from ev_stack.interface.driving import only_run
     from ev_stack.running.node_process import package_of
     from ev_stack.running.offline import node_parameters, write_parameter_file
-    from ev_stack.running.output_folder import OutputFolder
+    from ev_stack.running.output_folder import output_folder
 
     parser = Parser(prog="ev-stack parameters", description=_ABOUT_PARAMETERS)
     parser.add_argument("scenario", help="name or path of a scenario")
@@ -70,21 +70,14 @@ def write_parameters(argv: list[str]) -> None:
     )
     add_overrides(parser)
     parser.add_argument("--no-record", action="store_true", help="no bag")
-    parser.add_argument(
-        "--out",
-        type=output_folder,
-        required=True,
-        metavar="DIR",
-        help="where the recorder shall write",
-    )
+    add_out(parser, "SCENARIO")
     given = parser.parse_args(argv)
     try:
         run = only_run(given.scenario, given.run, overrides(given))
-        with OutputFolder(given.out, "parameters", runs=(run,)) as folder:
-            nodes = node_parameters(run, folder.directory, bag=not given.no_record)
-            file = folder.directory / PARAMETERS
+        with output_folder(given.out, run.name) as folder:
+            nodes = node_parameters(run, folder, bag=not given.no_record)
+            file = folder / PARAMETERS
             write_parameter_file(file, replace(run, namespace=ANY_NAMESPACE), nodes)
-            folder.hand_over()
         started = [{"package": package_of(name), "executable": name} for name in nodes]
     except (ParameterError, RunFailed, LookupError, OSError) as error:
         refuse(error)

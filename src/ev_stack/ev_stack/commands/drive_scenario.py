@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import shutil
 import subprocess
@@ -14,18 +13,15 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from ev_core.methods.offered import offered, offered_module
-from ev_core.parameters.data_file import TABLE, read_data
 from ev_msgs_py.refusal import LINE, quoted, shown
-from ev_stack.command_line.options import files_read, overrides, own_nodes, printing, processors
-from ev_stack.figures.saving import figure_files
+from ev_stack.command_line.options import overrides, own_nodes, printing, processors
 from ev_stack.measures.own_metrics import listed
 from ev_stack.recording.outcome import Outcome, RunFailed, progress_bar
-from ev_stack.recording.recording import OF_ALL_RUNS, SUMMARY
 from ev_stack.report.result import Result
 from ev_stack.report.tables import in_words, print_metrics
 from ev_stack.running.beforehand import compile_for
 from ev_stack.running.buses import buses
-from ev_stack.running.output_folder import OutputFolder
+from ev_stack.running.output_folder import folder_of, output_folder
 from ev_stack.running.steering_angles import with_own_angles
 from ev_stack.scenarios.records import Run
 from ev_stack.scenarios.scenario import load_scenario
@@ -52,26 +48,21 @@ def drive_scenario(given: argparse.Namespace) -> None:
         moved = [programs.with_processors(run, processors(given)) for run in scenario.runs]
         scenario = replace(scenario, runs=tuple(run for run, _ in moved))
         on_processors = [each for _, made in moved for each in made]
-    out = given.out or Path("results") / scenario.name
     way = "offline" if given.offline else "in-process" if given.in_process else "processes"
     commands = {role: " ".join(words) for role, words in own.items()}
     mode = f"{way}, realtime" if given.realtime else way
     compile_for(scenario.runs, not given.offline, own)
-    before, reads = _command_of(out), files_read(given, given.scenario)
-    with OutputFolder(
-        out, f"scenario {scenario.name}", OF_ALL_RUNS, scenario.runs, reads=reads
-    ) as folder:
-        outcomes = {run.name: _drive(run, folder.of(run), given, own) for run in scenario.runs}
+    with output_folder(given.out, scenario.name) as folder:
+        outcomes = {}
+        for run in scenario.runs:
+            outcomes[run.name] = _drive(run, folder_of(run, scenario.runs, folder), given, own)
         result = Result(scenario, outcomes, mode, commands, given.command)
         summary, figures = result.summary(), {} if given.no_report else result.figures()
-        folder.claim(figure_files(figures))
-        content = result.write_report(folder.directory, figures, not given.no_report)
-        prints.save(result.sheets, folder.directory, folder.claim)
+        content = result.write_report(folder, figures, not given.no_report)
+        prints.save(result.sheets, folder)
     print_metrics(summary.metrics)
     for note in summary.notes:
         print(f"note: {shown(note, LINE)}")
-    if before not in ("", given.command):
-        print(f"note: replaced the results of {shown(before, LINE)}; --out DIR keeps both")
     for reason in summary.not_reproducible:
         print(f"not reproducible: {reason}")
     for timing in summary.timing.values():
@@ -83,15 +74,7 @@ def drive_scenario(given: argparse.Namespace) -> None:
         f"{summary.simulated_time:g} s in {summary.wall_time:.2f} s, {content['real_time_factor']:.1f} x real time"
     )
     page = "" if given.no_report else "report.html, figures, "
-    print(f"{page}signals and summary: {folder.directory}")
-
-
-def _command_of(folder: Path) -> str:
-    """The command whose results are in a folder; empty if that is not known."""
-    try:
-        return str(json.loads(read_data(folder / SUMMARY, TABLE)).get("command", ""))
-    except (OSError, ValueError, AttributeError, RecursionError):
-        return ""
+    print(f"{page}signals and summary: {folder}")
 
 
 def _refuse_without_ros(given: argparse.Namespace) -> None:

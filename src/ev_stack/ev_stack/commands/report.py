@@ -17,8 +17,7 @@ from ev_msgs_py.refusal import ParameterError, quoted
 from ev_stack.command_line.refusal import Parser
 from ev_stack.recording.recording import PAGE, SIGNALS, SUMMARY, load
 from ev_stack.report.page.writing import Page, Signals, write_page
-from ev_stack.running.folder_content import stays_within
-from ev_stack.running.output_folder import OutputFolder
+from ev_stack.running.output_folder import new_file, output_folder
 
 
 def run_report(argv: Sequence[str]) -> None:
@@ -29,19 +28,22 @@ def run_report(argv: Sequence[str]) -> None:
         "folders", nargs="+", type=Path, metavar="DIR", help="what --out of a scenario was"
     )
     parser.add_argument(
-        "--out", type=Path, metavar="FILE", help=f"the page; default results/{PAGE}"
+        "--out", type=Path, metavar="FILE", help=f"the page; default results/report/latest/{PAGE}"
     )
     given = parser.parse_args(argv)
-    labels = [folder.resolve().name for folder in given.folders]
+    labels = [folder.absolute().name for folder in given.folders]
     if len(set(labels)) < len(labels):
         labels = [str(folder) for folder in given.folders]
     summaries, signals = zip(*map(read_folder, labels, given.folders), strict=True)
-    page = given.out or Path("results") / PAGE
-    with OutputFolder(page.parent, f"report {page.name}", [page.name]):
-        write_page(
-            Page(" and ".join(labels), dict(zip(labels, summaries, strict=True)), signals), page
-        )
-    print(f"page: {page.absolute()}")
+    page = Page(" and ".join(labels), dict(zip(labels, summaries, strict=True)), signals)
+    if given.out:
+        path = new_file(given.out)
+        write_page(page, path)
+    else:
+        with output_folder(None, "report") as folder:
+            path = folder / PAGE
+            write_page(page, path)
+    print(f"page: {path.absolute()}")
 
 
 def read_folder(label: str, folder: Path) -> tuple[Mapping[str, Any], Signals]:
@@ -66,9 +68,8 @@ def read_folder(label: str, folder: Path) -> tuple[Mapping[str, Any], Signals]:
 
 def _signals(label: str, folder: Path, summary: Mapping[str, Any]) -> Signals:
     names = list(summary["runs"])
-    if outside := [name for name in names if not stays_within(name)]:
-        raise ParameterError(
-            f"run {quoted(outside[0])} is refused, expected the name of a folder there"
-        )
+    for name in names:
+        if name in ("", "..") or Path(name).name != name:
+            raise ParameterError(f"run {quoted(name)} is refused, expected the name of a folder")
     runs = {name: load((folder if len(names) == 1 else folder / name) / SIGNALS) for name in names}
     return Signals(label, runs, build(Vehicle, summary["vehicle"]))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -28,22 +28,10 @@ class Print:
     width: float = COLUMN
     panels: tuple[str, ...] = ()
 
-    def save(
-        self,
-        sheets: Sheets,
-        folder: Path,
-        claim: Callable[[Sequence[str]], None] = lambda names: None,
-    ) -> None:
+    def save(self, sheets: Sheets, folder: Path) -> None:
         """Write the figures for print; ParameterError for a pattern that fits no panel."""
         if self.formats:
-            figures = printed(sheets, self.width, self.panels)
-            claim(figure_files(figures, self.formats))
-            save_figures(figures, folder, self.formats)
-
-
-def figure_files(figures: Iterable[str], formats: Sequence[str] = _SCREEN) -> list[str]:
-    """The names of the files of some figures."""
-    return [f"{name}.{kind}" for name in figures for kind in formats]
+            save_figures(printed(sheets, self.width, self.panels), folder, self.formats)
 
 
 def save_figures(
@@ -55,9 +43,10 @@ def save_figures(
     from matplotlib import style  # slow to import
 
     paths = []
-    for name in figure_files(figures, formats):
-        paths.append(Path(folder) / name)
-        stem, _, kind = name.rpartition(".")
-        with atomic_file(paths[-1]) as file, style.context(STYLE, after_reset=True):
-            figures[stem].savefig(file, format=kind, **_HOW[kind])
+    for name, figure in figures.items():
+        for kind in formats:
+            path = Path(folder) / f"{name}.{kind}"
+            with atomic_file(path) as file, style.context(STYLE, after_reset=True):
+                figure.savefig(file, format=kind, **_HOW[kind])
+            paths.append(path)
     return paths

@@ -16,13 +16,12 @@ from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError
 from ev_nodes.master.real_time import MasterParameters
 from ev_stack.figures.other_axes import timing_sheet
-from ev_stack.figures.saving import Print, figure_files, save_figures
+from ev_stack.figures.saving import Print, save_figures
 from ev_stack.figures.sheets import COLUMN, WIDE, Figure, Sheet, drawn
 from ev_stack.measures.metric import Metric, Runs
 from ev_stack.recording.offline import true_motion
 from ev_stack.recording.outcome import Outcome
 from ev_stack.recording.recording import (
-    OF_ALL_RUNS,
     PAGE,
     SIGNALS,
     SUMMARY,
@@ -34,7 +33,7 @@ from ev_stack.recording.recording import (
 from ev_stack.report.reports import figures_of_runs, metrics_of_runs
 from ev_stack.report.summary import COMMAND_LINE, Difference, Summary, differences, write_summary
 from ev_stack.report.tables import html_of, short_lines
-from ev_stack.running.output_folder import OutputFolder
+from ev_stack.running.output_folder import folder_of, output_folder
 from ev_stack.scenarios.records import Scenario
 from ev_stack.scenarios.scenario import load_scenario
 
@@ -207,29 +206,26 @@ class Result:
 
     def save(
         self,
-        directory: Path | str,
+        directory: Path | str | None = None,
         formats: Sequence[str] = (),
         width: float = COLUMN,
         panels: Sequence[str] = (),
-    ) -> None:
-        """Write report.html, summary.json, figures, and signals.npz.
+    ) -> Path:
+        """Write report.html, summary.json, figures and signals.npz; return the folder.
 
-        Several runs have folders of their names for their signals.
-
-        What this or `scripts/run.sh` has written there of the same scenario is replaced.
-        ParameterError, before anything is written, if something else is in the way. `formats`: pdf
-        or svg, for figures that are also wanted for print, then `width` [inch], and `panels` by
+        It is a new one, results/NAME/TIME, or `directory`, which must be new or empty:
+        ParameterError otherwise. Signals of several runs are in folders of their names. `formats`:
+        pdf or svg, for figures that are also wanted for print, then `width` [inch], and `panels` by
         patterns of NAME, PANEL or NAME.PANEL.
         """
         figures, runs = self.figures(), self.scenario.runs
-        files = (*OF_ALL_RUNS, *figure_files(figures))
-        with OutputFolder(Path(directory), f"scenario {self.scenario.name}", files, runs) as folder:
+        given = None if directory is None else Path(directory)
+        with output_folder(given, self.scenario.name) as folder:
             for run in runs:
-                save(self.runs[run.name], folder.of(run) / SIGNALS)
-            self.write_report(folder.directory, figures)
-            Print(tuple(formats), width, tuple(panels)).save(
-                self.sheets, folder.directory, folder.claim
-            )
+                save(self.runs[run.name], folder_of(run, runs, folder) / SIGNALS)
+            self.write_report(folder, figures)
+            Print(tuple(formats), width, tuple(panels)).save(self.sheets, folder)
+        return folder
 
     def write_report(
         self, folder: Path, figures: Mapping[str, Figure], page: bool = True

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import shutil
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -22,11 +23,10 @@ from ev_nodes.stepping.stepped_node import SteppedNode
 from ev_nodes.stepping.time_of_day import SetBack, ahead
 from ev_stack.recorder_node import RecorderNode
 from ev_stack.recording.outcome import Outcome, Progress, RunFailed, announce
-from ev_stack.recording.recording import SIGNALS, load
+from ev_stack.recording.recording import BAG, SIGNALS, load
 from ev_stack.running.domain import Place, own_place
 from ev_stack.running.node_process import NodeProcess, started_nodes
 from ev_stack.running.node_reports import NodeReports, node_reports, observing, refuse_unready
-from ev_stack.running.output_folder import forget_recording
 from ev_stack.scenarios.records import Run
 
 # s for the first step behind a time of day that was set back; nodes announce themselves again
@@ -252,7 +252,8 @@ def run_in_processes(
                     has_begun = watched.drive(beginning, progress)
                 if has_begun:  # all have reported their last
                     return watched.outcome()
-            forget_recording(directory)
+            (directory / SIGNALS).unlink(missing_ok=True)
+            shutil.rmtree(directory / BAG, ignore_errors=True)
 
 
 _OBSERVER = "run_scenario"  # the name of what is in the graph beside the nodes

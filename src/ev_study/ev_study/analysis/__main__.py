@@ -21,11 +21,11 @@ from ev_sim.understeer import (
     understeer_gradient,
 )
 from ev_stack.command_line.numbers import real
-from ev_stack.command_line.paths import output_folder
+from ev_stack.command_line.paths import add_out
 from ev_stack.command_line.refusal import Parser, refuse
-from ev_stack.figures.saving import figure_files, save_figures
+from ev_stack.figures.saving import save_figures
 from ev_stack.recording.recording import atomic_file
-from ev_stack.running.output_folder import OutputFolder
+from ev_stack.running.output_folder import output_folder
 from ev_stack.scenarios.files import vehicle_of
 from ev_study.analysis.linear_models import (
     SideSlipModel,
@@ -65,13 +65,12 @@ def main(argv: Sequence[str] | None = None) -> None:
     for label, value, unit in rows(vehicle, given.surface, model, plant):
         print(f"{label:52}{value:>12.5g} {unit}")
     print_over_speed(vehicle, given.surface)
-    matrices, figure = given.out / f"linearised_{vehicle.name}.npz", f"bode_{vehicle.name}"
     try:
-        with OutputFolder(
-            given.out, f"analysis {vehicle.name}", [matrices.name, *figure_files([figure])]
-        ):
+        with output_folder(given.out, "analysis") as folder:
+            matrices = folder / f"linearised_{vehicle.name}.npz"
             save_matrices(matrices, plant)
-            (path,) = save_figures({figure: bode_figure(model, plant).figure()}, given.out)
+            figure = bode_figure(model, plant).figure()
+            (path,) = save_figures({f"bode_{vehicle.name}": figure}, folder)
     except (ParameterError, OSError) as error:
         refuse(error)
     print(f"A, B, C, D: {matrices}")
@@ -187,13 +186,7 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--accelerates", action="store_true", help="by the drive force; otherwise the speed is held"
     )
-    parser.add_argument(
-        "--out",
-        type=output_folder,
-        default=Path("results/analysis"),
-        metavar="DIR",
-        help="of the figure",
-    )
+    add_out(parser, "analysis")
     return parser.parse_args(argv)
 
 

@@ -23,7 +23,7 @@ from ev_stack.commands.drive_scenario import drive_scenario
 from ev_stack.figures.saving import save_figures
 from ev_stack.figures.sheets import drawn
 from ev_stack.report.summary import versions, write_summary
-from ev_stack.running.output_folder import OutputFolder
+from ev_stack.running.output_folder import output_folder
 from ev_study.benchmark.added import check_laws, with_added
 from ev_study.benchmark.board import Board, Cell, read_board
 from ev_study.benchmark.driving import DrivenCell, drive_cell, drive_law, laws_in_cell
@@ -32,7 +32,7 @@ from ev_study.benchmark.kept_cells import KeptCells, kept_cells
 from ev_study.benchmark.ranking.drawing import board_sheet
 from ev_study.benchmark.ranking.law_pages import law_page, overview
 from ev_study.benchmark.ranking.result import BoardResult
-from ev_study.benchmark.ranking.run_files import RUNS, write_runs
+from ev_study.benchmark.ranking.run_files import write_runs
 from ev_study.benchmark.ranking.tables import cell_table, closed_division, score_table
 from ev_study.benchmark.step_times import step_times
 from ev_study.studies.digests import digest_of_sources
@@ -43,7 +43,6 @@ from ev_study.studies.workers import HERE, Job, Workers, perform_jobs
 
 FIGURE = "board"
 PAGES = "laws.md"
-FILES = ("board.json", *RUNS, PAGES, f"{FIGURE}.png")
 RUNS_OF_A_JOB = 100  # at most, or all of one law in a cell: preparing a cell takes as long as five
 
 
@@ -73,21 +72,21 @@ def run_benchmark(argv: Sequence[str]) -> None:
     cells = board.cells(given.cells)
     store = {} if given.secret else ResultStore(digest_of_sources(config=True))
     kept = kept_cells(board, cells, laws, store, given.anew)
-    with OutputFolder(given.out or Path("results/benchmark"), "benchmark", FILES) as folder:
+    with output_folder(given.out, "benchmark") as folder:
         before = _drive(board, kept, workers_of(given))
         times = step_times(board, cells[0], laws)
         result = BoardResult(board, laws, kept, _words(given), times)
         _print(result, given)
-        _write(folder.directory, result, command_of(["benchmark", *argv]), given, added)
+        _write(folder, result, command_of(["benchmark", *argv]), given, added)
         if not given.no_report:
-            save_figures(drawn({FIGURE: board_sheet(result)}), folder.directory)
+            save_figures(drawn({FIGURE: board_sheet(result)}), folder)
     print(f"hash of all runs {result.hash}")
     total = len(cells) * len(laws) * board.draws
     searches = ""
     if result.driven > total:
         searches = f", {result.driven} with those of the search for entry speeds,"
     print(f"{total} runs{searches} in {time.monotonic() - begin:.1f} s{once_more(before)}")
-    print(f"scores, all runs and figure: {folder.directory}")
+    print(f"scores, all runs and figure: {folder}")
 
 
 def drive_board(board: Board, pattern: str = "*", laws: Sequence[str] = ()) -> BoardResult:

@@ -16,18 +16,18 @@ from typing import Any
 from ev_core.methods.estimator import estimators
 from ev_core.parameters.data_file import SIGNALS, read_data
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
-from ev_stack.command_line.options import add_changes, command_of, files_read, overrides
-from ev_stack.command_line.paths import output_folder
+from ev_stack.command_line.options import add_changes, command_of, overrides
+from ev_stack.command_line.paths import add_out
 from ev_stack.command_line.refusal import Parser
-from ev_stack.running.output_folder import OutputFolder
+from ev_stack.running.output_folder import output_folder
 from ev_stack.scenarios.files import vehicle_file
 from ev_stack.scenarios.parameter_file import ParameterFile
 from ev_stack.scenarios.records import Overrides
 from ev_study.measured.free_parameters import GROUPS, free_parameters
 from ev_study.measured.identification import identify, moved_by_scales
-from ev_study.measured.identified import CAR, FILES_OF_IDENTIFICATION, PARTS, Identified
+from ev_study.measured.identified import CAR, PARTS, Identified
 from ev_study.measured.intervals import knowledge
-from ev_study.measured.motor_map import FILES_OF_MOTOR, MOTOR, fit_motor, motor_table, write_motor
+from ev_study.measured.motor_map import MOTOR, fit_motor, motor_table, write_motor
 from ev_study.measured.records.bags import is_foreign
 from ev_study.measured.records.loose_bags import without_metadata
 from ev_study.measured.records.mapping import read_record, read_standard
@@ -52,11 +52,11 @@ from ev_study.measured.replays.open_loop import (
     windows_of,
 )
 from ev_study.measured.replays.plausibility import contradictions
-from ev_study.measured.replays.validation import FILES, Validation, signals_to_show
+from ev_study.measured.replays.validation import Validation, signals_to_show
 from ev_study.measured.rig import read_rig
 from ev_study.measured.search_key import search_key
 from ev_study.measured.tyre_fit import fit_tyre
-from ev_study.measured.tyre_report import FILES_OF_TYRE, TYRE, tyre_table, write_tyre
+from ev_study.measured.tyre_report import TYRE, tyre_table, write_tyre
 from ev_study.replay.recorded import find_recorded
 from ev_study.studies.digests import digest_of_sources
 from ev_study.studies.result_store import Answers, ResultStore
@@ -92,17 +92,16 @@ def run_validate(argv: Sequence[str]) -> None:
     replay = _replay(given, record, windows_of(record, given.window, *given.part), changed)
     tolerances = corridor_parameters(judging[CORRIDOR])
     estimates, lacking = estimates_of(replay, judging) if given.estimators else ([], [])
-    reads = [given.record, given.mapping, *files_read(given)]
-    with OutputFolder(given.out, "validate", FILES, reads=reads) as folder:
+    with output_folder(given.out, "validate") as folder:
         begin = time.monotonic()
         simulated = {n: v[0] for n, v in replay.simulate().items()}
         found = Validation(replay, simulated, time.monotonic() - begin, tolerances, estimates)
         print(found.table())
-        found.write(folder.directory, command_of(["validate", *argv]), not given.no_report)
+        found.write(folder, command_of(["validate", *argv]), not given.no_report)
     for note in (*found.notes(), *lacking):
         print(f"note: {note}")
     print(
-        f"{len(replay.windows)} windows of {given.window:g} s; page, figures, signals, summary: {folder.directory}"
+        f"{len(replay.windows)} windows of {given.window:g} s; page, figures, signals, summary: {folder}"
     )
 
 
@@ -227,9 +226,8 @@ def _identify_car(given: argparse.Namespace, command: str) -> None:
         given.steps,
         given.impose,
     )
-    reads = [given.record, given.mapping, *files_read(given)]
     answers = Answers(ResultStore(digest_of_sources()), key)
-    with OutputFolder(given.out, "identify", FILES_OF_IDENTIFICATION, reads=reads) as folder:
+    with output_folder(given.out, "identify") as folder:
         fitted = identify(
             replay, free, signals, every=given.every, width=given.prior, starts=given.starts, seed=seed,
             most=given.steps, progress=lambda line: print(line, flush=True), answers=answers,
@@ -240,12 +238,12 @@ def _identify_car(given: argparse.Namespace, command: str) -> None:
         moved = moved_by_scales(replay, free, fitted, given.every, given.prior)
         found = Identified(free, fitted, known, replays, stated, beside, command, moved)
         print(found.table())
-        found.write(folder.directory, not given.no_report)
+        found.write(folder, not given.no_report)
     for note in (*record.notes, *replay.notes):
         print(f"note: {note}")
     if answers.taken:
         print(f"went on behind {answers.taken} evaluations of an earlier search")
-    print(f"car: {folder.directory / CAR}")
+    print(f"car: {folder / CAR}")
 
 
 def _replays_of_parts(given: argparse.Namespace, record: MeasuredRecord) -> dict[str, OpenLoop]:
@@ -273,13 +271,11 @@ def _signals_to_fit(given: argparse.Namespace, replay: OpenLoop) -> list[str]:
 
 def _identify_motor(given: argparse.Namespace, command: str) -> None:
     """Fit the losses of a motor to a map of its efficiency, and write its parameters and errors."""
-    with OutputFolder(given.out, "identify motor", FILES_OF_MOTOR) as folder:
+    with output_folder(given.out, "identify") as folder:
         motor = fit_motor(given.motor)
         print(motor_table(motor))
-        write_motor(folder.directory, motor, command)
-    print(
-        f"{len(motor.speed)} points, {motor.left_out} rows left out; motor: {folder.directory / MOTOR}"
-    )
+        write_motor(folder, motor, command)
+    print(f"{len(motor.speed)} points, {motor.left_out} rows left out; motor: {folder / MOTOR}")
 
 
 def _identify_tyre(given: argparse.Namespace, command: str) -> None:
@@ -289,12 +285,12 @@ def _identify_tyre(given: argparse.Namespace, command: str) -> None:
             f"--friction-scale {given.friction_scale:g} is refused, expected 0.1 to 2"
         )
     sweeps = read_rig(given.tyre)
-    with OutputFolder(given.out, "identify tyre", FILES_OF_TYRE) as folder:
+    with output_folder(given.out, "identify") as folder:
         fit = fit_tyre(sweeps)
         print(tyre_table(fit))
-        write_tyre(folder.directory, fit, sweeps, given.friction_scale, command)
+        write_tyre(folder, fit, sweeps, given.friction_scale, command)
     passed_over = f"{sweeps.passed_over} samples passed over that lack a number or have no load"
-    print(f"{sweeps.count} sweeps, {passed_over}; tyre: {folder.directory / TYRE}")
+    print(f"{sweeps.count} sweeps, {passed_over}; tyre: {folder / TYRE}")
 
 
 def _given(given: argparse.Namespace) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -350,14 +346,7 @@ def _add_record(parser: argparse.ArgumentParser, name: str) -> None:
         metavar="A:B",
         help="shares of the record; default 0:1",
     )
-    folder = Path("results") / name
-    parser.add_argument(
-        "--out",
-        type=output_folder,
-        metavar="DIR",
-        default=folder,
-        help=f"output folder; default {folder}",
-    )
+    add_out(parser, name)
     add_changes(parser)
 
 

@@ -14,13 +14,14 @@ from ev_core.lockstep.finding import LIBRARIES, is_code
 from ev_core.methods.register import methods_of
 from ev_msgs_py.refusal import ParameterError, quoted
 from ev_stack.command_line.options import add_changes, add_outputs, command_of, overrides, printing
-from ev_stack.command_line.paths import output_folder
+from ev_stack.command_line.paths import add_out
 from ev_stack.command_line.refusal import Parser
 from ev_stack.recording.outcome import Outcome, progress_bar
 from ev_stack.running.beforehand import compile_for
 from ev_stack.running.offline import run_offline_into
+from ev_stack.running.output_folder import output_folder
 from ev_stack.scenarios.records import Run
-from ev_study.replay.graph import Replay, Replayed, prepared, replay_folder, replay_of
+from ev_study.replay.graph import REPLAYED, Replay, Replayed, prepared, replay_of
 from ev_study.replay.recorded import find_recorded
 
 
@@ -28,14 +29,7 @@ def run_replay(argv: Sequence[str]) -> None:
     """Replay one role of a recorded run, and print and write what differs."""
     about = "recorded inputs into a law or a node, its answers beside the recorded ones."
     parser = Parser(prog="run.sh replay", description=f"scripts/run.sh replay: {about}")
-    out = Path("results/replay")
-    parser.add_argument(
-        "--out",
-        type=output_folder,
-        metavar="DIR",
-        default=out,
-        help=f"output folder; default {out}",
-    )
+    add_out(parser, "replay")
     parser.add_argument(
         "bag", type=Path, metavar="BAG", help="a bag, the folder of a run, or its signals.npz"
     )
@@ -56,14 +50,14 @@ def run_replay(argv: Sequence[str]) -> None:
     recorded = find_recorded(given.bag, given.namespace)
     method, command = _meant(role, text)
     replay = replay_of(recorded, role, method, overrides(given))
-    with replay_folder(replay, given.out) as folders:
-        run = prepared(replay, folders)
-        outcome = _play(replay, run, folders.of(run), command)
+    with output_folder(given.out, "replay") as folder:
+        run = prepared(replay, folder)
+        outcome = _play(replay, run, folder / REPLAYED, command)
         found = replay.differences(outcome.recording)
         replayed = Replayed(replay, run, outcome, found, command, command_of(["replay", *argv]))
         print("\n".join(replayed.lines()))
-        page = replayed.write(folders, not given.no_report, prints)
-    print(f"{page}table, signals and summary: {folders.directory}")
+        page = replayed.write(folder, not given.no_report, prints)
+    print(f"{page}table, signals and summary: {folder}")
 
 
 def _meant(role: str, text: str) -> tuple[str, list[str]]:

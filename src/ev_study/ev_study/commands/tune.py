@@ -15,11 +15,11 @@ from pathlib import Path
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.command_line.numbers import whole
 from ev_stack.command_line.options import add_traceback, command_of
-from ev_stack.command_line.paths import output_folder
+from ev_stack.command_line.paths import add_out
 from ev_stack.command_line.refusal import Parser
 from ev_stack.recording.outcome import announce, bar_of_runs
 from ev_stack.recording.recording import atomic_file
-from ev_stack.running.output_folder import OutputFolder
+from ev_stack.running.output_folder import output_folder
 from ev_study.benchmark.added import check_laws, with_added
 from ev_study.benchmark.board import COSTS, Board, by_role, read_board
 from ev_study.benchmark.cell_runs import law_of, run_of, values_of
@@ -32,7 +32,6 @@ from ev_study.tuning.search import Candidate, chosen, search
 from ev_study.tuning.training import Reference, Training
 
 ALL = "all"
-HISTORY = "history.csv"
 PARTS = ("training", "validation")  # of the cases of a board
 
 
@@ -57,11 +56,11 @@ def run_tune(argv: Sequence[str]) -> None:
     references = _references(board, given)
     keys = {name: search_key(references, name, free[name], given) for name in names}
     results = ResultStore(digest_of_sources(config=True))
-    for name in names:
-        of = given.out or Path("results/tune")
-        folder = of / name if len(laws) > 1 or not given.out else of
-        answers = Answers(results, keys[name])
-        _tune(name, folder, references, free[name], answers, given, command_of(["tune", *argv]))
+    command = command_of(["tune", *argv])
+    with output_folder(given.out, "tune") as folder:
+        for name in names:
+            answers = Answers(results, keys[name])
+            _tune(name, folder, references, free[name], answers, given, command)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -107,9 +106,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--cost", choices=COSTS, default=COSTS[0], help="default: %(default)s")
     parser.add_argument("--threads", type=whole(1), metavar="N", help="default: one per core")
-    parser.add_argument(
-        "--out", type=output_folder, metavar="DIR", help="output folder; default results/tune/LAW"
-    )
+    add_out(parser, "tune")
     add_traceback(parser)
     return parser
 
@@ -146,48 +143,44 @@ def _free(board: Board, law: str, given: argparse.Namespace) -> list[Free]:
 
 def _tune(
     name: str,
-    out: Path,
+    folder: Path,
     references: Sequence[Reference],
     free: Sequence[Free],
     answers: Answers,
     given: argparse.Namespace,
     command: str,
 ) -> None:
-    result = f"{name}_tuned.yaml"
-    reads = [word.partition("=")[2] for word in given.laws]
-    with OutputFolder(out, "tune", (result, HISTORY), reads=reads) as folder:
-        # The runs of both are asked for at the same numbers of cells.
-        in_training, in_validation = asked = [partial(answers.answer, part) for part in PARTS]
-        training, validation = (
-            Training(of.board, name, of.driven(answer), given.cost, given.threads)
-            for of, answer in zip(references, asked, strict=True)
-        )
-        taken, reference = answers.taken, references[0].board.reference
-        history, more = [], min(given.finalists + 1, given.budget) * validation.runs
-        with bar_of_runs(f"tune {name}", given.budget * training.runs + more) as bar:
-            for candidate in search(training, free, given.budget, given.seed, in_training):
-                history.append(candidate)
-                bar.update(training.runs)
-            best, cost, before = chosen(history, validation, free, given.finalists, in_validation)
-            bar.update(more)
-        lines = [
-            command,
-            f"{given.cost} in {training.runs} training runs {history[0].cost:.4f}, tuned {best.cost:.4f}",
-            f"{given.cost} in {validation.runs} validation runs {before:.4f}, tuned {cost:.4f}",
-            f"{reference} in these {training.of_reference:.4f} and {validation.of_reference:.4f}",
-        ]
-        if cost > validation.of_reference:
-            lines.append(f"so it is worse there than {reference}, tuned as well")
-        print("\n".join([f"law {name}", *lines[1:]]))
-        for each in free:
-            print(f"  {each.name:40} {each.start:.6g} -> {best.values[each.name]:.6g}")
-        _write(folder.directory / result, free, best, lines)
-        _write_history(folder.directory / HISTORY, history)
+    # The runs of both are asked for at the same numbers of cells.
+    in_training, in_validation = asked = [partial(answers.answer, part) for part in PARTS]
+    training, validation = (
+        Training(of.board, name, of.driven(answer), given.cost, given.threads)
+        for of, answer in zip(references, asked, strict=True)
+    )
+    taken, reference = answers.taken, references[0].board.reference
+    history, more = [], min(given.finalists + 1, given.budget) * validation.runs
+    with bar_of_runs(f"tune {name}", given.budget * training.runs + more) as bar:
+        for candidate in search(training, free, given.budget, given.seed, in_training):
+            history.append(candidate)
+            bar.update(training.runs)
+        best, cost, before = chosen(history, validation, free, given.finalists, in_validation)
+        bar.update(more)
+    lines = [
+        command,
+        f"{given.cost} in {training.runs} training runs {history[0].cost:.4f}, tuned {best.cost:.4f}",
+        f"{given.cost} in {validation.runs} validation runs {before:.4f}, tuned {cost:.4f}",
+        f"{reference} in these {training.of_reference:.4f} and {validation.of_reference:.4f}",
+    ]
+    if cost > validation.of_reference:
+        lines.append(f"so it is worse there than {reference}, tuned as well")
+    print("\n".join([f"law {name}", *lines[1:]]))
+    for each in free:
+        print(f"  {each.name:40} {each.start:.6g} -> {best.values[each.name]:.6g}")
+    result = folder / f"{name}_tuned.yaml"
+    _write(result, free, best, lines)
+    _write_history(folder / f"{name}_history.csv", history)
     if answers.taken > taken:
         print(f"went on behind {answers.taken - taken} generations of an earlier search")
-    print(
-        f"{len(history)} candidates of {training.runs} runs; parameters: {folder.directory / result}"
-    )
+    print(f"{len(history)} candidates of {training.runs} runs; parameters: {result}")
 
 
 def search_key(

@@ -11,41 +11,32 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ev_msgs_py.refusal import ParameterError
-from ev_stack.command_line.paths import output_folder
+from ev_stack.command_line.paths import add_out
 from ev_stack.command_line.refusal import Parser
 from ev_stack.recording.recording import atomic_file
 from ev_stack.report.tables import WIDTH_OF_A_PIPE
-from ev_stack.running.output_folder import OutputFolder
+from ev_stack.running.output_folder import output_folder
 from ev_study.measured.comparisons.comparison import FILE as COMPARISONS
 from ev_study.measured.comparisons.comparison import compare, kept_text
 from ev_study.measured.comparisons.comparison import table as comparison_table
 from ev_study.studies.driving import drive_cases
 from ev_study.verdicts.need import Driven, Need, drive, kept_by_user
 from ev_study.verdicts.panels_page import (
-    INDEX,
     PublishedPanel,
     draw_panels,
-    file_name,
     images_by_id,
     panels,
 )
 from ev_study.verdicts.panels_page import write_page as write_panels
 from ev_study.verdicts.sources import published, sources
-from ev_study.verdicts.verdict import FILES, Verdict, counts, plain_table, verdict, wanted, write
+from ev_study.verdicts.verdict import Verdict, counts, plain_table, verdict, wanted, write
 
 MEASURED = "measured"  # among the sources of `verdicts`, with --data
 
 
 def _parser(name: str, about: str) -> Parser:
     parser = Parser(prog=f"run.sh {name}", description=f"scripts/run.sh {name}: {about}")
-    folder = Path("results") / name
-    parser.add_argument(
-        "--out",
-        type=output_folder,
-        metavar="DIR",
-        default=folder,
-        help=f"output folder; default {folder}",
-    )
+    add_out(parser, name)
     return parser
 
 
@@ -75,20 +66,21 @@ def run_verdicts(argv: Sequence[str]) -> None:
     given = parser.parse_args(argv)
     start = time.monotonic()
     only = [name for name in given.only if name != MEASURED or given.data is None]
-    found = judge_driven(only, given.quick)[0] if only or not given.only else []
-    if only and not found:
-        raise ParameterError(
-            f"--only {' '.join(given.only)}: no such id or source; sources: {', '.join(sources())}"
-        )
-    with OutputFolder(given.out, "verdicts", (*FILES, COMPARISONS)) as folder:
+    with output_folder(given.out, "verdicts") as folder:
+        found = judge_driven(only, given.quick)[0] if only or not given.only else []
+        if only and not found:
+            raise ParameterError(
+                f"--only {' '.join(given.only)}: no such id or source; "
+                f"sources: {', '.join(sources())}"
+            )
         if found:
             images = {
                 id: names for source in sources() for id, names in images_by_id(source).items()
             }
-            write(found, folder.directory, images)
+            write(found, folder, images)
         if given.data is not None and (MEASURED in given.only or not given.only):
             compared = compare(given.data, lambda line: print(line, flush=True))
-            with atomic_file(folder.directory / COMPARISONS) as file:
+            with atomic_file(folder / COMPARISONS) as file:
                 file.write(kept_text(compared).encode())
             print(comparison_table(compared))
     if found:
@@ -97,7 +89,7 @@ def run_verdicts(argv: Sequence[str]) -> None:
             if of_source := [each for each in found if each.published.id in published(source)]:
                 print(f"{source}: {counts(of_source)}")
         print(f"all: {counts(found)}")
-    print(f"{time.monotonic() - start:.1f} s; table: {folder.directory}")
+    print(f"{time.monotonic() - start:.1f} s; table: {folder}")
 
 
 def judge_driven(
@@ -127,15 +119,13 @@ def run_figures(argv: Sequence[str]) -> None:
         source: panels(source) for source in sources() if not given.only or source in given.only
     }
     every = [(source, panel) for source, of_source in shown.items() for panel in of_source]
-    driven = drive(
-        [need for _, panel in every for need in panel.needs], kept_by_user(), drive_cases
-    )
-    files = [file_name(source, panel) for source, panel in every]
-    with OutputFolder(given.out, "figures", [INDEX, *files]) as folder:
+    with output_folder(given.out, "figures") as folder:
+        needs = [need for _, panel in every for need in panel.needs]
+        driven = drive(needs, kept_by_user(), drive_cases)
         for source, of_source in shown.items():
-            draw_panels(source, of_source, driven, folder.directory)
+            draw_panels(source, of_source, driven, folder)
             print(f"{source}: {_counts(of_source)}")
-        page = write_panels(shown, folder.directory)
+        page = write_panels(shown, folder)
     print(f"all: {_counts([panel for _, panel in every])}")
     print(f"{time.monotonic() - start:.1f} s; page: {page}")
 

@@ -18,11 +18,10 @@ from ev_study.measured.intervals import Knowledge, in_words
 from ev_study.measured.records.record import LONGITUDINAL, quoted_source
 from ev_study.measured.replays.errors import CLEAR, Judged
 from ev_study.measured.replays.open_loop import COMPARED, OpenLoop
-from ev_study.measured.replays.validation import FILES, Validation
+from ev_study.measured.replays.validation import Validation
 from ev_study.measured.vehicle_text import parameter_text, vehicle_text
 
 CAR, BESIDE = "vehicle.yaml", "parameters.yaml"
-FILES_OF_IDENTIFICATION = (*FILES, CAR, BESIDE)
 PARTS = ("training", "held out")
 # Share of an RMS error above which its mean counts: all windows have it, so their differences do
 # not show it.

@@ -22,7 +22,6 @@ from ev_study.measured.records.tables import read_columns
 from ev_study.measured.records.units import refuse_other_units
 
 MOTOR = "motor.yaml"
-FILES_OF_MOTOR = (MOTOR, SUMMARY, "error_map.png")
 _COLUMNS = ("speed_rpm", "torque_nm", "efficiency_inverter_to_mechanical")
 _UNITS = {"speed_rpm": "rpm", "torque_nm": "N m"}
 _EVERY = 3  # of the points one is held out

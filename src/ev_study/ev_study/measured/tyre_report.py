@@ -20,7 +20,6 @@ from ev_study.measured.rig import Sweeps
 from ev_study.measured.tyre_fit import TyreFit
 
 TYRE = "tyre.tir"
-FILES_OF_TYRE = (TYRE, SUMMARY, "curves.png")
 _ANGLE = "slip_angle"
 
 

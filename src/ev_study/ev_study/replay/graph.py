@@ -20,12 +20,10 @@ from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError, unknown_name
 from ev_nodes.master.real_time import MasterParameters
-from ev_stack.figures.saving import Print, figure_files, save_figures
+from ev_stack.figures.saving import Print, save_figures
 from ev_stack.figures.sheets import drawn
 from ev_stack.recording.outcome import Outcome
 from ev_stack.recording.recording import (
-    LOG,
-    OF_ALL_RUNS,
     PAGE,
     PARAMETERS,
     SIGNALS,
@@ -35,9 +33,7 @@ from ev_stack.recording.recording import (
     save,
 )
 from ev_stack.report.summary import Summary, write_summary
-from ev_stack.report.tables import TABLES
 from ev_stack.running.offline import write_parameter_file
-from ev_stack.running.output_folder import OutputFolder
 from ev_stack.scenarios.files import VEHICLE, vehicle_file
 from ev_stack.scenarios.parameter_file import ParameterFile
 from ev_stack.scenarios.records import Overrides, Run
@@ -222,25 +218,11 @@ def _refuse_missing(recorded: Recorded, configuration: Configuration) -> None:
         )
 
 
-def replay_folder(replay: Replay, out: Path) -> OutputFolder:
-    """Where a replay writes; ParameterError if the folder cannot be had, or would replace what is replayed."""
-    source = replay.recorded.source.resolve()
-    runs = [
-        Run(name, replay.recorded.namespace, {}, replay.duration) for name in (_RECORDED, REPLAYED)
-    ]
-    if any(source.is_relative_to((out / run.name).resolve()) for run in runs):
-        raise ParameterError(
-            f"--out {out}: the run that is replayed is there, expected another folder"
-        )
-    logs = [f"{REPLAYED}/{LOG}/{role}.log" for role in ROLES]
-    return OutputFolder(
-        out, "replay", [*OF_ALL_RUNS, *TABLES, *figure_files([_LATENCY]), *logs], runs
-    )
-
-
-def prepared(replay: Replay, folder: OutputFolder) -> Run:
+def prepared(replay: Replay, folder: Path) -> Run:
     """The graph that replays; the recorded signals that it plays back are in the folder then."""
-    recorded = folder.directory / _RECORDED
+    recorded = folder / _RECORDED
+    recorded.mkdir()
+    (folder / REPLAYED).mkdir()
     _write_told(recorded / PARAMETERS, replay)
     save(replay.recorded.recording, recorded / SIGNALS)
     return replay.run(recorded / SIGNALS)
@@ -298,18 +280,18 @@ class Replayed:
             f"{self.run.duration:g} s in {self.outcome.wall_time:.2f} s",
         ]
 
-    def write(self, folder: OutputFolder, page: bool, prints: Print) -> str:
+    def write(self, folder: Path, page: bool, prints: Print) -> str:
         """Write all of it; the answer names the page if there is one."""
         runs = {_RECORDED: self._recorded(), REPLAYED: self.outcome.recording}
-        comparing.table_files(self.differences, folder.directory)
+        comparing.table_files(self.differences, folder)
         content = self._content(runs)
         sheets = {_LATENCY: comparing.latency_sheet(self._latency)} if self._latency else {}
-        prints.save(sheets, folder.directory, folder.claim)
-        write_summary(folder.directory / SUMMARY, content)
+        prints.save(sheets, folder)
+        write_summary(folder / SUMMARY, content)
         if not page:
             return ""
         figures = drawn(sheets)
-        save_figures(figures, folder.directory)
+        save_figures(figures, folder)
         from ev_stack.report.page.writing import Page, Signals, images_of, write_page
 
         signals = Signals("", runs, self.replay.configuration.common.vehicle)
@@ -319,8 +301,8 @@ class Replayed:
             if line
         )
         title = f"{self.replay.role} {self._who}, replayed"
-        images = images_of(figures, folder.directory)
-        write_page(Page(title, {"": content}, (signals,), images, text), folder.directory / PAGE)
+        images = images_of(figures, folder)
+        write_page(Page(title, {"": content}, (signals,), images, text), folder / PAGE)
         return f"{PAGE}, "
 
     def _recorded(self) -> Recording:

@@ -30,6 +30,12 @@ _GROUPS = (STUDIES, REPORTS, SOURCES, "ev_stack.methods")
 _INSTALLED = frozenset(("site-packages", "dist-packages"))
 
 
+def digest_of(file: Path) -> str:
+    """SHA-256 of a file, as hexadecimal digits."""
+    with file.open("rb") as content:
+        return hashlib.file_digest(content, "sha256").hexdigest()
+
+
 def imported_files(module: str, but: Collection[str]) -> list[Path]:
     """Those of a module by its name, apart from Python's own and those of some packages; libraries in C as well.
 

@@ -22,9 +22,14 @@ from ev_core.parameters.data_file import files_read
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.recording.outcome import RunFailed
 from ev_stack.recording.recording import Recording, save
-from ev_stack.running.folder_content import digest_of
 from ev_stack.scenarios.records import Run
-from ev_study.studies.digests import short_digest, text_of_method, text_of_report, text_of_study
+from ev_study.studies.digests import (
+    digest_of,
+    short_digest,
+    text_of_method,
+    text_of_report,
+    text_of_study,
+)
 from ev_study.studies.result_store import Results
 from ev_study.studies.study import Case, Measure, run_of
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 from ev_stack.command_line.numbers import whole
 from ev_stack.command_line.options import add_traceback
-from ev_stack.command_line.paths import output_folder
+from ev_stack.command_line.paths import add_out
 from ev_study.studies.workers import Workers
 
 
@@ -23,10 +22,7 @@ def add_driving(parser: argparse.ArgumentParser, name: str) -> None:
         metavar="N",
         help="worker processes here; default: one per core",
     )
-    folder = Path("results") / name
-    parser.add_argument(
-        "--out", type=output_folder, metavar="DIR", help=f"output folder; default {folder}"
-    )
+    add_out(parser, name)
     parser.add_argument("--anew", action="store_true", help="drive again what was driven before")
     add_traceback(parser)
 

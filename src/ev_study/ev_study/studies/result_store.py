@@ -4,32 +4,32 @@ How it works: a result stands under a digest of all that it depends on beside ou
 folder that is named after the digest of these. So a result of which anything has changed is simply
 not found. Each file begins with a checksum; what a crash or a full disk has left of it counts as
 missing. Folders of other sources stay for a month, since another checkout or branch may come back
-to them, but recordings, which are large, only those of the last few.
+to them, but recordings, which are large, only those of the last few and of the last day: a command
+that drives on in another checkout still reads them.
 
 A dict serves in its place where nothing shall outlive the command.
 """
 
 from __future__ import annotations
 
-import fcntl
 import hashlib
 import io
 import os
+import shutil
 import time
 from collections.abc import Callable
-from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Protocol
 
 import numpy as np
 
 from ev_core.compiling.user_cache import cache_folder, read_checked, write_checked
-from ev_stack.running.folder_content import locked
 
 VARIABLE = "EV_STACK_RESULTS"  # the folder, such as one that all machines of a cluster see
 RECORDING = ".npz"
-_DAYS = 30.0
 _FOLDERS = 3  # whose recordings stay
+_DAY = 86400.0  # [s]
+_MONTH = 30.0 * _DAY
 _DIGEST = "[0-9a-f]" * 24
 
 
@@ -44,22 +44,14 @@ class Results(Protocol):
 
 
 class ResultStore:
-    """Results of our sources as they are; `folder` is that of EV_STACK_RESULTS, else one in the user's cache folder.
-
-    Its folder is locked as long as this object lives, so that no other command removes it.
-    """
+    """Results of our sources as they are; `folder` is by default in the user's cache folder."""
 
     def __init__(self, sources: str, folder: Path | None = None) -> None:
         parent = folder or Path(os.environ.get(VARIABLE) or cache_folder() / "results").absolute()
         self.folder = parent / sources
-        self._in_use = ExitStack()
-        parent.mkdir(parents=True, exist_ok=True)
-        # so that nobody removes what is made here before it is locked
-        with locked(parent, fcntl.LOCK_EX):
-            self.folder.mkdir(exist_ok=True)
-            os.utime(self.folder)
-            self._in_use.enter_context(locked(self.folder, fcntl.LOCK_SH))
-            _forget_old(parent)
+        self.folder.mkdir(parents=True, exist_ok=True)
+        os.utime(self.folder)  # each result that is kept later counts as a use as well
+        _forget_old(parent)
 
     def path(self, name: str) -> Path:
         """Where something of a name stands, for a recording, which its writer writes by itself."""
@@ -70,21 +62,20 @@ class ResultStore:
         return read_checked(self.folder / name)
 
     def __setitem__(self, name: str, content: bytes) -> None:
+        self.folder.mkdir(parents=True, exist_ok=True)  # the user may delete it at any time
         write_checked(self.folder / name, content)
 
 
 def _forget_old(parent: Path) -> None:
-    """Remove what was not asked for in a month, and recordings but for those of the last sources."""
+    """Remove what no command has used in a month, and recordings but for those of the last sources."""
     folders = sorted(parent.glob(_DIGEST), key=_last_used, reverse=True)
     for number, folder in enumerate(folders):
-        is_old = time.time() - _last_used(folder) > _DAYS * 86400.0
-        if number < _FOLDERS and not is_old:
-            continue
-        with suppress(OSError), locked(folder, fcntl.LOCK_EX | fcntl.LOCK_NB):
-            for file in folder.glob("*" if is_old else f"*{RECORDING}"):
-                file.unlink()
-            if is_old:
-                folder.rmdir()
+        unused = time.time() - _last_used(folder)
+        if unused > _MONTH:
+            shutil.rmtree(folder, ignore_errors=True)
+        elif number >= _FOLDERS and unused > _DAY:
+            for recording in folder.glob(f"*{RECORDING}"):
+                recording.unlink(missing_ok=True)
 
 
 def _last_used(folder: Path) -> float:

@@ -20,20 +20,19 @@ from ev_stack.command_line.options import (
     add_outputs,
     add_overrides,
     command_of,
-    files_read,
     overrides,
     printing,
 )
 from ev_stack.command_line.refusal import Parser
-from ev_stack.figures.saving import figure_files, save_figures
+from ev_stack.figures.saving import save_figures
 from ev_stack.figures.sheets import Sheet, drawn
 from ev_stack.measures.metric import Metric
 from ev_stack.recording.outcome import RunFailed, announce
-from ev_stack.recording.recording import OF_ALL_RUNS, PAGE, SUMMARY
+from ev_stack.recording.recording import PAGE, SUMMARY
 from ev_stack.report.latex import DIGITS
 from ev_stack.report.summary import versions, write_summary
-from ev_stack.report.tables import TABLES, Table, print_metrics, write_tables
-from ev_stack.running.output_folder import OutputFolder
+from ev_stack.report.tables import Table, print_metrics, write_tables
+from ev_stack.running.output_folder import output_folder
 from ev_stack.scenarios.parameter_file import ParameterFile
 from ev_stack.scenarios.records import Overrides
 from ev_stack.scenarios.unused import refuse_unused_values
@@ -168,16 +167,15 @@ def run_study(words: Sequence[str]) -> None:
     if given.signals:
         signals = {case: f"{SIGNALS}/{key.digest}{RECORDING}" for case, key in keys.items()}
     kept = {case: store.path(Path(path).name) for case, path in signals.items()}
-    files = [*OF_ALL_RUNS, *TABLES, *signals.values()]
-    out = given.out or Path("results") / name
-    with OutputFolder(out, f"study {name}", files, reads=files_read(given)) as folder:
+    with output_folder(given.out, name) as folder:
         start = time.monotonic()
         rows = KeptRows(store, CaseResult, keys, given.anew)
         results, before = _drive(name, given, cases, kept, rows)
+        if signals:
+            (folder / SIGNALS).mkdir()
         for case, path in signals.items():
-            (folder.directory / SIGNALS).mkdir(exist_ok=True)
             if kept[case].exists():  # none of a case that is refused
-                shutil.copyfile(kept[case], folder.directory / path)
+                shutil.copyfile(kept[case], folder / path)
         wall_time = time.monotonic() - start
         found = _summed_up(study, given, results)
         content = {
@@ -188,13 +186,13 @@ def run_study(words: Sequence[str]) -> None:
         for case, path in signals.items():
             content["cases"][case]["signals"] = path
         _write(folder, study, given, results, found, content)
-        prints.save(found.sheets, folder.directory, folder.claim)
+        prints.save(found.sheets, folder)
     _print(found, results.values())
     print(f"signal hash {content['signal_hash']}")
     driven = f"{len(cases)} runs, {content['simulated_time']:g} s in {wall_time:.1f} s"
     print(f"{driven}{once_more(before)}")
     page = "" if given.no_report else "report.html, figures and "
-    print(f"{page}summary: {folder.directory}")
+    print(f"{page}summary: {folder}")
 
 
 def _drive(
@@ -286,7 +284,7 @@ def printed(study: Study, given: argparse.Namespace, results: Results) -> str:
 
 
 def _write(
-    folder: OutputFolder,
+    folder: Path,
     study: Study,
     given: argparse.Namespace,
     results: Results,
@@ -295,13 +293,12 @@ def _write(
 ) -> None:
     """Write figures, summary, table and page."""
     figures = {} if given.no_report else drawn(found.sheets)
-    folder.claim(figure_files(figures))
-    save_figures(figures, folder.directory)
-    write_summary(folder.directory / SUMMARY, content)
+    save_figures(figures, folder)
+    write_summary(folder / SUMMARY, content)
     if found.table is not None:
         table = found.table
         best = table.better if given.bold else {}
-        write_tables(folder.directory, table.columns, table.rows, given.digits, best)
+        write_tables(folder, table.columns, table.rows, given.digits, best)
     if given.no_report:
         return
     from ev_stack.report.page.writing import Page, images_of, measured_signals, write_page
@@ -309,9 +306,9 @@ def _write(
     measured = {case: result.measured for case, result in results.items()}
     spun = [case for case, result in results.items() if result.spun]
     series = measured_signals(measured, getattr(study, "CURVES", {}), spun)
-    images = images_of(figures, folder.directory)
+    images = images_of(figures, folder)
     page = Page(content["study"], {"": content}, series, images, found.text)
-    write_page(page, folder.directory / PAGE)
+    write_page(page, folder / PAGE)
 
 
 def _print(found: SummedUp, results: Iterable[CaseResult]) -> None:

@@ -26,8 +26,7 @@ from ev_core.parameters.data_file import config_folders, files_read
 from ev_stack.recording.outcome import RunFailed, bar_of_runs
 from ev_stack.report.summary import versions
 from ev_stack.running.children import Worker, WorkerLost
-from ev_stack.running.folder_content import digest_of
-from ev_study.studies.digests import digest_of_sources
+from ev_study.studies.digests import digest_of, digest_of_sources
 
 if TYPE_CHECKING:
     from distributed import Client

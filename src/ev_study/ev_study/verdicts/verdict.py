@@ -173,7 +173,6 @@ def _is_plain(need: Need, scenario: str) -> bool:
     )
 
 
-FILES = ("verdicts.json", "verdicts.md")
 COLUMNS = ("id", "kind", "what", "printed", "ours", "tolerance", "verdict", "driven")
 _SHORT = ("id", "verdict", "ours")
 
@@ -226,7 +225,8 @@ def write(verdicts: Sequence[Verdict], folder: Path, images: Mapping[str, Sequen
         {**each.as_json(), "figures": list(images.get(each.published.id, ()))} for each in verdicts
     ]
     content = json.dumps(entries, indent=2, allow_nan=False, ensure_ascii=False)
-    for name, text in zip(FILES, (content + "\n", markdown_table(verdicts)), strict=True):
+    texts = {"verdicts.json": f"{content}\n", "verdicts.md": markdown_table(verdicts)}
+    for name, text in texts.items():
         with atomic_file(folder / name) as file:
             file.write(text.encode())
 

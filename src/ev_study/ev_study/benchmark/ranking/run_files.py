@@ -13,14 +13,14 @@ from ev_stack.recording.outcome import announce
 from ev_stack.recording.recording import atomic_file
 from ev_study.benchmark.ranking.result import BoardResult
 
-RUNS = ("runs.json", "runs.jsonl.gz", "runs.parquet")
 MOST_IN_JSON = 100_000  # runs, beyond which there is a line of JSON for each, compressed
 _ROWS_AT_ONCE = 10_000
 
 
 def write_runs(folder: Path, result: BoardResult) -> None:
     """Write runs.json, or for many runs runs.jsonl.gz, and runs.parquet where pyarrow is installed."""
-    whole, lines, parquet = (folder / name for name in RUNS)
+    whole = folder / "runs.json"
+    lines = folder / "runs.jsonl.gz"
     runs = len(result.cells) * len(result.laws) * result.board.draws
     if runs <= MOST_IN_JSON:
         with atomic_file(whole) as file:
@@ -32,7 +32,7 @@ def write_runs(folder: Path, result: BoardResult) -> None:
         with atomic_file(lines) as file, gzip.open(file, "wb", compresslevel=6) as packed:
             _write_lines(packed, result, b"", b"\n", b"\n")
     if find_spec("pyarrow") is not None:
-        _write_parquet(parquet, result)
+        _write_parquet(folder / "runs.parquet", result)
 
 
 def _write_lines(

@@ -46,7 +46,6 @@ _FORCES = [
 ]
 _EFFORT = "wheel_states.effort."
 _SHOWN = 3  # windows of which the worst are drawn, with what the tyres do there
-FILES = (SUMMARY, SIGNALS, PAGE, "over_time.png", "worst.png", "corridors.png", "estimates.png")
 
 
 @dataclass(frozen=True)
