@@ -26,8 +26,6 @@ BENCHMARKS = {
     "plant": ("--repeats", "1"),
     "relays": ("--help",),  # started by lockstep
     "soak": ("--steps", "40", "--one-process-steps", "0"),
-    "sums": ("--seconds", "0.1", "--rounds", "1", "--in-process"),
-    "strangers": ("--rates", "0", "--seconds", "0.1"),
     "urban_cycle": ("--repeats", "1", "--duration", "1"),
 }
 # Those that nothing else starts; lock, site and wheels take packages from elsewhere, .ci/run starts
@@ -42,7 +40,6 @@ LONG = (
     "native",
     "plant",
     "soak",
-    "strangers",
 )  # 2 to 10 s of a processor
 
 pytestmark = pytest.mark.slow

@@ -15,7 +15,7 @@ RIGHT, NAMED, INTERRUPTED, KILLED, SKIPPED, FAILED = (
 OUTCOMES = (RIGHT, NAMED, INTERRUPTED, KILLED, SKIPPED, FAILED)
 _LAST_WORD = re.compile(r"^(?:error: .*|stopped|run\.sh: error: .*|ev-stack: .*)$", re.MULTILINE)
 _OBEYED = re.compile(r"[^\n -~\xa0-\U0010ffff]")  # \r, as of a progress bar, is a line break here
-_NOTICED = re.compile(r"node \w+ read on \S+ what \w+ did not write")
+_NOTICED = re.compile(r"/ev/\w+: \d+ nodes \S+ publish \S+, expected one")
 
 
 @dataclass(frozen=True)
@@ -102,6 +102,6 @@ def _right(trial: Trial, text: str) -> tuple[str, str]:
         return RIGHT, ""
     if trial.kind == "bad live parameter" and not summary["reproducible"]:
         return RIGHT, ""  # it was a value that the parameter may have
-    if trial.forged and any(_NOTICED.match(reason) for reason in summary["not_reproducible"]):
+    if trial.has_twin and any(_NOTICED.match(reason) for reason in summary["not_reproducible"]):
         return RIGHT, ""  # and marked as what it is
     return FAILED, f"another hash, {summary['signal_hash'][:8]}, not {expected[:80]}"

@@ -30,6 +30,5 @@ def spoilt(message: bytes, how: str, chance: random.Random) -> bytes:
         return message[:4] + struct.pack("<iI", chance.randrange(10**3, 10**9), 7) + message[12:]
     if how == "no stamp":
         return message[:4]
-    # Fewer whole words: DDS fills the last one up again, with another number in it (that of a
-    # forger, whom sums name).
+    # Fewer whole words: DDS would fill the last one up again, with another number in it.
     return message[: chance.randrange(4, max((len(message) - 1) // _WORD * _WORD + 1, 5))]

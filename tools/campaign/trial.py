@@ -65,8 +65,8 @@ class Trial:
     names: str = ""
     from_the_start: bool = False  # whether the fault is there before anything strikes
     must_end: bool = False  # whether what strikes ends the run, so that its end must come soon
-    # whether somebody speaks in the name of nodes, so that what nodes take may be another's
-    forged: bool = False
+    # whether another node has the name of one of ours, so that its messages may be taken
+    has_twin: bool = False
     turn: int = 0  # how many trials of this kind have lower seeds
     about: str = ""
     clean_up: ExitStack = field(default_factory=ExitStack)

@@ -22,7 +22,7 @@ from ev_nodes.run_role import run_node
 from ev_nodes.stepping import ros_parameters
 from ev_nodes.stepping.reports import Reports, wait_until_heard
 from ev_nodes.stepping.runner_line import PROGRESS, Waiting, Word
-from ev_nodes.stepping.signal_io import Reader, SignalReader, SignalWriter, Speaker
+from ev_nodes.stepping.signal_io import OnePublisher, Reader, SignalReader, SignalWriter
 from ev_nodes.stepping.spinning import Spinnable
 from ev_stack.recording.run_recorder import RecorderParameters, RunRecorder
 from ev_stack.scenarios.parameter_file import ParameterFile
@@ -62,11 +62,11 @@ class RecorderInput:
         self._readers: list[tuple[Reader, _Add]] = []
         for index, topic in masters_first:
             add = partial(recorder.add, index, refuse=partial(self._refuse, topic))
-            self._readers.append((SignalReader(node, topic, _one(add), reports.note), add))
+            self._readers.append((SignalReader(node, topic, _one(add), reports), add))
         if beside:
-            speaker = Speaker(node, "/clock", MASTER, reports.note)
+            judge = OnePublisher(node, "/clock", MASTER, reports)
             self._readers.append(
-                (Reader(node, Clock, "/clock", _one(self._add_clock), speaker), self._add_clock)
+                (Reader(node, Clock, "/clock", _one(self._add_clock), judge), self._add_clock)
             )
             everybody = Reader(
                 node, DiagnosticArray, "/diagnostics", _one(self._add_diagnostics), None
@@ -188,7 +188,7 @@ class RecorderNode(Spinnable, Node):
             self._wait_for_the_master()
             self.close()
             self.done = True
-        recorder.checkpoint()
+        recorder.flush()
 
     def _name(self, silent: list[str]) -> None:
         """Name the topics that the others wait for, once the master has asked for a while."""

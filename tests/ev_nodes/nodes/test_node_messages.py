@@ -239,11 +239,11 @@ def test_ordinary_steps_are_taken_in_compiled_code_and_others_in_python(law, mon
     assert steps.CODE.address()  # compiled if it is not yet
     judged = []
     for reader in law.node.readers.values():
-        judge = reader.judge
+        receive = reader.receive_from
         monkeypatch.setattr(
             reader,
-            "judge",
-            lambda *judgement, judge=judge: judged.append(judgement) or judge(*judgement),
+            "receive_from",
+            lambda *taken, receive=receive: judged.append(taken) or receive(*taken),
         )
     for step in range(1, 4):
         law.say_packed(step * PERIOD, DRIVER, STANDING, TURNED)

@@ -7,9 +7,9 @@ from helpers.ros_graph import ros_domain
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from ev_nodes.node_loop import ordinary_steps
+from ev_nodes.rcl import taking
+from ev_nodes.rcl.taking import taker_of
 from ev_nodes.stepping.signal_io import QUALITY
-from ev_nodes.stepping.taking import taker_of
 
 
 def test_a_message_names_its_publisher_as_the_graph_does():
@@ -27,10 +27,10 @@ def test_a_message_names_its_publisher_as_the_graph_does():
             publisher.publish(String(data=name[0] * length))
             taken = []
             wait_until(lambda taken=taken: taken.append(take()) or taken[-1])
-            message, info = taken[-1]
+            message, gid, received = taken[-1]
             assert name.encode()[:1] * length in message
-            assert info["received_timestamp"] > 0
-            names[name] = info["publisher_gid"]["data"]
+            assert received > 0
+            names[name] = gid
         there = {
             each.node_name: bytes(each.endpoint_gid)
             for each in node.get_publishers_info_by_topic("words")
@@ -44,12 +44,12 @@ def test_without_the_c_library_by_its_name_messages_are_taken_by_rclpy(monkeypat
     with ros_domain() as context:
         node = Node("node", context=context)
         subscription = node.create_subscription(String, "words", print, QUALITY, raw=True)
-        monkeypatch.setattr("ev_nodes.stepping.taking.addresses", dict)
-        assert ordinary_steps.addresses(), "the wheels have it"
+        assert taking.rcl(), "the wheels have it"
+        monkeypatch.setattr("ev_nodes.rcl.taking.rcl", lambda: None)
         take = taker_of(subscription.handle, String)
         publisher = node.create_publisher(String, "words", QUALITY)
         wait_until(publisher.get_subscription_count)
         publisher.publish(String(data="short"))
         taken = []
         wait_until(lambda: taken.append(take()) or taken[-1])
-        assert b"short" in taken[-1][0]
+        assert b"short" in taken[-1].message

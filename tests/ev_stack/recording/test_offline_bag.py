@@ -9,7 +9,7 @@ import pytest
 from helpers.ros_graph import shchur
 from rosbags.highlevel import AnyReader
 
-from ev_stack.recording.durable_bag import DurableBag
+from ev_stack.recording.bag_writer import BagWriter
 from ev_stack.recording.offline import run_offline
 from ev_stack.recording.run_recorder import write_bag
 from ev_stack.running.offline import recorded_topics
@@ -28,15 +28,15 @@ def test_ctrl_c_leaves_a_bag_that_counts_what_it_holds(
     recording = run_offline(run.configurations, run.duration)
     whole = len(topics) * len(recording.time)
     strikes = whole if late else whole // 2
-    write, written = DurableBag.write, []
+    write, written = BagWriter.write, []
 
-    def interrupted(bag: DurableBag, *message) -> None:
+    def interrupted(bag: BagWriter, *message) -> None:
         written.append(message)
         if len(written) == strikes:
             signal.raise_signal(signal.SIGINT)
         write(bag, *message)
 
-    monkeypatch.setattr(DurableBag, "write", interrupted)
+    monkeypatch.setattr(BagWriter, "write", interrupted)
     with pytest.raises(KeyboardInterrupt):
         write_bag(recording, topics, [topic.name for topic in topics], run.period, tmp_path / "bag")
     with AnyReader([tmp_path / "bag"]) as reader:

@@ -26,7 +26,7 @@ METHODS = {
     "electronic_differential power_steering",
     "asr off",
 }
-NODES = {"node_steps", "tally", "newest_tally"}
+NODES = {"node_steps"}
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from ev_msgs_py.contract.frame import PLACES, SIZE
 from ev_msgs_py.contract.signals import BodyPose
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.wire import empty_message, message_class
-from ev_stack.recording.durable_bag import ros_types
+from ev_stack.recording.bag_writer import ros_types
 from ev_stack.recording.recording import recording_of
 from ev_stack.views.messages import VIEWS, CarViews
 

@@ -9,7 +9,7 @@ import numpy as np
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import RECORDED
 from ev_msgs_py.contract.topics import TOPICS
-from ev_stack.recording.durable_bag import DurableBag
+from ev_stack.recording.bag_writer import BagWriter
 from ev_stack.recording.recording import Recording
 from ev_stack.recording.run_recorder import RecorderParameters, RunRecorder
 from ev_stack.recording.spool import MessageTable
@@ -65,7 +65,7 @@ def realtime_bag(of: Recording, folder: Path, lost: dict[str, int]) -> Path:
 
 def foreign_bag(of: Recording, folder: Path, stamps: list[int], names: dict[str, str]) -> Path:
     """A bag of another recorder, with a part of the graph: by full name the topic, a message for each stamp [ns]."""
-    with DurableBag(folder / "bag") as bag:
+    with BagWriter(folder / "bag") as bag:
         for full, name in names.items():
             topic = next(topic for topic in TOPICS.values() if topic.name == name)
             numbers = np.zeros((len(stamps), frame.SIZE))

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 
-from campaign.kinds import files, machine, parameters, signals, speakers, wire
+from campaign.kinds import files, foreign, machine, parameters, signals, wire
 from campaign.trial import WAYS, Trial
 
 NODES, DDS, ALL = ("processes",), ("processes", "in one process"), tuple(WAYS)
@@ -38,7 +38,7 @@ KINDS = (
     Kind("messages spoilt", wire.spoilt, NODES, 2),
     Kind("node falls silent", wire.mute, NODES, 1),
     Kind("modelled faults", wire.modelled, (*DDS, "offline"), 1),
-    Kind("stranger", speakers.stranger, _LIVE, 4),
+    Kind("stranger", foreign.stranger, _LIVE, 4),
     Kind("bad parameter", parameters.at_start, (*DDS, "offline", "offline"), 3),
     Kind("bad live parameter", parameters.live, DDS, 2),
     Kind("bad file", files.spoilt, (*DDS, "offline", "offline", "offline"), 4),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from campaign.kinds.speakers import with_helper
+from campaign.kinds.foreign import with_helper
 from campaign.trial import Trial
 
 _VALUES = (

@@ -26,7 +26,7 @@ from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.wire import MessageError, format_of
 from ev_nodes.stepping.reports import Reports
-from ev_nodes.stepping.signal_io import Reader, SignalReader, Speaker
+from ev_nodes.stepping.signal_io import OnePublisher, Reader, SignalReader
 
 LOAD_COMMAND = "load_command"
 NAMES = {
@@ -158,11 +158,9 @@ class Commands:
         self._station = station
         self._parameters = parameters
         self._reports = reports
-        self._torques = SignalReader(
-            node, TOPICS[WheelTorqueCommand], self._take_torques, reports.note
-        )
-        speaker = Speaker(node, LOAD_COMMAND, WRITERS[LoadCommand], reports.note)
-        self._loads = Reader(node, JointState, LOAD_COMMAND, self._take_loads, speaker)
+        self._torques = SignalReader(node, TOPICS[WheelTorqueCommand], self._take_torques, reports)
+        judge = OnePublisher(node, LOAD_COMMAND, WRITERS[LoadCommand], reports)
+        self._loads = Reader(node, JointState, LOAD_COMMAND, self._take_loads, judge)
 
     def take(self) -> bool:
         """Take all that has come; False if there was nothing."""

@@ -18,7 +18,6 @@ from ev_core.lockstep.inbox import (
     row_of,
     row_of_answer,
 )
-from ev_core.lockstep.tally import Tally
 from ev_core.methods.method_record import Method
 from ev_core.methods.part import Part
 from ev_msgs_py.contract import stamps
@@ -63,17 +62,12 @@ class Stepper:
 
     `make` gives a new part, at rest; `period` is the step in nanoseconds. A part that answers at
     once answers with the stamp of its inputs. One that integrates answers with the stamp of the
-    next step, and with its initial state for as long as it has not stepped. With a `key` all inputs
-    and outputs are added up, unless steps `may_skip`.
+    next step, and with its initial state for as long as it has not stepped. In real time steps
+    `may_skip`.
     """
 
     def __init__(
-        self,
-        method: Method,
-        make: Callable[[], Part],
-        period: int,
-        may_skip: bool = False,
-        key: bytes = b"",
+        self, method: Method, make: Callable[[], Part], period: int, may_skip: bool = False
     ) -> None:
         self.reads = tuple(sorted(method.inputs, key=arrival_place))
         self.integrates = ROLES[method.role].kind is RoleKind.INTEGRATES
@@ -101,10 +95,6 @@ class Stepper:
         self._steps = self.inbox.steps
         self._done, self._frames = self._steps.done, self.inbox.frames
         self.period = period
-        self.tally = (
-            Tally(key, self.reads, method.writes, self.integrates) if key and not may_skip else None
-        )
-        self._add_up = self.tally.adder(self.inbox) if self.tally is not None else None
         self._make = make
         self._at_rest = True
         self.part = make()
@@ -170,16 +160,12 @@ class Stepper:
         there.numbers[TIME] = self._instant(stamp)
         self.part.start(there)
         note_answer(self._steps, stamp)
-        if self.tally is not None:
-            self.tally.begin(stamp // self.period, there.address)
         return Answer(stamp, there)
 
     def _begin_anew(self) -> None:
         self.part = self._make()
         self._done[ANSWER] = self._done[BEFORE] = NEVER
         self._at_rest = True
-        if self.tally is not None:
-            self.tally.forget()
 
     def begin_run(self) -> Answer:
         """Begin the next run at time zero; the answer is the initial state of an integrating object."""
@@ -212,8 +198,6 @@ class Stepper:
             there.numbers[TIME] = self._instant(output)
         self.part.step(here, there)
         note_answer(self._steps, output)
-        if self._add_up is not None:
-            self._add_up()
         return Answer(output, there)
 
     def _instant(self, stamp: int) -> float:

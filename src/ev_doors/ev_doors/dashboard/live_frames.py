@@ -51,9 +51,8 @@ class Reported:
         new, self._new = self._new, []
         return new
 
-    def admits(self, info: Mapping[str, Any]) -> bool:
+    def admits(self, gid: bytes) -> bool:
         """Mark of a report by a node that the graph knows under the name of a role."""
-        gid = (info.get("publisher_gid") or {}).get("data")
         if gid not in self._names:
             self._names = {
                 bytes(end.endpoint_gid): (end.node_namespace, end.node_name)
@@ -91,6 +90,17 @@ class _NewestReader(SignalReader):
     quality = _NEWEST
 
 
+class _Refusals:
+    """Hands all reports on publishers that are not admitted to one function."""
+
+    def __init__(self, refuse: Callable[[str, str], None]) -> None:
+        self.note = refuse
+
+    def warn(self, text: str) -> None:
+        """Report several nodes of one name, once."""
+        self.note(text, text)
+
+
 # of the master, at every instant: one topic never goes back, several overtake each other
 _TELLS_TIME = BodyVelocity
 
@@ -104,8 +114,9 @@ class LiveFrames:
     def __init__(self, node: Node, refuse: Callable[[str, str], None]) -> None:
         self.vehicle: Vehicle | None = None
         self._refuse = refuse
+        refusals = _Refusals(refuse)
         self._readers = {
-            signal: _NewestReader(node, TOPICS[signal], lambda message: None, refuse)
+            signal: _NewestReader(node, TOPICS[signal], lambda message: None, refusals)
             for signal in PLACES
         }
         self._numbers = np.zeros((1, SIZE))

@@ -23,11 +23,11 @@ from ev_msgs_py.contract.topics import TOPICS, Topic
 from ev_msgs_py.wire import stamp_alone
 from ev_nodes.master.real_time import MasterParameters
 from ev_nodes.master.schedule import Schedule, serve_time
-from ev_nodes.master.silence import Silence, full_name, misfits
-from ev_nodes.node_loop.ordinary_steps import End
+from ev_nodes.master.silence import Silence, misfits
+from ev_nodes.rcl.taking import End
 from ev_nodes.stepping.reports import wait_until_heard
 from ev_nodes.stepping.runner_line import TIMING, Word
-from ev_nodes.stepping.signal_io import NAMELESS, QUALITY
+from ev_nodes.stepping.signal_io import NAMELESS, QUALITY, full_name
 from ev_nodes.stepping.stepped_node import SteppedNode
 
 _CLOCK_TOPIC = "/clock"

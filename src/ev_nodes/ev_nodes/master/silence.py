@@ -12,12 +12,7 @@ from ev_core.lockstep.stepper import WRITERS
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import RECORDER, REQUIRED, ROLES
 from ev_msgs_py.contract.topics import TOPICS, Topic
-from ev_nodes.stepping.signal_io import NAMELESS
-
-
-def full_name(end: Any) -> str:
-    """Full name of the node of a publisher or subscription."""
-    return f"{end.node_namespace.rstrip('/')}/{end.node_name}"
+from ev_nodes.stepping.signal_io import NAMELESS, full_name
 
 
 class Misfit(NamedTuple):

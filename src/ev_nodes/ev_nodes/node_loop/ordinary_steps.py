@@ -12,10 +12,9 @@ from __future__ import annotations
 
 import ctypes
 import os
-import time
 from collections.abc import Sequence
 from functools import cache, partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from rclpy.impl.implementation_singleton import rclpy_implementation
@@ -27,7 +26,8 @@ from ev_msgs_py.contract.stamps import NANOSECONDS
 from ev_msgs_py.refusal import ParameterError, quoted
 from ev_msgs_py.wire import ENCAPSULATION
 from ev_nodes.node_loop import steps
-from ev_nodes.node_loop.steps import FAILED, GID, INPUT, LOOP, NOT_FINITE, ODD, OUTPUT, RUN
+from ev_nodes.node_loop.steps import FAILED, INPUT, LOOP, NOT_FINITE, ODD, OUTPUT, RUN
+from ev_nodes.rcl.taking import GID, INFO_WORDS, MESSAGE_WORDS, End, prepare_message, rcl
 
 VARIABLE = "EV_STACK_NODE_LOOP"
 
@@ -56,35 +56,21 @@ def keep_code() -> None:
         steps.CODE.address()
 
 
-class End(NamedTuple):
-    """A subscription or a publisher: its address, and how its messages look, as in `MessageFormat`."""
-
-    address: int
-    format: Any
-
-
-# `rcutils_uint8_array_t`, and room for more than `rmw_message_info_t`, in words of 8 bytes.
-MESSAGE_WORDS, INFO_WORDS = 8, 32
-
-
 @cache
 def addresses() -> dict[str, int]:
-    """Addresses of C functions by their names in the loop.
-
-    None on a system that names its libraries differently.
-    """
-    try:
-        rcl, libc = ctypes.CDLL("librcl.so"), ctypes.CDLL(None)
-    except OSError:
+    """Addresses of C functions by their names in the loop, none where ROS's C library is not found."""
+    library = rcl()
+    if library is None:
         return {}
+    libc = ctypes.CDLL(None)
     functions = {
-        "rcl_take": rcl.rcl_take_serialized_message,
-        "rcl_publish": rcl.rcl_publish_serialized_message,
-        "rcl_count": rcl.rcl_publisher_get_subscription_count,
-        "rcl_clear": rcl.rcl_wait_set_clear,
-        "rcl_add": rcl.rcl_wait_set_add_subscription,
-        "rcl_add_guard": rcl.rcl_wait_set_add_guard_condition,
-        "rcl_wait": rcl.rcl_wait,
+        "rcl_take": library.rcl_take_serialized_message,
+        "rcl_publish": library.rcl_publish_serialized_message,
+        "rcl_count": library.rcl_publisher_get_subscription_count,
+        "rcl_clear": library.rcl_wait_set_clear,
+        "rcl_add": library.rcl_wait_set_add_subscription,
+        "rcl_add_guard": library.rcl_wait_set_add_guard_condition,
+        "rcl_wait": library.rcl_wait,
         "clock_gettime": libc.clock_gettime,
         "memcpy": libc.memcpy,
     }
@@ -94,32 +80,7 @@ def addresses() -> dict[str, int]:
     }
 
 
-class _Allocator(ctypes.Structure):
-    _fields_ = [
-        (name, ctypes.c_void_p)
-        for name in ("allocate", "deallocate", "reallocate", "zero_allocate", "state")
-    ]
-
-
-def prepare_message(address: int, capacity: int) -> None:
-    """Make an `rcutils_uint8_array_t` to take messages into.
-
-    It grows with them, and lasts until it is freed.
-    """
-    rcutils = ctypes.CDLL("librcutils.so")
-    rcutils.rcutils_get_default_allocator.restype = _Allocator
-    allocator = rcutils.rcutils_get_default_allocator()
-    rcutils.rcutils_uint8_array_init.argtypes = [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]
-    if rcutils.rcutils_uint8_array_init(address, capacity, ctypes.byref(allocator)) != 0:
-        raise MemoryError(f"no {capacity} bytes for a message")
-
-
-def free_message(address: int) -> None:
-    """Free what `prepare_message` has made, grown as it may be."""
-    ctypes.CDLL("librcutils.so").rcutils_uint8_array_fini(ctypes.c_void_p(address))
-
-
-_LOOP_FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 9)
+_LOOP_FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 8)
 # Places of fields in the record of the loop, which is read and written as a row of integers.
 _PLACES = {name: place for place, name in enumerate(LOOP.names or ())}
 _LIMIT = _PLACES["limit"]
@@ -127,17 +88,13 @@ _UNTIL = _PLACES["until"]
 _PATIENCE = _PLACES["patience"]
 _GUARD = _PLACES["guard"]
 _CAME = _PLACES["came"]
-_REFUSED = _PLACES["refused"]
 _TAKEN = _PLACES["taken"]
 _SPOKE = _PLACES["spoke"]
 _ODD = _PLACES["odd"]
 _FUNCTION = _PLACES["function"]
 _STATE = _PLACES["state"]
 _CONSTANTS = _PLACES["constants"]
-_NO_SENDER = b"\xff" * 16  # no identity
-_FORGET_PERIOD = 0.05  # s after which senders that are refused are looked at again
-_SENDERS = 8  # of each input: the admitted one, and others that are known to be refused
-CAPACITY = 4096  # bytes of a message that need not be asked for
+_NO_PUBLISHER = b"\xff" * 16  # no identity
 
 
 class Block:
@@ -172,7 +129,6 @@ class OrdinarySteps:
 
     def __init__(self, node: Any, outputs: Sequence[End]) -> None:
         self._stepper = node.stepper
-        inbox, sums = node.stepper.inbox, node.stepper.tally
         self._readers = [node.readers[kind] for kind in node.stepper.reads]
         context = node.context.handle
         with context:
@@ -180,59 +136,56 @@ class OrdinarySteps:
         inputs = [reader.end for reader in self._readers]
         self._head = np.zeros(1, LOOP)
         self._words = self._head.view(np.int64).data
-        self._inputs, self._outputs = np.zeros(len(inputs), INPUT), np.zeros(len(outputs), OUTPUT)
-        self._senders = np.full((len(inputs), _SENDERS, 2), -1)
-        self._runs = np.array(
-            [tuple(run) for end in (*inputs, *outputs) for run in end.format.runs], RUN
-        )
+        self._inputs = np.zeros(len(inputs), INPUT)
+        self._outputs = np.zeros(len(outputs), OUTPUT)
+        self._admitted = np.full((len(inputs), 2), -1)
+        runs = [tuple(run) for end in (*inputs, *outputs) for run in end.format.runs]
+        self._runs = np.array(runs, RUN)
         self._lay_out(inputs, outputs)
-        head = self._head[0]
-        begin, end = frame.span(node.configuration.method.writes)
+        self._fill_in_head(frame.span(node.configuration.method.writes))
+        of_steps, of_frames = node.stepper.inbox.addresses
+        self._call = partial(
+            _LOOP_FUNCTION(steps.CODE.address()),
+            self._head.ctypes.data,
+            of_steps,
+            self._inputs.ctypes.data,
+            self._outputs.ctypes.data,
+            self._runs.ctypes.data,
+            self._admitted.ctypes.data,
+            of_frames,
+            self._block.address,
+        )
+        self._gids: list[bytes | None] = []
+        self._part: Any = None
+
+    def _fill_in_head(self, written: tuple[int, int]) -> None:
+        """Fill in what stays for all calls: the protocol's constants, sizes and addresses."""
+        begin, end = written
         values = {
-            name: value for name, value in inbox.steps._asdict().items() if isinstance(value, int)
-        }
-        values |= {
-            "topics": len(inputs),
-            "publishers": len(outputs),
+            "topics": len(self._inputs),
+            "publishers": len(self._outputs),
             "runs": len(self._runs),
-            "senders": _SENDERS,
-        }
-        values |= {
             "size": self._block.words.nbytes,
             "begin": begin,
             "end": end,
             "wait_set": self._wait_set.pointer,
+            **addresses(),
         }
-        if sums is not None:
-            values["tallied"] = 1
-        for name, value in (values | addresses()).items():
-            head[name] = value
-        arrays = (self._inputs, self._outputs, self._runs, self._senders)
-        of_steps, of_frames = inbox.addresses
-        arguments = (
-            self._head.ctypes.data,
-            of_steps,
-            *(array.ctypes.data for array in arrays),
-            of_frames,
-            self._block.address,
-            0 if sums is None else sums.block.ctypes.data,
-        )
-        self._call = partial(_LOOP_FUNCTION(steps.CODE.address()), *arguments)
-        self._forget_at = 0.0
-        self._admitted: list[bytes | None] = []
-        self._part: Any = None
+        for name, value in self._stepper.inbox.steps._asdict().items():
+            if isinstance(value, int):
+                values[name] = value
+        for name, value in values.items():
+            self._head[0][name] = value
 
     def _lay_out(self, inputs: Sequence[End], outputs: Sequence[End]) -> None:
         """Put templates, messages and what functions fill in into one block."""
-        block, head, run = Block(), self._head[0], 0
-        for name, words in (
-            ("message", MESSAGE_WORDS),
-            ("info", INFO_WORDS),
-            ("clock", 2),
-            ("count", 1),
-        ):
-            head[name] = block.words_for(words)
+        block, head = Block(), self._head[0]
+        head["message"] = block.words_for(MESSAGE_WORDS)
+        head["info"] = block.words_for(INFO_WORDS)
+        head["clock"] = block.words_for(2)
+        head["count"] = block.words_for(1)
         head["heard"] = block.place_for(bytes(max(len(end.format.template) for end in inputs)))
+        run = 0
         for row, end in zip((*self._inputs, *self._outputs), (*inputs, *outputs), strict=True):
             form = end.format
             row["template"] = block.place_for(form.template)
@@ -241,17 +194,13 @@ class OrdinarySteps:
             row["single"] = form.code == "f"
             row["first"] = run
             row["last"] = run + len(form.runs)
-            numbers = {
-                place for each in form.runs for place in range(each.place, each.place + each.length)
-            }
-            unsigned = sorted(numbers & frame.UNSIGNED_COMMANDS)
-            row["unsigned"], row["signed"] = (unsigned[0], unsigned[-1] + 1) if unsigned else (0, 0)
             run += len(form.runs)
+            _mark_unsigned(row, form.runs)
         self._inputs["subscription"] = [end.address for end in inputs]
         self._outputs["publisher"] = [end.address for end in outputs]
         self._outputs["message"] = [block.words_for(MESSAGE_WORDS) for _ in outputs]
         block.finish()
-        prepare_message(block.address + 8 * int(head["message"]), CAPACITY)
+        prepare_message(block.address + 8 * int(head["message"]))
         for row in self._outputs:  # without an allocator: messages that are sent do not grow
             at = int(row["message"])
             block.words[at : at + 3] = block.address + row["template"], row["length"], row["length"]
@@ -266,18 +215,17 @@ class OrdinarySteps:
         stepper, head = self._stepper, self._words
         if not stepper.under_way or stepper.inbox.last + stepper.period > limit:
             return None
-        head[_UNTIL], head[_PATIENCE] = int(until * NANOSECONDS), int(patience * NANOSECONDS)
-        head[_LIMIT], head[_GUARD] = limit, guard
-        head[_CAME] = head[_TAKEN] = head[_REFUSED] = 0
+        head[_UNTIL] = int(until * NANOSECONDS)
+        head[_PATIENCE] = int(patience * NANOSECONDS)
+        head[_LIMIT] = limit
+        head[_GUARD] = guard
+        head[_CAME] = 0
+        head[_TAKEN] = 0
         if stepper.part is not self._part:
             self._part = stepper.part
             head[_FUNCTION], head[_STATE], head[_CONSTANTS] = self._part.addresses()
-        self._name_senders()
+        self._name_publishers()
         why = guarded((self._part,), lambda: self._call())
-        if head[_REFUSED]:
-            for refused, reader in zip(self._inputs["refused"], self._readers, strict=True):
-                reader.speaker.refused += int(refused)
-            self._inputs["refused"] = 0
         if why == ODD:
             self._judge(head[_ODD])
         elif why in (FAILED, NOT_FINITE):
@@ -297,27 +245,30 @@ class OrdinarySteps:
         """Time of its last answer, on the monotonic clock [s]."""
         return self._words[_SPOKE] / NANOSECONDS
 
-    def _name_senders(self) -> None:
+    def _name_publishers(self) -> None:
         """Give the loop the identities of the admitted publishers."""
-        admitted = [reader.speaker.admitted for reader in self._readers]
-        if admitted != self._admitted:
-            self._admitted = admitted
-            for senders, gid in zip(self._senders, admitted, strict=True):
-                senders[0] = np.frombuffer(gid or _NO_SENDER, np.int64)
-        if time.monotonic() >= self._forget_at:
-            self._forget_at = time.monotonic() + _FORGET_PERIOD
-            self._senders[:, 1:] = np.frombuffer(_NO_SENDER, np.int64)
+        gids = [reader.judge.admitted for reader in self._readers]
+        if gids != self._gids:
+            self._gids = gids
+            for row, gid in zip(self._admitted, gids, strict=True):
+                row[:] = np.frombuffer(gid or _NO_PUBLISHER, np.int64)
 
     def _judge(self, place: int) -> None:
-        """Let Python judge the message that was taken last.
-
-        For a while the loop refuses a sender that it refuses.
-        """
+        """Let Python judge the message that was taken last."""
         words = self._block.words
-        at, sender = int(self._head["message"][0]), int(self._head["info"][0]) + GID
-        message = ctypes.string_at(int(words[at]), int(words[at + 1]))
-        gid = words[sender : sender + 2].tobytes()
-        if not self._readers[place].judge(message, {"publisher_gid": {"data": gid}}):
-            others = self._senders[place, 1:]
-            others[:] = np.roll(others, 1, axis=0)
-            others[0] = np.frombuffer(gid, np.int64)
+        message_at = int(self._head["message"][0])
+        gid_at = int(self._head["info"][0]) + GID
+        message = ctypes.string_at(int(words[message_at]), int(words[message_at + 1]))
+        gid = words[gid_at : gid_at + 2].tobytes()
+        self._readers[place].receive_from(gid, message)
+
+
+def _mark_unsigned(row: Any, runs: Sequence[Any]) -> None:
+    """Note the places of the frame that hold commands of a topic which are never negative."""
+    places: set[int] = set()
+    for run in runs:
+        places.update(range(run.place, run.place + run.length))
+    unsigned = sorted(places & frame.UNSIGNED_COMMANDS)
+    if unsigned:
+        row["unsigned"] = unsigned[0]
+        row["signed"] = unsigned[-1] + 1

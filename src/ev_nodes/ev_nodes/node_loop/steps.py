@@ -27,11 +27,11 @@ from ev_core.lockstep.inbox import (
     row_of,
     row_of_answer,
 )
-from ev_core.lockstep.tally import BLOCK, add_up_step
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.frame import SIZE, TIME
 from ev_msgs_py.contract.stamps import NANOSECONDS
 from ev_msgs_py.wire import STAMP_AT
+from ev_nodes.rcl.taking import GID
 
 
 class Memory(NamedTuple):
@@ -50,8 +50,7 @@ class Memory(NamedTuple):
 class Work(NamedTuple):
     """Memory that one loop works on; `steps` and `frames` are those of the node's inbox.
 
-    The first of the `senders` (inputs, n, 2) of an input is admitted, and the others are known to
-    be refused.
+    `admitted` (inputs, 2) is the identity of the publisher whose messages an input takes.
     """
 
     head: Any
@@ -59,10 +58,9 @@ class Work(NamedTuple):
     inputs: Any
     outputs: Any
     runs: Any
-    senders: Any
+    admitted: Any
     frames: Any
     memory: Memory
-    tally: Any
 
 
 def integers(*names: str) -> list[Any]:
@@ -134,12 +132,9 @@ def write_message(memory: Any, topic: Any, runs: Any, stamp: int, numbers: Any) 
 # Why the loop has ended: nothing came in time; a message is for Python to judge; the last step that
 # may be taken was taken; the part has failed, or has written what is not finite.
 IDLE, ODD, LIMIT, FAILED, NOT_FINITE = range(5)
-_NOTHING, _KEPT, _REFUSED = range(-3, 0)  # what else can become of a message
+_NOTHING, _KEPT = range(-2, 0)  # what else can become of a message
 
 _AT_ONCE = 100  # messages of one input that are taken between two looks at the others
-
-# word of the information on a message at which the identity of its publisher begins, two words long
-GID = 5
 
 
 @compilable
@@ -186,18 +181,13 @@ def _last_of(inputs: Any, lacking: int) -> Any:
 def _take(work: Work, i: int) -> int:
     """Take the next message of an input, and keep its numbers if it is an ordinary one."""
     head, steps, memory = work.head, work.steps, work.memory
-    one, senders = work.inputs[i], work.senders[i]
+    one, admitted = work.inputs[i], work.admitted[i]
     here = memory.words.ctypes.data
     if call(head.rcl_take, one.subscription, here + 8 * head.message, here + 8 * head.info, 0) != 0:
         return _NOTHING
-    # The publisher first: a stranger's message is not looked at.
+    # The publisher first: a foreign message is not looked at.
     low, high = memory.words[head.info + GID], memory.words[head.info + GID + 1]
-    if low != senders[0, 0] or high != senders[0, 1]:
-        for k in range(1, len(senders)):
-            if low == senders[k, 0] and high == senders[k, 1]:
-                one.refused += 1
-                head.refused = 1
-                return _REFUSED
+    if low != admitted[0] or high != admitted[1]:
         return ODD
     buffer, length = memory.words[head.message], memory.words[head.message + 1]
     if length != one.length:
@@ -228,8 +218,6 @@ def _step(work: Work) -> int:
     for n in range(head.begin, head.end):
         if frames[output, n] - frames[output, n] != 0.0:
             return NOT_FINITE
-    if head.tallied:
-        add_up_step(work.tally, number, frames[row], frames[output])
     steps.done[LAST] = due
     note_answer(steps, answered)
     head.taken += 1
@@ -275,10 +263,10 @@ def _wall_clock(head: Any, memory: Any) -> int:
 
 LOOP = np.dtype(
     [
-        *integers("topics", "publishers", "runs", "senders", "size"),  # how many there are
+        *integers("topics", "publishers", "runs", "size"),  # how many there are
         *integers("inputs", "heralds", "followed", "period", "lead", "may_skip"),  # as in `Steps`
         *integers("limit", "until", "patience"),  # a stamp, and times [ns]
-        *integers("came", "refused"),  # 1 if a message was kept, 1 if one was refused
+        *integers("came"),  # 1 if a message was kept
         *integers("taken", "spoke", "odd"),  # steps, when the last answer was given, an input
         *integers("function", "state", "constants", "begin", "end"),  # of the part
         *integers("rcl_take", "rcl_publish", "rcl_count"),  # addresses
@@ -286,10 +274,9 @@ LOOP = np.dtype(
         *integers("clock_gettime", "memcpy", "wait_set", "guard"),
         *integers("message", "info", "clock", "count"),  # words that these functions fill in
         *integers("heard"),  # byte of the memory to which the message is copied
-        *integers("tallied"),  # 1 if inputs and outputs are added up
     ]
 )
-INPUT = np.dtype([*TOPIC, *integers("subscription", "refused")])
+INPUT = np.dtype([*TOPIC, *integers("subscription")])
 OUTPUT = np.dtype([*TOPIC, *integers("publisher", "message")])
 
 _TEXT = f'''"""The ordinary steps of nodes: generated, do not edit."""
@@ -300,8 +287,8 @@ from numba import carray, cfunc, types
 P = types.voidptr
 
 
-@cfunc(types.int32(P, P, P, P, P, P, P, P, P), error_model="numpy")
-def step(head, steps, inputs, outputs, runs, senders, frames, block, tally):
+@cfunc(types.int32(P, P, P, P, P, P, P, P), error_model="numpy")
+def step(head, steps, inputs, outputs, runs, admitted, frames, block):
     h = carray(head, 1, LOOP)[0]
     s = carray(steps, {3 + 2 * ROWS}, np.int64)
     memory = Memory(
@@ -320,10 +307,9 @@ def step(head, steps, inputs, outputs, runs, senders, frames, block, tally):
             carray(inputs, h.topics, INPUT),
             carray(outputs, h.publishers, OUTPUT),
             carray(runs, h.runs, RUN),
-            carray(senders, (h.topics, h.senders, 2), np.int64),
+            carray(admitted, (h.topics, 2), np.int64),
             carray(frames, ({ROWS + 2}, {SIZE}), np.float64),
             memory,
-            carray(tally, {BLOCK}, np.int64),
         )
     )
 '''

@@ -73,9 +73,7 @@ class Health:
             "late answers": self.late_answers,
             "repeats": node.reception.arrivals[Arrival.REPEATED],
             "refused messages": node.reception.refused,
-            "messages of strangers": sum(
-                reader.speaker.refused for reader in node.readers.values()
-            ),
+            "foreign messages": sum(reader.judge.refused for reader in node.readers.values()),
         }
         torques = {WheelTorqueRequest, WheelTorqueCommand}
         if torques <= {*node.stepper.reads, *node.writers} and node.stepper.answer:

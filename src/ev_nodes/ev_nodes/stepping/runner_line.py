@@ -15,9 +15,9 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-# Variable of the environment: file descriptor, process of the runner, key of the sums.
+# Variable of the environment: file descriptor, process of the runner.
 RUNNER_LINE = "EV_STACK_RUNNER_LINE"
-PROGRESS, WAITS, WARNING, NOTE, REMARK, TIME_SERVICE, TIMING, TALLY = WORD_KINDS = (
+PROGRESS, WAITS, WARNING, NOTE, REMARK, TIME_SERVICE, TIMING = WORD_KINDS = (
     "progress",  # of the recorder: `values` has the stamp up to which the run is held [ns]
     "waits",  # `values` has the roles that a node waits for, and why, as far as it knows
     "warning",  # why the run may not be reproducible
@@ -25,7 +25,6 @@ PROGRESS, WAITS, WARNING, NOTE, REMARK, TIME_SERVICE, TIMING, TALLY = WORD_KINDS
     "remark",  # what a part notes of the run
     "time",  # what a service has done to time
     "timing",  # how well real time was kept
-    "tally",  # the sums of inputs and outputs
 )
 _NEWEST_COUNTS = (PROGRESS, WAITS)  # of these kinds a word that waits is replaced by the next one
 _PATIENCE, _A_MOMENT = 1.0, 0.002  # s, for the last words to find room
@@ -65,13 +64,10 @@ class Word:
 
 
 class RunnerLine:
-    """A node's end of the line, if a runner has started it.
-
-    Without one there is no line, and `key` is empty.
-    """
+    """A node's end of the line, if a runner has started it; without one there is no line."""
 
     def __init__(self) -> None:
-        self._socket, self.key = _inherited()
+        self._socket = _inherited()
         self._waiting: dict[object, bytes] = {}
 
     def tell(self, word: Word) -> None:
@@ -110,20 +106,19 @@ class RunnerLine:
         self._socket = None
 
 
-def _inherited() -> tuple[socket.socket | None, bytes]:
-    """The socket that the environment names, if the runner has made its other end, and the key."""
-    number, _, rest = os.environ.get(RUNNER_LINE, "").partition(" ")
-    runner, _, key = rest.partition(" ")
+def _inherited() -> socket.socket | None:
+    """The socket that the environment names, if the runner has made its other end."""
+    number, _, runner = os.environ.get(RUNNER_LINE, "").partition(" ")
     try:
         line = socket.socket(fileno=os.dup(int(number)))
     except (ValueError, OSError):
-        return None, b""
+        return None
     if line.family == socket.AF_UNIX and line.type == socket.SOCK_SEQPACKET:
         peer = line.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, 4)
         if str(int.from_bytes(peer, "little")) == runner:  # it has made both ends
-            return line, bytes.fromhex(key)
+            return line
     line.close()
-    return None, b""
+    return None
 
 
 class ListeningEnd:
@@ -133,9 +128,10 @@ class ListeningEnd:
         self._ours, self.theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._ours.setblocking(False)
 
-    def address(self, key: bytes) -> str:
+    @property
+    def address(self) -> str:
         """Value of RUNNER_LINE in the environment of the node."""
-        return f"{self.theirs.fileno()} {os.getpid()} {key.hex()}"
+        return f"{self.theirs.fileno()} {os.getpid()}"
 
     def heard(self) -> list[bytes]:
         """The messages that have come since."""

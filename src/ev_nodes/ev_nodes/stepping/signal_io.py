@@ -2,14 +2,14 @@
 
 How it works: a topic of the graph belongs to one role. A message counts only if its publisher, by
 the identity that the middleware gives to it, belongs to the node of that role in our namespace. The
-look-up in the graph is slow, so that the identity which was admitted is remembered, and a refused
-one is looked up again only after a while.
+look-up in the graph is slow, so the identity that was admitted is remembered, and one that was
+refused is looked up again only after a while.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import partial
 from typing import Any, Protocol, TypeAlias
 
@@ -24,121 +24,128 @@ from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import RECORDER
 from ev_msgs_py.contract.topics import QUEUE_DEPTH, Topic
 from ev_msgs_py.wire import format_of
-from ev_nodes.node_loop.ordinary_steps import End
-from ev_nodes.stepping.taking import taker_of
+from ev_nodes.rcl.taking import End, taker_of
 
 NAMELESS = "_UNKNOWN_"  # in the names that the middleware gives to nodes that it cannot name yet
 QUALITY = QoSProfile(depth=QUEUE_DEPTH)  # reliable, volatile, keep last
-HELD = (
-    20 * QUEUE_DEPTH
-)  # messages, until they are taken; those of strangers shall not displace the others
-_HEARD = QoSProfile(depth=HELD)
-_SOON, _LATER = (
-    0.01,
-    0.2,
-)  # s of wall time between looks into the graph for a sender: not known yet, refused
-_KEPT = 100  # senders that are remembered with the time of their next look-up
+# Messages that are held until they are taken; foreign ones shall not displace the others.
+HELD = 20 * QUEUE_DEPTH
+_RECEIVED = QoSProfile(depth=HELD)
+_SOON = 0.01  # s of wall time until a publisher whose node is not known yet is looked up again
+_LATER = 0.2  # the same of one that was refused
 _LONG = 3.0  # s for the graph to name the node of a publisher
-_NO_IDENTITY = {"data": b""}
+_MOST = 100  # refused publishers that are remembered
 
 SubscriptionHandle: TypeAlias = rclpy_implementation.Subscription  # wrapped by rclpy's Subscription
-Refuse = Callable[[str, str], None]  # called with the node that is refused, and a line about it
-Succeeded = Callable[[bytes], None]
+
+
+def full_name(end: Any) -> str:
+    """Full name of the node of a publisher or subscription."""
+    return f"{end.node_namespace.rstrip('/')}/{end.node_name}"
+
+
+class Refusals(Protocol):
+    """Takes reports on publishers that are not admitted, as `Reports` does."""
+
+    def note(self, what: str, text: str) -> None:
+        """Report, once of each `what`, a thing that changes no number."""
+
+    def warn(self, text: str) -> None:
+        """Report why the run may not be reproducible."""
 
 
 class Judge(Protocol):
     """Decides which publishers are admitted."""
 
-    def admits(self, info: Mapping[str, Any]) -> bool:
-        """Return whether a message with this information, as rclpy gives it, is taken."""
+    def admits(self, gid: bytes) -> bool:
+        """Return whether the messages of the publisher with this identity are taken."""
 
 
-class Speaker:
-    """Admits the messages of one publisher: of the node with this name, in the namespace of the node that listens.
+class OnePublisher:
+    """Admits the messages of one publisher: of the node with this name, in the namespace of the node that reads.
 
-    Messages of every other publisher on the topic are counted in `refused`, and `refuse` is called
-    when one is looked up. Two nodes with the allowed name cannot be distinguished: neither is
-    admitted, unless one has been already. When the admitted publisher leaves the graph, another
-    one, such as that of a restarted node, may take its place; `succeeded` is called with its
-    identity then.
+    Messages of every other publisher on the topic are counted in `refused`, and its node is
+    reported. Two nodes with the expected name cannot be told apart: neither is admitted, unless one
+    has been already, and the run may not be reproducible. When the admitted publisher leaves the
+    graph, another one, such as that of a restarted node, may take its place; `succeeded` is called
+    with its identity then.
     """
 
-    def __init__(
-        self,
-        node: Node,
-        topic: str,
-        name: str,
-        refuse: Refuse,
-        succeeded: Succeeded = lambda _: None,
-    ) -> None:
-        self._node, self._topic, self._refuse = node, node.resolve_topic_name(topic), refuse
-        self._allowed = f"{node.get_namespace().rstrip('/')}/{name}"
-        self.admitted: bytes | None = None
-        self.succeeded = succeeded
-        self._next_look: dict[
-            bytes, float
-        ] = {}  # when senders that are not admitted are looked up again
+    def __init__(self, node: Node, topic: str, name: str, refusals: Refusals) -> None:
+        self._node = node
+        self._topic = node.resolve_topic_name(topic)
+        self._expected = f"{node.get_namespace().rstrip('/')}/{name}"
+        self._refusals = refusals
+        self._next_look: dict[bytes, float] = {}
         self._nameless_since: float | None = None
+        self._has_twin = False
+        self.admitted: bytes | None = None
+        self.succeeded: Callable[[bytes], None] = lambda _: None
         self.refused = 0
 
-    def admits(self, info: Mapping[str, Any]) -> bool:
-        """Return whether a message with this information, as rclpy gives it, is of the admitted publisher."""
-        gid: bytes = (info.get("publisher_gid") or _NO_IDENTITY)["data"]
-        if gid == self.admitted and gid:
+    def admits(self, gid: bytes) -> bool:
+        """Return whether a message is of the admitted publisher.
+
+        The identity is empty if an executor of rclpy has taken the message.
+        """
+        if gid and gid == self.admitted:
             return True
         now = time.monotonic()
         if now >= self._next_look.get(gid, 0.0):
-            if len(self._next_look) >= _KEPT:
-                self._next_look.clear()
-            self._next_look[gid] = now + _SOON
-            if self._may_speak(gid):
-                before, self.admitted = self.admitted, gid
-                if before and gid and before != gid:  # an empty one is no other publisher
-                    self.succeeded(gid)
-            elif gid == self.admitted:
-                self.admitted = None
+            self._look_up(gid, now)
         if gid == self.admitted:
             return True
         self.refused += 1
         return False
 
-    def _may_speak(self, gid: bytes) -> bool:
-        """Return whether a publisher is the only one of its name.
+    def _look_up(self, gid: bytes, now: float) -> None:
+        """Admit a publisher if it is the only one of its name, else report it."""
+        if len(self._next_look) >= _MOST:
+            self._next_look.clear()
+        self._next_look[gid] = now + _SOON
+        ends = self._node.get_publishers_info_by_topic(self._topic)
+        names = {bytes(end.endpoint_gid): full_name(end) for end in ends}
+        ours = [each for each, name in names.items() if name == self._expected]
+        # Without an identity a message may be of any publisher of the topic.
+        alone = ours == [gid] if gid else len(names) == len(ours) == 1
+        if alone:
+            before, self.admitted = self.admitted, gid
+            self._nameless_since = None
+            if before and gid and before != gid:
+                self.succeeded(gid)
+            return
+        if self.admitted == gid:
+            self.admitted = None
+        if len(ours) > 1:
+            self._report_twin(len(ours))
+        senders = [names.get(gid, NAMELESS)] if gid else names.values()
+        for name in senders:
+            if name != self._expected:
+                self._report_foreign(gid, name, now)
 
-        As long as its node is not known, it is not. Where the sender of a message is not known (an
-        empty `gid`: in executors of rclpy), it is believed as long as the topic has no other
-        publisher.
-        """
-        there = {
-            bytes(end.endpoint_gid): f"{end.node_namespace.rstrip('/')}/{end.node_name}"
-            for end in self._node.get_publishers_info_by_topic(self._topic)
-        }
-        if gid:
-            self._note_nameless(there.get(gid, NAMELESS))
-        allowed = [other for other, name in there.items() if name == self._allowed]
-        for other, name in there.items():
-            if name != self._allowed and NAMELESS not in name and (not gid or other == gid):
-                self._next_look[gid] = time.monotonic() + _LATER
-                self._refuse(name, f"{name} is refused: {self._topic} is for {self._allowed} alone")
-        if len(allowed) > 1 and self.admitted not in allowed:
-            self._refuse(
-                self._allowed,
-                f"{self._allowed} is refused: {len(allowed)} nodes of this name on {self._topic}",
+    def _report_twin(self, count: int) -> None:
+        """Report that several nodes have the expected name: numbers of the other may have counted."""
+        if not self._has_twin:
+            self._has_twin = True
+            self._refusals.warn(
+                f"{count} nodes {self._expected} publish {self._topic}, expected one: "
+                "the run may not be reproducible"
             )
-        return allowed == [gid] if gid else len(there) == len(allowed) == 1
 
-    def _note_nameless(self, name: str) -> None:
-        """Report a sender on the topic if the graph has not been able to name its node for a long time."""
+    def _report_foreign(self, gid: bytes, name: str, now: float) -> None:
+        """Report another node on the topic, or one that the graph has not named for long."""
         if NAMELESS not in name:
             self._nameless_since = None
-            return
-        now = time.monotonic()
-        if self._nameless_since is None:
+            self._next_look[gid] = now + _LATER
+            self._refusals.note(
+                name, f"{name} is refused: {self._topic} is for {self._expected} alone"
+            )
+        elif self._nameless_since is None:
             self._nameless_since = now
         elif now - self._nameless_since > _LONG:
-            self._refuse(
+            self._refusals.note(
                 NAMELESS,
-                f"a sender on {self._topic} is not admitted: the graph does not name its node",
+                f"a publisher of {self._topic} is refused: the graph does not name its node",
             )
 
 
@@ -150,7 +157,8 @@ class SignalWriter:
         self.publisher: Publisher = node.create_publisher(
             format_.message_class, topic.name, QUALITY
         )
-        self._format, self._pack = format_, format_.pack
+        self._format = format_
+        self._pack = format_.pack
         self._publish = self.publisher.handle.publish_raw
         self._readers = self.publisher.handle.get_subscription_count
 
@@ -179,12 +187,12 @@ class PolledGroup(MutuallyExclusiveCallbackGroup):
 
 
 class Reader:
-    """Receives a topic from its admitted publisher, from any publisher without a `speaker`.
+    """Receives a topic from its admitted publisher, from any publisher without a `judge`.
 
     Serialized messages go to `receive` if an executor takes them, else to the caller of `take`.
     """
 
-    quality = _HEARD  # a subclass may receive by another one
+    quality = _RECEIVED  # a subclass may receive by another one
 
     def __init__(
         self,
@@ -192,10 +200,10 @@ class Reader:
         message_class: type,
         name: str,
         receive: Callable[[bytes], None],
-        speaker: Judge | None,
+        judge: Judge | None,
     ) -> None:
         self.receive = receive
-        self.speaker = speaker
+        self.judge = judge
         self._subscription = node.create_subscription(
             message_class,
             name,
@@ -209,55 +217,43 @@ class Reader:
         self.close = partial(node.destroy_subscription, self._subscription)
 
     def take(self, patience: int = QUEUE_DEPTH) -> bytes | None:
-        """The next message that is admitted, None if there is none, or none among so many of a stranger."""
+        """The next message that is admitted, None if there is none, or none among so many foreign ones."""
         taken = self.take_with_time(patience)
         return None if taken is None else taken[0]
 
     def take_with_time(self, patience: int = QUEUE_DEPTH) -> tuple[bytes, int] | None:
         """Take the next message, with the wall time at which the middleware received it [ns]."""
-        for _ in range(
-            patience
-        ):  # a sender that is faster than it is refused shall not keep the node from all else
+        # A publisher that is faster than it is refused shall not keep the node from all else.
+        for _ in range(patience):
             taken = self._take()
             if taken is None:
                 return None
-            message, info = taken
-            if self.speaker is None or self.speaker.admits(info):
-                return message, info[
-                    "received_timestamp"
-                ] or time.time_ns()  # 0: the middleware does not know
+            if self.judge is None or self.judge.admits(taken.gid):
+                return taken.message, taken.received or time.time_ns()
         return None
 
-    def judge(self, message: bytes, info: Mapping[str, Any]) -> bool:
-        """Receive a message if the publisher that the information names is admitted.
-
-        False if it is not.
-        """
-        admitted = self.speaker is None or self.speaker.admits(info)
-        if admitted:
+    def receive_from(self, gid: bytes, message: bytes) -> None:
+        """Receive a message if the publisher with this identity is admitted."""
+        if self.judge is None or self.judge.admits(gid):
             self.receive(message)
-        return admitted
 
     def _receive_from_executor(self, message: bytes) -> None:
-        """Receive a message without its sender, which not every executor passes on."""
-        self.judge(message, {})
+        """Receive a message without its publisher, which not every executor passes on."""
+        self.receive_from(b"", message)
 
 
 class SignalReader(Reader):
-    """Receives a signal from the node of the role that writes it.
+    """Receives a signal from the node of the role that writes it; `refusals` is given other publishers of it."""
 
-    `refuse` is called for others that publish it. `succeeded` of its speaker is called when that
-    node has been started again.
-    """
-
-    speaker: Speaker
+    judge: OnePublisher
 
     def __init__(
-        self, node: Node, topic: Topic, receive: Callable[[bytes], None], refuse: Refuse
+        self, node: Node, topic: Topic, receive: Callable[[bytes], None], refusals: Refusals
     ) -> None:
-        speaker = Speaker(node, topic.name, WRITERS.get(topic.signal, RECORDER), refuse)
+        writer = WRITERS.get(topic.signal, RECORDER)
+        judge = OnePublisher(node, topic.name, writer, refusals)
         self._format = format_of(topic.signal)
-        super().__init__(node, self._format.message_class, topic.name, receive, speaker)
+        super().__init__(node, self._format.message_class, topic.name, receive, judge)
 
     @property
     def end(self) -> End:

@@ -10,6 +10,8 @@ import ctypes
 import os
 from collections.abc import Callable, Iterable, Iterator
 from functools import cached_property
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -25,11 +27,11 @@ from ev_core.methods.part import Part
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER, RECORDER, ROLES
 from ev_msgs_py.contract.topics import TOPICS, Topic
-from ev_nodes.node_loop.ordinary_steps import End, OrdinarySteps, can_be_taken, keep_code
+from ev_nodes.rcl.taking import End
 from ev_nodes.stepping import ros_parameters
 from ev_nodes.stepping.reception import Reception
 from ev_nodes.stepping.reports import Health, Reports
-from ev_nodes.stepping.runner_line import TALLY, Waiting, Word
+from ev_nodes.stepping.runner_line import Waiting
 from ev_nodes.stepping.signal_io import SignalReader, SignalWriter, SubscriptionHandle
 from ev_nodes.stepping.spinning import Spinnable
 
@@ -57,25 +59,22 @@ class SteppedNode(Spinnable, Node):
         self.polling_place = _POLLING_ORDER.index(role)
         self.reports = Reports(self, role)
         ros_parameters.follow(self, configuration.entries(), self._take_over)
-        if not self.realtime:
-            keep_code()
+        if not self.realtime and (loop := node_loop()):
+            loop.keep_code()
         self.stepper = Stepper(
             configuration.method,
             lambda: self.new_part(self.configuration),
             configuration.period,
             self.realtime,
-            self.reports.runner.key,
         )
         self.reception = Reception(self.stepper, self.reports, self.publish)
         writes = sorted(configuration.method.writes, key=arrival_place)
         self.writers = {signal: SignalWriter(self, TOPICS[signal]) for signal in writes}
         self.readers: dict[type, SignalReader] = {}
         for signal in self.also_reads(self.stepper.reads):
-            reader = SignalReader(
-                self, TOPICS[signal], self.receiver(TOPICS[signal]), self.reports.note
-            )
+            reader = SignalReader(self, TOPICS[signal], self.receiver(TOPICS[signal]), self.reports)
             if WRITERS.get(signal) == MASTER:
-                reader.speaker.succeeded = self.reception.note_new_master
+                reader.judge.succeeded = self.reception.note_new_master
             self.readers[signal] = reader
         self.health = Health(self)
         self._waiting = Waiting(self.reports.runner)
@@ -156,16 +155,9 @@ class SteppedNode(Spinnable, Node):
         return [ignored[signal] for signal in missing if signal in ignored]
 
     def close(self) -> None:
-        """Report the notes of the part on its last steps, and the sums of inputs and outputs where they are added."""
-        stepper = self.stepper
-        if stepper.answer is not None:
-            self.reports.pass_on(stepper.part)
-            if stepper.tally is not None:
-                last = -stepper.period if stepper.inbox.last is None else stepper.inbox.last
-                newest = stepper.tally.newest(
-                    last // stepper.period, stepper.answer.stamp // stepper.period
-                )
-                self.reports.runner.tell(Word(TALLY, values=newest))
+        """Report the notes of the part on its last steps."""
+        if self.stepper.answer is not None:
+            self.reports.pass_on(self.stepper.part)
         self.reports.runner.close()
 
     def wanted(self) -> tuple[type, ...]:
@@ -213,8 +205,10 @@ class SteppedNode(Spinnable, Node):
         return came
 
     @cached_property
-    def _ordinary(self) -> OrdinarySteps | None:
-        return OrdinarySteps(self, self.ends()) if can_be_taken() else None
+    def _ordinary(self) -> Any:
+        """The compiled loop of this node, None without it: then it takes all steps in Python."""
+        loop = node_loop()
+        return loop.OrdinarySteps(self, self.ends()) if loop and loop.can_be_taken() else None
 
     def free_until(self) -> int:
         """The last stamp up to which the messages alone decide when a step is taken.
@@ -249,6 +243,13 @@ class SteppedNode(Spinnable, Node):
     def wake_up_within(self) -> float:
         """Seconds after which the node wants to be polled though no message has come."""
         return _LOOK_PERIOD
+
+
+def node_loop() -> Any:
+    """The compiled loop of nodes, None if its room is left out: it makes steps faster and changes no number."""
+    if find_spec("ev_nodes.node_loop") is None:
+        return None
+    return import_module("ev_nodes.node_loop.ordinary_steps")
 
 
 def ask_for(p: CommonParameters) -> Iterator[str]:

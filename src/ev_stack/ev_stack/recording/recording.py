@@ -19,6 +19,7 @@ import numpy as np
 from ev_core.parameters.data_file import TIME, RecordingError, read_arrays
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.topics import Topic
+from ev_msgs_py.refusal import ParameterError
 
 
 @contextmanager
@@ -176,6 +177,16 @@ def load(path: Path | str) -> Recording:
         return Recording(channels.pop(TIME), channels)
     except (KeyError, ValueError) as error:
         raise RecordingError(f"{path} holds no signals: {error}") from None
+
+
+def refuse_unfinished(bag: Path) -> None:
+    """ParameterError for the folder of a bag that was not closed: its storage file has no index."""
+    files = sorted(bag.glob("*.mcap")) if bag.is_dir() else []
+    if files and not (bag / "metadata.yaml").exists():
+        raise ParameterError(
+            f"{bag}: the bag has no metadata.yaml, as its recorder was killed: "
+            f"`mcap recover {files[0].name} -o WHOLE.mcap` makes a file that can be read"
+        )
 
 
 def signal_hash(recording: Recording) -> str:

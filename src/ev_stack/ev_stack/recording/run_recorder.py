@@ -19,7 +19,7 @@ from ev_msgs_py.refusal import ParameterError, quoted
 from ev_msgs_py.wire import MessageError, stamp_of
 from ev_nodes.master.real_time import LONGEST
 from ev_nodes.stepping.stop_request import StopRequest
-from ev_stack.recording.durable_bag import DurableBag
+from ev_stack.recording.bag_writer import BagWriter
 from ev_stack.recording.recording import BAG, SIGNALS, Recording, free_path, write_signals
 from ev_stack.recording.shown import Shown, ViewsInBag
 from ev_stack.recording.spool import BLOCK, MessageTable, Spool, SpooledTopic
@@ -127,7 +127,7 @@ class RunRecorder:
         self.asked = False  # whether the master has repeated itself: it may wait for the recorder
 
     def _begin_bag(self) -> None:
-        self._bag = DurableBag(self._directory) if self._directory is not None else None
+        self._bag = BagWriter(self._directory) if self._directory is not None else None
         self._handles = [
             self._bag.add_topic(name, topic.message_type, depth=QUEUE_DEPTH)
             if self._bag is not None
@@ -274,10 +274,10 @@ class RunRecorder:
             if not kept.count
         ]
 
-    def checkpoint(self) -> None:
+    def flush(self) -> None:
         """Bring what was written so far to the disk, for times when no message comes."""
         if self._bag is not None:
-            self._bag.checkpoint_where_due()
+            self._bag.flush_where_due()
 
     @property
     def is_complete(self) -> bool:
@@ -326,7 +326,7 @@ def write_bag(
     """
     with (
         StopRequest(patient=True) as stop,
-        DurableBag(bag, checkpoint_period=float("inf")) as written,
+        BagWriter(bag, flush_period=float("inf")) as written,
     ):
         handles = [
             written.add_topic(name, topic.message_type, depth=QUEUE_DEPTH)

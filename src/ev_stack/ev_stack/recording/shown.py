@@ -11,7 +11,7 @@ from rosbags.interfaces import Connection
 
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.topics import Topic
-from ev_stack.recording.durable_bag import DurableBag
+from ev_stack.recording.bag_writer import BagWriter
 from ev_stack.recording.recording import Recording, recording_of
 
 # A wheel turns by less than half a turn between two up to 157 rad/s: viewers turn it the right way
@@ -60,7 +60,7 @@ class Shown(Protocol):
 class ViewsInBag:
     """Writes what is shown of a run with this step [ns] into a bag, at instants `VIEW_PERIOD` apart."""
 
-    def __init__(self, bag: DurableBag, shown: Shown, topics: Sequence[Topic], period: int) -> None:
+    def __init__(self, bag: BagWriter, shown: Shown, topics: Sequence[Topic], period: int) -> None:
         self._bag, self._shown, self._topics, self._period = bag, shown, topics, period
         self._every = max(round(VIEW_PERIOD / stamps.to_seconds(period)), 1)
         self._handles: dict[View, Connection] = {}

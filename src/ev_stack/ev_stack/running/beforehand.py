@@ -21,7 +21,6 @@ from ev_core.compiled.loop import LOOPS
 from ev_core.compiling.code_store import can_be_kept, kept_code
 from ev_core.compiling.machine_code import Code, counted_by_others
 from ev_core.compiling.user_cache import cache_folder
-from ev_core.lockstep import tally
 from ev_core.lockstep.configuration import Configuration
 from ev_core.methods.method_record import Method
 from ev_core.vehicle.description import Vehicle
@@ -179,8 +178,7 @@ def stepping(in_nodes: bool) -> list[Unit]:
         return []
     if not in_nodes:
         return [*map(unit_of_code, LOOPS)]
-    from ev_nodes.node_loop import steps
-    from ev_nodes.node_loop.ordinary_steps import is_switched_on
+    from ev_nodes.stepping.stepped_node import node_loop
 
-    loop = [steps.CODE] if is_switched_on() else []
-    return [*map(unit_of_code, (*loop, tally.ANY_STEP, tally.NEWEST_STEP))]
+    loop = node_loop()
+    return [unit_of_code(loop.steps.CODE)] if loop and loop.is_switched_on() else []

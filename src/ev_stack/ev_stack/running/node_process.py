@@ -107,7 +107,7 @@ def _started(
     arguments = ["--ros-args", NO_LOG_FILE, "-r", f"__ns:={run.namespace}"]
     arguments += ["--params-file", str(place.directory / PARAMETERS)]
     arguments += [*_said_by_us(name, run, place.directory), *enclave(name, run.namespace)]
-    line, inherited = reports.line(name, ours and not run.realtime)
+    line, inherited = reports.line(name)
     with log.open("wb") as output:
         try:
             with same_addresses():

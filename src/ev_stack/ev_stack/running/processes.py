@@ -278,7 +278,7 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
     ):
         try:
             for name, values in place.parameters.items():
-                with _line(reports, name, not run.realtime):
+                with _line(reports, name):
                     nodes.append(_node(name, run.namespace, values, observer.context))
             ending = [node for node in nodes if node.get_name() in (MASTER, RECORDER)]
             next_look = 0.0
@@ -308,9 +308,9 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
 
 
 @contextmanager
-def _line(reports: NodeReports, node: str, adds_up: bool) -> Iterator[None]:
+def _line(reports: NodeReports, node: str) -> Iterator[None]:
     """What is made in the block finds the line of a node in the environment, as a process would."""
-    os.environ[RUNNER_LINE], _ = reports.line(node, adds_up)
+    os.environ[RUNNER_LINE], _ = reports.line(node)
     try:
         yield
     finally:

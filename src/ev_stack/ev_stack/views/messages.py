@@ -19,7 +19,7 @@ from rosbags.typesys.store import Nodetype
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-from ev_stack.recording.durable_bag import ros_types
+from ev_stack.recording.bag_writer import ros_types
 from ev_stack.recording.recording import Recording
 from ev_stack.recording.shown import Message, View
 from ev_stack.recording.spool import put, put_stamps

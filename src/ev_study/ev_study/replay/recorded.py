@@ -25,7 +25,7 @@ from ev_msgs_py.refusal import ParameterError, first_line
 from ev_msgs_py.wire import MessageError, stamp_of
 from ev_stack.recording import recording
 from ev_stack.recording.outcome import RunFailed
-from ev_stack.recording.recording import Recording, load, recording_of
+from ev_stack.recording.recording import Recording, load, recording_of, refuse_unfinished
 from ev_stack.recording.spool import MessageTable
 from ev_stack.scenarios.about import NAMESPACE
 from ev_stack.scenarios.parameter_file import ParameterFile
@@ -309,6 +309,8 @@ def _found(path: Path) -> tuple[Path, Path]:
         return path, path.parent
     if not path.exists():
         raise ParameterError(f"{path}: no such bag")
+    refuse_unfinished(path)
+    refuse_unfinished(path / recording.BAG)
     raise ParameterError(
         f"{path} is no recorded run: neither a bag (metadata.yaml, .mcap, .db3) nor signals.npz"
     )

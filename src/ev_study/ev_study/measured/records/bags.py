@@ -15,6 +15,7 @@ import numpy as np
 
 from ev_core.parameters.data_file import MEGABYTE, SIGNALS, open_data
 from ev_msgs_py.refusal import ParameterError, first_line, quoted, unknown_name
+from ev_stack.recording.recording import refuse_unfinished
 from ev_study.measured.records.record import (
     LATERAL,
     LATERAL_ACCELERATION,
@@ -160,6 +161,7 @@ def _opened(bag: Path) -> Iterator[AnyReader]:
     from rosbags.highlevel import AnyReader
     from rosbags.typesys import Stores, get_typestore
 
+    refuse_unfinished(bag)
     try:
         for file in (
             (each for each in bag.iterdir() if not each.is_dir()) if bag.is_dir() else [bag]

@@ -1,0 +1,1 @@
+"""What is done below rclpy, in the C library of ROS."""
