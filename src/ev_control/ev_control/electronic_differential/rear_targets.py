@@ -337,16 +337,12 @@ def wheel_speed(
     wanted = s.held if p.mean == KeptMean.SPEED else mean
     turned = wanted * car.rear_track * tan(seen.column.road_wheel_angle) / (2.0 * car.wheelbase)
     error = turned - (right - left) / 2.0
-    s.difference = limited(s.difference + p.integral_gain * period * error, limit)
-    s.mean = limited(s.mean + p.integral_gain * period * (wanted - mean), limit)
-    half = limited(p.proportional_gain * error + s.difference, limit)
-    both = limited(p.proportional_gain * (wanted - mean) + s.mean, limit)
+    difference = s.difference + p.integral_gain * period * error
+    s.difference = min(max(difference, -limit), limit)
+    average = s.mean + p.integral_gain * period * (wanted - mean)
+    s.mean = min(max(average, -limit), limit)
+    half = min(max(p.proportional_gain * error + s.difference, -limit), limit)
+    both = min(max(p.proportional_gain * (wanted - mean) + s.mean, -limit), limit)
     return WheelTorqueRequest(
         Wheels(0.0, 0.0, share + both - half, share + both + half), equal.brake
     )
-
-
-@compilable
-def limited(value: float, limit: float) -> float:
-    """A value within +-limit."""
-    return min(max(value, -limit), limit)

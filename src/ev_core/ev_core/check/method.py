@@ -49,8 +49,7 @@ def check_method(
     unless `whole` is false, for values that leave some out.
     """
     configuration = configure(role, {"method": name, **(values or {})})
-    for each in values or {}:
-        refuse_unused(each, [configuration])
+    refuse_unused(values or {}, [configuration])
     return check_configuration(
         configuration, seeds=seeds, steps=steps, inputs=inputs, mirrored=mirrored, whole=whole
     )

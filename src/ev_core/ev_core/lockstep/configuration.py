@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
@@ -215,27 +215,28 @@ def _refuse_unknown(configuration: Configuration, unused: Mapping[str, Any]) -> 
         raise unknown_name(f"parameter of {role}", name, own)
 
 
-def refuse_unused(name: str, configurations: Collection[Configuration]) -> None:
-    """ParameterError if the methods chosen for a role lack a parameter; it names the methods that have it."""
-    if not all(name in each.unused for each in configurations):
-        return
+def refuse_unused(names: Iterable[str], configurations: Collection[Configuration]) -> None:
+    """ParameterError for a parameter that no method chosen for a role has; it names those with it."""
+    for name in names:
+        if all(name in each.unused for each in configurations):
+            raise _unused(name, configurations)
+
+
+def _unused(name: str, configurations: Collection[Configuration]) -> ParameterError:
     role = next(each.role for each in configurations)
     alike: set[str] = set()
     for each in configurations:
         alike |= {known for known in each.values() if _ends_alike(known, name)}
-    having = [
-        each.name
-        for each in methods_of(role).values()
-        if name in entries_by_name(each.parameters)
-        or name in entries_by_name(sensors_for(each.may_write), _SENSORS)
-    ]
+    having = []
+    for method in methods_of(role).values():
+        of_sensors = entries_by_name(sensors_for(method.may_write), _SENSORS)
+        if name in entries_by_name(method.parameters) or name in of_sensors:
+            having.append(method.name)
     chosen = ", ".join(dict.fromkeys(each.method.name for each in configurations))
-    where = (
-        f"its name there is {' or '.join(sorted(alike))}"
-        if alike
-        else f"expected with {', '.join(having)}"
-    )
-    raise ParameterError(
+    where = f"expected with {', '.join(having)}"
+    if alike:
+        where = f"its name there is {' or '.join(sorted(alike))}"
+    return ParameterError(
         f"parameter {name} is refused: {role} method {chosen} does not have it, {where}", name
     )
 

@@ -101,34 +101,29 @@ def memory_type(of: type) -> np.dtype:
     `working_memory(layout)[0].name` means the same in Python and compiled; TypeError for a name
     that would not.
     """
-    layout = record_type(of())
-    _refuse_attributes(of.__name__, layout)
-    return _with_attributes(layout)
+    return _with_attributes(of.__name__, record_type(of()))
 
 
-def _refuse_attributes(name: str, layout: np.dtype) -> None:
-    """TypeError for an entry with a name of numpy's records, which are such memory in plain Python."""
-    kind = layout.base
-    for each in kind.names or ():
+def _with_attributes(name: str, kind: np.dtype) -> np.dtype:
+    """The same layout of records that have their entries as attributes, as compiled ones do."""
+    if kind.subdtype is not None:
+        inner, shape = kind.subdtype
+        return np.dtype((_with_attributes(name, inner), shape))
+    if kind.names is None:
+        return kind
+    entries = []
+    for each in kind.names:
         if hasattr(np.record, each):
             raise TypeError(
                 f"{name}.{each}: the name is one of numpy's own, expected another one: {each}_"
             )
-        _refuse_attributes(f"{name}.{each}", kind[each])
+        entries.append((each, _with_attributes(f"{name}.{each}", kind[each])))
+    return np.dtype((np.record, entries))
 
 
 def working_memory(layout: np.dtype) -> np.ndarray:
     """One record of zeros, shape (1,), until the function that asks for it returns; compiled it lies on the stack."""
     return np.zeros(1, layout)
-
-
-def _with_attributes(kind: np.dtype) -> np.dtype:
-    if kind.subdtype is not None:
-        inner, shape = kind.subdtype
-        return np.dtype((_with_attributes(inner), shape))
-    if kind.names is None:
-        return kind
-    return np.dtype((np.record, [(name, _with_attributes(kind[name])) for name in kind.names]))
 
 
 def _items(values: Any) -> Iterable[tuple[str, Any]]:

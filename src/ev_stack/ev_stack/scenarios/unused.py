@@ -27,7 +27,7 @@ def refuse_unused_values(values: Iterable[tuple[str, str, Any]], runs: Sequence[
             )
         if all(key in each.unused for each in played):
             try:
-                refuse_unused(key, [each for each in played if each.role == played[0].role])
+                refuse_unused([key], [each for each in played if each.role == played[0].role])
             except ParameterError as error:
                 raise ParameterError(f"{node}: {error}", key) from None
 

@@ -98,9 +98,7 @@ def check_laws(board: Board, laws: Sequence[str], added: Sequence[str]) -> None:
         run = run_of(board, cell, values_of(board, cell))
         for name in laws:
             for role, configuration in law_of(board, name, run).items():
-                for parameter in by_role(board.laws[name])[role]:
-                    if parameter != "method":
-                        refuse_unused(parameter, [configuration])
+                refuse_unused(by_role(board.laws[name])[role], [configuration])
                 if name in added:
                     _hold_against_contract(name, car, configuration)
 

@@ -37,6 +37,7 @@ from ev_stack.running.offline import write_parameter_file
 from ev_stack.scenarios.files import VEHICLE, vehicle_file
 from ev_stack.scenarios.parameter_file import ParameterFile
 from ev_stack.scenarios.records import Overrides, Run
+from ev_stack.scenarios.sources import Sources
 from ev_study.replay import comparing
 from ev_study.replay.comparing import Difference, difference_of
 from ev_study.replay.recorded import Recorded
@@ -136,10 +137,8 @@ def replay_of(recorded: Recorded, role: str, method: str, overrides: Overrides) 
                 f"{node}.{key} is refused: {node} says what was recorded, expected {role}.{key}"
             )
     files = [*_car(recorded, overrides.vehicle), *map(ParameterFile, overrides.files)]
-    values: dict[str, Any] = {}
-    for file in files:
-        values.update(file.values_for(f"{recorded.namespace}/{role}"))
-    values.update({key: value for _, key, value in overrides.values})
+    sources = Sources(recorded.namespace, files, overrides)
+    values = sources.values(role)
     _refuse_other_car(files[0], recorded.namespace, role, values)
     if method:
         values["method"] = method
@@ -154,11 +153,11 @@ def replay_of(recorded: Recorded, role: str, method: str, overrides: Overrides) 
     try:
         configuration = _configured(role, values, duration)
     except ParameterError as error:
-        raise ParameterError(f"{role}: {error}") from None
+        origin = sources.origin(role, error.parameter)
+        raise ParameterError(f"{role}: {error}{origin}") from None
     _refuse_missing(recorded, configuration)
     _refuse_not_finite(recorded, configuration)
-    for _, key, _ in overrides.values:
-        refuse_unused(key, [configuration])
+    refuse_unused([key for _, key, _ in overrides.values], [configuration])
     return Replay(recorded, role, values, duration, configuration)
 
 

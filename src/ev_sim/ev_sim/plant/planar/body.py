@@ -85,10 +85,10 @@ def wheel_loads(car: Car, normal: float, pitch_moment: float, roll_moment: float
     rear_limit = 0.5 * rear * car.rear_track
     front_wanted = share * roll_moment - front * offset
     rear_wanted = (1.0 - share) * roll_moment - rear * offset
-    front_excess = front_wanted - _within(front_wanted, front_limit)
-    rear_excess = rear_wanted - _within(rear_wanted, rear_limit)
-    front_taken = _within(front_wanted + rear_excess, front_limit)
-    rear_taken = _within(rear_wanted + front_excess, rear_limit)
+    front_excess = front_wanted - min(max(front_wanted, -front_limit), front_limit)
+    rear_excess = rear_wanted - min(max(rear_wanted, -rear_limit), rear_limit)
+    front_taken = min(max(front_wanted + rear_excess, -front_limit), front_limit)
+    rear_taken = min(max(rear_wanted + front_excess, -rear_limit), rear_limit)
     # As shares of the limits, so that the load of a lifted wheel is exactly zero.
     front_share = front_taken / front_limit if front_limit > 0.0 else 0.0
     rear_share = rear_taken / rear_limit if rear_limit > 0.0 else 0.0
@@ -98,11 +98,6 @@ def wheel_loads(car: Car, normal: float, pitch_moment: float, roll_moment: float
         0.5 * rear * (1.0 - rear_share),
         0.5 * rear * (1.0 + rear_share),
     )
-
-
-@inlined
-def _within(value: float, limit: float) -> float:
-    return min(max(value, -limit), limit)
 
 
 class OfWheel(NamedTuple):

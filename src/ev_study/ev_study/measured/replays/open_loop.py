@@ -14,9 +14,11 @@ from ev_core.lockstep.graph import check_graph
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.batches.batch import batch
+from ev_stack.scenarios.about import NAMESPACE
 from ev_stack.scenarios.files import vehicle_file
 from ev_stack.scenarios.parameter_file import ParameterFile
 from ev_stack.scenarios.records import Overrides
+from ev_stack.scenarios.sources import Sources
 from ev_study.measured.records.record import (
     LATERAL,
     LATERAL_ACCELERATION,
@@ -151,18 +153,18 @@ def graph(
             raise ParameterError(
                 f"{node}.{key} is refused: an open-loop replay has {', '.join(_OWN)}"
             )
+    sources = Sources(NAMESPACE, files, changed)
     configurations = {}
     for role, own in _OWN.items():
         values = {"control_period": period, **own}
         if role == "electronic_differential" and imposed == "torques":
             values["method"] = _TORQUES
-        for file in files:
-            values |= file.values_for(f"/ev/{role}")
-        values |= {key: value for node, key, value in changed.values if node in ("*", role)}
+        values |= sources.values(role)
         try:
             configurations[role] = configure(role, values)
         except ParameterError as error:
-            raise ParameterError(f"{role}: {error}") from None
+            origin = sources.origin(role, error.parameter)
+            raise ParameterError(f"{role}: {error}{origin}") from None
     check_graph(configurations)
     own_period = configurations["plant"].common.control_period
     if own_period != period:
