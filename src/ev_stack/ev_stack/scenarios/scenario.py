@@ -220,13 +220,12 @@ def _choose_methods(values: Values) -> None:
             method = chosen_method(role, values[role])
         except ParameterError as error:
             raise ParameterError(f"{role}: {error}") from None
-        for what, needed in method.requires.items():
+        required = dict(method.requires)
+        if values[role].get("mode") == "realtime":
+            required = {**method.in_real_time, **required}
+        for what, needed in required.items():
             other, _, parameter = what.partition(".")
             values[other].setdefault(parameter or "method", needed)
-        if values[role].get("mode") == "realtime":
-            for place, value in method.in_real_time.items():
-                node, _, parameter = place.partition(".")
-                values[node].setdefault(parameter, value)
 
 
 def _is_played(role: str, values: Values) -> bool:
