@@ -7,9 +7,12 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.io import savemat
 
 from ev_core.vehicle.files import read_tyre
@@ -19,7 +22,7 @@ from ev_sim.tyres.mf_tyre import MfTyre, at_load, forces, is_plain
 from ev_stack.commands.run_scenario import main
 from ev_study.measured.magic_formula import Points, combined_lateral, combined_longitudinal
 from ev_study.measured.rig import read_rig
-from ev_study.measured.tyre_fit import FIXED
+from ev_study.measured.tyre_fit import FIXED, STARTS, fit_tyre
 
 FILE = "tyres/pacejka_2006_205_60r15.tir"
 NUMBERS = read_tyre("tyre", FILE)
@@ -60,12 +63,12 @@ def test_the_whole_formula_is_that_of_the_plant_where_the_plant_has_it():
         assert (along[n], across[n]) == pytest.approx(ours, rel=1e-9)
 
 
-def rig(noise: float = 0.0) -> dict[str, np.ndarray]:
+def rig(noise: float = 0.0, seed: int = 0) -> dict[str, np.ndarray]:
     """Sweeps of the made tyre as the TTC writes them.
 
     6 loads, slip angle alone, then slip ratio at three angles.
     """
-    random = np.random.Generator(np.random.PCG64(0))
+    random = np.random.Generator(np.random.PCG64(seed))
     wave, parts, time = np.sin(np.linspace(0.0, 6.28, 120)), [], 0.0
     for angle in (None, 0.0, -0.03, -0.07):
         for load in (1500.0, 2500.0, 3500.0, 4500.0, 5500.0, 6500.0):
@@ -163,6 +166,7 @@ def test_a_log_without_pauses_is_split_where_the_rig_changes_its_load(tmp_path):
 @pytest.mark.parametrize(
     ("column", "factor", "line"),
     [
+        ("FZ", 1e-3, r"FZ is -.* N in the median, expected -60000 to -50 N: the unit of FZ"),
         ("FZ", -1.0, r"FZ is .* N in the median, expected below 0"),
         ("P", 1 / 6.895, r"P is 29.* kPa in the median, expected 40"),
         ("FY", -1.0, "FY has the sign of SA, expected the opposite"),
@@ -215,3 +219,58 @@ def test_samples_without_a_number_or_load_are_counted(tmp_path):
     sweeps = read_rig([path])
     assert sweeps.passed_over == 5
     assert len(sweeps.points.load) == 2880 - 5
+
+
+def assumed_by(folder: Path) -> dict[str, float]:
+    """The coefficients in the section of those that are assumed."""
+    text = (folder / "tyre.tir").read_text().partition("[COEFFICIENTS_THAT_ARE_ASSUMED]")[2]
+    lines = (line.split("=") for line in text.splitlines() if "=" in line)
+    return {name.strip(): float(value) for name, value in lines}
+
+
+@settings(max_examples=8, deadline=None)
+@given(number=st.integers(0, 5), seed=st.integers(0, 9))
+def test_one_load_decides_nothing_over_load_inclination_and_pressure(number, seed):
+    """These coefficients stay at their starts to a tenth of their range, whichever load and noise it is.
+
+    Without a prior the noise decided them: friction that rose by 0.7 from one nominal load to twice
+    that, and was written as identified. What one load shows is found.
+    """
+    columns = rig(30.0, seed)
+    chosen = slice(120 * number, 120 * (number + 1))
+    with TemporaryDirectory() as folder:
+        path = write(Path(folder) / "rig.csv", {n: each[chosen] for n, each in columns.items()})
+        fit = fit_tyre(read_rig([path]))
+    over_load = ("PDY2", "PEY2", "PHY2", "PVY2")
+    over_others = ("PDY3", "PKY3", "PVY3", "PKY6", "PPY1", "PPY2", "PPY3")
+    assert {*over_load, *over_others} <= {*fit.undecided}
+    for name in (*over_load, *over_others):
+        start, low, high = STARTS[name]
+        assert abs(fit.coefficients[name] - start) < 0.1 * (high - low)
+    assert "PDY1" not in fit.undecided
+    at = points(np.zeros(1), np.full(1, 0.1), -columns["FZ"][chosen][:1])
+    force = combined_lateral(fit.coefficients, at)
+    assert force == pytest.approx(combined_lateral(coefficients(), at), rel=0.02)
+
+
+def test_sweeps_of_small_angles_decide_no_friction(tmp_path, capsys):
+    """Up to 1 deg a tyre has a third of its friction: what bends the curve is assumed, its slope is found.
+
+    By the noise alone the friction came out at half of the true one, as identified.
+    """
+    columns = rig(30.0)
+    small = {name: each[:720] for name, each in columns.items()}
+    angles = np.radians(-small["SA"] / 10.0)
+    loads = -small["FZ"]
+    small["SA"] = -np.degrees(angles)
+    noise = 10.0 * np.random.Generator(np.random.PCG64(0)).standard_normal(720)
+    small["FY"] = -combined_lateral(coefficients(), points(np.zeros(720), angles, loads)) + noise
+    main(["identify", "--tyre", str(write(tmp_path / "rig.csv", small)), "--out", str(tmp_path)])
+    line = "not decided by these sweeps, near what is assumed: PCY1, PDY1, PDY2"
+    assert line in capsys.readouterr().out
+    assumed = assumed_by(tmp_path)
+    assert {name: assumed[name] for name in ("PCY1", "PDY1", "PEY1")} == {
+        name: STARTS[name][0] for name in ("PCY1", "PDY1", "PEY1")
+    }
+    assert "PKY1" not in assumed
+    assert json.loads((tmp_path / "summary.json").read_text())["assumed"].count("PDY1") == 1

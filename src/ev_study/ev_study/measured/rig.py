@@ -30,6 +30,7 @@ _UNITS = {"ET": "s", "SA": "deg", "IA": "deg", "FZ": "N", "P": "kPa", "FX": "N",
 # What the rig holds during a sweep, and how much it changes at least from one to the next.
 SETTINGS = {"FZ": 150.0, "IA": 0.5, "P": 5.0}  # N, deg, kPa
 AROUND = 50  # samples, half a second at 100 Hz: load and inclination take as long to settle
+LEAST_LOAD, MOST_LOAD = 50.0, 60e3  # N; a tyre of a model car, and one of a lorry
 LEAST_PRESSURE, MOST_PRESSURE = 40.0, 1200.0  # kPa; a tyre at 6 psi has 41, that of a lorry 900
 # [s] without samples between two sweeps: the rig changes load, inclination or pressure there
 GAP = 0.5
@@ -134,6 +135,9 @@ def _check_units(path: Path, columns: Mapping[str, np.ndarray]) -> None:
         raise ParameterError(
             f"{path}: FZ is {load:.4g} N in the median, expected below 0 (SAE: z is down)"
         )
+    if not LEAST_LOAD <= -load <= MOST_LOAD:
+        expected = f"expected -{MOST_LOAD:g} to -{LEAST_LOAD:g} N: the unit of FZ, and of the forces with it?"
+        raise ParameterError(f"{path}: FZ is {load:.4g} N in the median, {expected}")
     if not LEAST_PRESSURE <= pressure <= MOST_PRESSURE:
         expected = f"expected {LEAST_PRESSURE:g} to {MOST_PRESSURE:g} kPa: the unit of P, and of the forces with it?"
         raise ParameterError(f"{path}: P is {pressure:.4g} kPa in the median, {expected}")

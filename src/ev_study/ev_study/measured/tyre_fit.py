@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -91,9 +91,18 @@ _COMBINED_Y = {
     },
     **{"RVY5": (1.9, 0.1, 3.0), "RVY6": (10.0, -100.0, 100.0)},
 }
+STARTS = {**_LATERAL, **_LONGITUDINAL, **_COMBINED_X, **_COMBINED_Y}
 FIXED = {"PKY4": 2.0, "PKY5": 0.0, "PEY5": 0.0, "REX1": 0.0, "REX2": 0.0, "REY1": 0.0, "REY2": 0.0}
 # samples of each sweep that the fit sees, evenly spread: they are far closer than a tyre can change
 PER_SWEEP = 60
+BELIEVED = 0.02  # of the largest force, RMS: what the formula is off by, as a measure of what sweeps decide
+PRIOR = 0.25  # of its range, standard deviation of what is believed of a coefficient before the fit
+REACHED = (
+    0.9  # of the largest force that the curve has at its load: a sweep beyond that shows friction
+)
+# By force alone the slip over which friction is looked for, and how far.
+_FURTHEST = {"lateral": ("slip_angle", np.radians(30.0)), "longitudinal": ("slip_ratio", 1.0)}
+UNDECIDED = 0.5  # of that, above which a coefficient is an assumption after it as well
 KINDS = ("lateral", "longitudinal", "combined longitudinal", "combined lateral")
 
 
@@ -101,13 +110,16 @@ KINDS = ("lateral", "longitudinal", "combined longitudinal", "combined lateral")
 class TyreFit:
     """The coefficients, and by kind of force the RMS error over the largest force, of seen and of unseen sweeps.
 
-    `at_start` names the coefficients that no sweep has decided: they are assumptions.
+    `at_start` names the coefficients of forces that no sweep has, `undecided` those that the sweeps
+    hardly change: friction that no slip angle reaches, loads, inclinations and pressures that do
+    not differ. Both are assumptions.
     """
 
     coefficients: Mapping[str, float]
     seen: Mapping[str, float]
     unseen: Mapping[str, float]
     at_start: tuple[str, ...] = ()
+    undecided: tuple[str, ...] = ()
 
 
 def fit_tyre(sweeps: Sweeps, held_out: int = 3) -> TyreFit:
@@ -117,8 +129,7 @@ def fit_tyre(sweeps: Sweeps, held_out: int = 3) -> TyreFit:
         "FNOMIN": float(np.median(points.load)),
         "NOMPRES": float(np.median(points.pressure)),
     }
-    every = (*_LATERAL.items(), *_LONGITUDINAL.items(), *_COMBINED_X.items(), *_COMBINED_Y.items())
-    found = {**FIXED, **nominal, **{name: start for name, (start, _, _) in every}}
+    found = {**FIXED, **nominal, **{name: start for name, (start, _, _) in STARTS.items()}}
     unseen = sweeps.number % held_out == held_out - 1
     along, across = points.longitudinal_force, points.lateral_force
     both = ~sweeps.is_lateral & ~sweeps.is_longitudinal
@@ -136,16 +147,27 @@ def fit_tyre(sweeps: Sweeps, held_out: int = 3) -> TyreFit:
     )
     seen_errors, unseen_errors = {}, {}
     at_start: list[str] = []
+    undecided: list[str] = []
     for kind, (free, model, force, chosen) in steps.items():
         if not (chosen & ~unseen).any():
             at_start += free
             continue
         thin = _thinned(sweeps.number, chosen & ~unseen)
-        found |= _fitted(free, model, found, points.some(thin), force[thin])
+        values, deviations = _fitted(free, model, found, points.some(thin), force[thin])
+        if kind in _FURTHEST and not _reaches_friction(
+            model, found | values, kind, points.some(thin)
+        ):
+            # What bends the curve, in a coefficient's second letter: shape, friction, curvature.
+            bends = [name for name in free if name[1] in "CDE"]
+            undecided += bends
+            free = {name: of for name, of in free.items() if name not in bends}
+            values, deviations = _fitted(free, model, found, points.some(thin), force[thin])
+        found |= values
+        undecided += [name for name, of in deviations.items() if of > UNDECIDED * PRIOR]
         for errors, part in ((seen_errors, chosen & ~unseen), (unseen_errors, chosen & unseen)):
             if part.any():
                 errors[kind] = _relative(model(found, points.some(part)), force[part])
-    return TyreFit(found, seen_errors, unseen_errors, tuple(at_start))
+    return TyreFit(found, seen_errors, unseen_errors, tuple(at_start), tuple(undecided))
 
 
 def _thinned(number: np.ndarray, chosen: np.ndarray) -> np.ndarray:
@@ -162,20 +184,45 @@ def _fitted(
     others: Mapping[str, float],
     points: Points,
     force: np.ndarray,
-) -> dict[str, float]:
-    """Least squares with a loss that does not follow outliers beyond a tenth of the largest force."""
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Coefficients, and the standard deviation of each in shares of its range.
+
+    Least squares with a loss that does not follow outliers beyond a tenth of the largest force. A
+    prior about the starts keeps what the samples do not decide: one load fits any friction over load.
+    """
     starts, lows, highs = np.array(list(free.values())).T
     largest = float(np.max(np.abs(force)))
+    weights = BELIEVED / (PRIOR * (highs - lows))
 
     def errors(values: np.ndarray) -> np.ndarray:
-        return (model({**others, **dict(zip(free, values, strict=True))}, points) - force) / largest
+        coefficients = {**others, **dict(zip(free, values, strict=True))}
+        of_force = (model(coefficients, points) - force) / largest
+        return np.concatenate([of_force, weights * (values - starts)])
 
     scale = np.maximum(np.abs(starts), 0.05 * np.minimum(highs - lows, 2.0))
     ends = (lows, highs)
     found = least_squares(
         errors, starts, bounds=ends, x_scale=scale, loss="soft_l1", f_scale=0.1, max_nfev=200
     )
-    return {name: float(value) for name, value in zip(free, found.x, strict=True)}
+    covariance = np.linalg.inv(found.jac.T @ found.jac)
+    deviations = BELIEVED * np.sqrt(np.diag(covariance)) / (highs - lows)
+    values = dict(zip(free, found.x.tolist(), strict=True))
+    return values, dict(zip(free, deviations.tolist(), strict=True))
+
+
+def _reaches_friction(
+    model: Callable[[Mapping[str, float], Points], np.ndarray],
+    coefficients: Mapping[str, float],
+    kind: str,
+    points: Points,
+) -> bool:
+    """Whether any point has nearly as much force as a curve has at its load."""
+    slip, furthest = _FURTHEST[kind]
+    most = np.zeros(len(points.load))
+    for each in np.linspace(-furthest, furthest, 61):
+        moved = replace(points, **{slip: np.full(len(most), each)})
+        most = np.maximum(most, np.abs(model(coefficients, moved)))
+    return bool((np.abs(model(coefficients, points)) > REACHED * most).any())
 
 
 def _relative(model: np.ndarray, force: np.ndarray) -> float:

@@ -34,10 +34,12 @@ def tyre_table(fit: TyreFit) -> str:
 
 
 def _not_identified(fit: TyreFit) -> list[str]:
-    """The line on the coefficients that stand at their start, if there are any."""
-    if not fit.at_start:
-        return []
-    return [f"not identified, no sweep is there for them, assumed: {', '.join(fit.at_start)}"]
+    """A line each on the coefficients without a sweep and on those that the sweeps do not decide."""
+    lines = {
+        "not identified, no sweep is there for them, assumed": fit.at_start,
+        "not decided by these sweeps, near what is assumed": fit.undecided,
+    }
+    return [f"{what}: {', '.join(names)}" for what, names in lines.items() if names]
 
 
 def write_tyre(
@@ -53,7 +55,7 @@ def write_tyre(
         "about": head,
         "seen": dict(fit.seen),
         "unseen": dict(fit.unseen),
-        "assumed": list(fit.at_start),
+        "assumed": [*fit.at_start, *fit.undecided],
         "sweeps": sweeps.count,
         "samples_passed_over": sweeps.passed_over,
     }
@@ -105,6 +107,7 @@ def curves(fit: TyreFit, sweeps: Sweeps) -> Sheet:
 
 def property_file(fit: TyreFit, friction_scale: float, head: str) -> str:
     """A tyre property file of MF 6.1; `friction_scale` from the belt of the rig to the road is LMUX and LMUY."""
+    assumed = {*fit.at_start, *fit.undecided}
     groups = (
         ("MODEL", {"FITTYP": "61", "TYRESIDE": "'LEFT'"}),
         (
@@ -120,11 +123,11 @@ def property_file(fit: TyreFit, friction_scale: float, head: str) -> str:
         ("SCALING_COEFFICIENTS", {"LMUX": f"{friction_scale:g}", "LMUY": f"{friction_scale:g}"}),
         (
             "COEFFICIENTS",
-            {n: f"{v:.9g}" for n, v in sorted(fit.coefficients.items()) if n not in fit.at_start},
+            {n: f"{v:.9g}" for n, v in sorted(fit.coefficients.items()) if n not in assumed},
         ),
         (
             "COEFFICIENTS_THAT_ARE_ASSUMED",
-            {n: f"{fit.coefficients[n]:.9g}" for n in sorted(fit.at_start)},
+            {n: f"{fit.coefficients[n]:.9g}" for n in sorted(assumed)},
         ),
     )
     lines = [f"$ {line}" for line in head.splitlines()]
