@@ -1,4 +1,4 @@
-"""The page of the benchmark has the laws and cells of its board, and the numbers of a cell that is driven again."""
+"""The benchmark's page has the laws and cells of its board, and numbers of a repeated cell."""
 
 import re
 from pathlib import Path

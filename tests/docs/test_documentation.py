@@ -187,7 +187,7 @@ def test_own_methods_are_held_against_the_contract():
 
 
 def test_a_first_law_takes_few_lines_and_few_things_to_know():
-    """A yaw-rate feedback with one state and two parameters, and the table of what its author has to know."""
+    """A yaw-rate feedback, one state and two parameters, and the table of its author's concepts."""
     assert len((EXAMPLES / "yaw_feedback.py").read_text().splitlines()) <= 35
     page = (ROOT / "docs" / "own_things.md").read_text()
     table = page.partition("| what | how |\n| --- | --- |\n")[2].partition("\n\n")[0]

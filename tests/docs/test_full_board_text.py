@@ -74,7 +74,7 @@ def most(name: str, laws: Iterable[str]) -> float:
 
 
 def won_elsewhere() -> list[str]:
-    """The cells in which a law without brakes and traction control has less than both that know all."""
+    """Cells in which a law without brakes and traction control is below both that know all."""
     laws, found = kept()["laws"], []
     for cell, of in kept()["cells"].items():
         costs = dict(zip(laws, of["handling"], strict=True))

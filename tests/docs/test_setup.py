@@ -63,7 +63,7 @@ def wheel(folder: Path, name: str, files: dict[str, str], version: str = "1.0") 
 
 
 class Checkout:
-    """The scripts in a folder of their own, with two packages to install, and a machine that has Python alone."""
+    """The scripts in their own folder, two packages to install, a machine with Python alone."""
 
     def __init__(self, folder: Path) -> None:
         self.root, self.wheels, self.calls = (

@@ -89,7 +89,7 @@ def test_a_built_page_has_all_tables_that_the_repository_does_not_keep(pages: Pa
 
 
 def test_no_link_leads_out_of_the_pages(pages: Path):
-    """A file of the repository that is no page is named there, without a link that the site could not follow."""
+    """A file of the repository that is no page is named without a link."""
     assert [
         page.name
         for page in pages.glob("*.md")

@@ -1,4 +1,4 @@
-"""Contract, laws and interface keep their types, by the rules in setup.cfg, and nothing is ignored wholesale."""
+"""Contract, laws and interface keep their types by setup.cfg; nothing is ignored wholesale."""
 
 import ast
 import configparser
@@ -75,7 +75,7 @@ def test_a_program_that_calls_the_packages_gets_their_types(tmp_path: Path):
 
 
 def test_the_types_of_the_interface_are_those_of_what_is_imported():
-    """The stub beside `__init__.py` names the same modules, so a checker sees what a program gets."""
+    """The stub beside `__init__.py` names the same modules: a checker sees what a program gets."""
     stub = ast.parse(Path(ev_stack.__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
     imports = [node for node in stub.body if isinstance(node, ast.ImportFrom)]
     assert {each.name: node.module for node in imports for each in node.names} == ev_stack._MODULES

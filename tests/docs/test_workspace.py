@@ -23,7 +23,7 @@ SCRIPTS = sorted([*ROOT.glob("scripts/*.sh"), ROOT / ".ci" / "run"])
 
 
 def test_colcon_knows_every_package_as_ament_python():
-    """A package.xml that is not valid silently makes a plain `python` package of it, which `ros2 run` cannot find."""
+    """An invalid package.xml silently makes a plain `python` package, unknown to `ros2 run`."""
     command = [
         sys.executable,
         "-m",

@@ -210,7 +210,7 @@ def dry_friction(car, step, i, vx):
 
 @compilable
 def decide(car, state, steps):
-    """A wheel at rest breaks loose if the torque on it is as large as the dry friction, else it is held."""
+    """Release a wheel at rest if its torque reaches the dry friction, else hold it."""
     step = steps[0]
     for i in range(4):
         if state[WHEEL_SPEED + i] == 0.0:
@@ -222,7 +222,7 @@ def decide(car, state, steps):
 
 @compilable
 def slopes_of(p, car, c, s, state, slope, margins, angle, steps):
-    """Derivative of the state into `slope`, and into `margins` how far each wheel is from its next event."""
+    """Derivative of the state into `slope`; into `margins` each wheel's distance to its event."""
     step = steps[0]
     for n in range(INTEGRATED_SIZE):
         s.motion[n] = state[n]

@@ -1,4 +1,4 @@
-"""Verdicts from runs with some parameters changed, driven in this process where they are not kept yet."""
+"""Verdicts from runs with changed parameters, driven in this process if not kept yet."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def verdict_on(id: str, *changed: Value) -> Verdict:
 
 
 def verdict_from(id: str, changed: Callable[[Need], Need]) -> Verdict:
-    """The verdict on an id from what is driven for its changed needs, such as a study with other options."""
+    """Verdict on an id from its changed needs, such as a study with other options."""
     of = _find(id)
     return verdict(of, [driven(changed(need)) for need in of.needs])
 

@@ -25,7 +25,7 @@ _PNG = bytes.fromhex(
 
 
 def run_on_a_circle(speed: float) -> Recording:
-    """A car on a circle to the left, all channels, those of the wheels with an amplitude of their own."""
+    """A car on a circle to the left, all channels, each wheel with its own amplitude."""
     time = np.arange(round(DURATION / PERIOD) + 1) * PERIOD
     names = [name for topic in TOPICS.values() for name in topic.channels]
     channels = {name: (n + 1) * np.sin(time + n) for n, name in enumerate(names)}

@@ -18,7 +18,7 @@ _ROUNDS = 4  # of the loop in which the centrifugal force moves the loads and th
 
 
 def equal_torques(free: bool = False, rear: float = 0.0) -> OdeSolution:
-    """u, v [m/s], w [rad/s] and both rear wheel speeds [rad/s] over 3 s from the settled straight running.
+    """u, v [m/s], w [rad/s] and rear wheel speeds [rad/s] over 3 s from straight running.
 
     `free`: u follows from the forces instead of being held; `rear`: delta_r [rad].
     """

@@ -10,7 +10,7 @@ from ev_papers.shchur2019.paper import CLOSED_LOOP
 
 
 def lowest_differential_torque() -> tuple[float, float]:
-    """When after the step [s] the differential torque of fig. 1b is lowest, and how low [N m] (eqs 4 and 7)."""
+    """Time [s] and size [N m] of fig 1b's lowest differential torque (eqs 4 and 7)."""
     steady = CLOSED_LOOP.steady_angle(
         (1 + paper.GAMMA) * paper.I_RATIO * paper.HAND_TORQUE_CLOSED_LOOP
     )

@@ -1,4 +1,4 @@
-"""All nodes of a run in this process, over DDS, in a domain of their own, and a probe that looks from outside."""
+"""All nodes of a run in this process over DDS, in their own domain, and a probe outside."""
 
 from __future__ import annotations
 

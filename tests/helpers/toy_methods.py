@@ -55,7 +55,7 @@ OFFERED = {signal for role in ROLES.values() for signal in role.offers}  # that 
 
 
 def toy(role: str, reads: tuple[type, ...] | None = None, period: float = 0.01) -> Configuration:
-    """A configured toy of a role that reads these signals, by default all that it may read and toys write."""
+    """A configured toy of a role that reads these signals, by default all that toys write."""
     writes = ROLES[role].writes
 
     class Answering(Mixer):

@@ -181,7 +181,7 @@ def spinning_at(left: float, right: float) -> Measured:
 
 
 def spun_up(name: str) -> Control:
-    """A law that has seen both front wheels spin up from rolling to 30 rad/s in 0.2 s, at 10 rad/s of the others."""
+    """A law behind a spin-up of both front wheels to 30 rad/s in 0.2 s, others at 10 rad/s."""
     law = Control(name)
     for speed in np.linspace(10.0, 30.0, 40).tolist():
         law.step(spinning_at(speed, speed))

@@ -1,4 +1,4 @@
-"""The beginning of the urban cycle on mixed surfaces, driven once by each driver for all tests of a file."""
+"""The first part of the urban cycle on mixed surfaces, once for all tests of a file."""
 
 from __future__ import annotations
 

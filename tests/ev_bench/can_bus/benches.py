@@ -1,4 +1,4 @@
-"""A circuit of the bench without bus and clock, and a controller that speaks to it frame by frame."""
+"""A circuit of the bench without bus and clock, and a controller frame by frame."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ def lossy():
 
 @pytest.mark.parametrize("suffix", [".log", ".blf"])
 def test_the_log_of_the_bus_is_read_by_other_tools(lossy, tmp_path, suffix):
-    """100 cycles: in each two set-points and two motions on both channels, every time later than the one before."""
+    """100 cycles with two set-points and two motions on both channels, in the order of time."""
     run, recording = lossy
     file = tmp_path / f"bus{suffix}"
     assert FrameLog(bus_log(str(file)), run.configurations["test_bench"]).write(recording) == ""
@@ -69,7 +69,7 @@ def test_the_log_of_the_bus_is_read_by_other_tools(lossy, tmp_path, suffix):
 
 
 def test_the_log_is_the_modelled_bus(lossy):
-    """Each frame as long as its bits, none before the one in front of it has ended, load and counters as modelled.
+    """Frames are as long as their bits and do not overlap; load and counters are as modelled.
 
     Lost frames were on the wire, too: no counter of a set-point is missing.
     """
@@ -173,7 +173,7 @@ def test_a_run_without_enabled_drives_has_a_note(rate, waits):
 
 
 def test_a_wheel_that_grips_again_is_no_fault():
-    """The urban cycle up to where a rotor slows down by 2000 rad/s^2, which once was taken for a wrong transducer."""
+    """A rotor slows down by 2000 rad/s^2 in the urban cycle: that is no wrong transducer."""
     values = [("test_bench", "method", "circuits_on_can")]
     (run,) = load_scenario("urban_mixed_bench", Overrides(values=values, duration=33.0)).runs
     noted: list[str] = []

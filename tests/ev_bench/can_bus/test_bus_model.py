@@ -86,7 +86,7 @@ def test_what_has_not_arrived_yet_is_taken_in_a_later_tick():
 
 
 def test_what_has_arrived_waits_until_it_is_taken_though_the_next_one_is_on_its_way():
-    """A reader that looks at 500 bits gets the frame that came at 600 a tick later, while the next one is on the wire.
+    """A frame that came at 600 bits is read a tick later, while the next one is on the wire.
 
     Before, that one took its place as soon as it began, and a bus with 40 % of other traffic passed
     no set-point.

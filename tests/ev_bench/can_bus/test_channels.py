@@ -148,7 +148,7 @@ def test_two_multicast_channels_do_not_hear_each_other():
 
 
 def test_multicast_frames_stay_on_loopback():
-    """Sent there, with a time to live of 0 besides (RFC 1112, section 6.1), and heard there and of the group alone."""
+    """Time to live is 0 (RFC 1112, section 6.1); frames are received there, of the group alone."""
     name = group(free_port())
     address, _, port = name.partition(":")
     with (
@@ -435,7 +435,7 @@ def test_a_channel_that_cannot_be_had_is_one_clear_line(interface: str, channel:
 
 
 def test_a_port_in_use_is_the_only_line(caplog):
-    """python-can would warn behind it, in the line that the terminal shows, that the bus was not shut down."""
+    """python-can would warn behind it in the same line that the bus was not shut down."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
         other.bind(("", 0))
         with pytest.raises(BusError, match="Address already in use"):

@@ -98,7 +98,7 @@ def test_nothing_but_a_reset_without_a_cause_leads_out_of_a_fault():
 
 
 def test_operation_is_enabled_by_no_single_controlword():
-    """Two steps at least lie between switch on disabled and torque, whatever a broken controller repeats."""
+    """Two steps at least lie before torque, whatever a broken controller repeats."""
     for control in range(256):
         state = SWITCH_ON_DISABLED
         for _ in range(10):

@@ -105,7 +105,7 @@ class LeftLoad:
 @pytest.mark.weekly
 @pytest.mark.parametrize("target", ["x86_64-linux", "aarch64-linux"])
 def test_an_exported_law_drives_our_inverters(target, folders):
-    """Each answer is that of the law here to the same wheel speeds, to the bit, and the right shaft obeys.
+    """Answers are those of the law here to the same wheel speeds, to the bit; the shaft obeys.
 
     Twice in a row, after one that was killed.
 
@@ -182,7 +182,7 @@ def test_a_fault_while_the_program_is_held_up_past_its_end_is_printed(folders):
 
 
 def test_a_torque_that_is_none_goes_out_as_zero(folders):
-    """A pedal that is not a number is an input that the law refuses, and 1e6 N m are more than the frame has."""
+    """The law refuses a pedal that is no number; 1e6 N m are more than the frame has."""
     folder, on = folders / "x86_64-linux", TARGETS["x86_64-linux"]
     built(on.name, folder)
     sources = [

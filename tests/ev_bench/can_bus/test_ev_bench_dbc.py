@@ -83,7 +83,7 @@ def test_one_channel_carries_one_circuit_with_every_frame_in_time(circuit: str):
 
 
 def test_ranges_hold_what_the_devices_measure_and_steps_are_finer_than_their_errors():
-    """Bench: torque 1000 N m to 0.1 %, speed 10000 rpm to 0.1 %, 750 V DC and 250 V AC to 0.1 %, 350 A to 1 %."""
+    """1000 N m, 10000 rpm, 750 V DC and 250 V AC to 0.1 % each, 350 A to 1 %."""
     motion, electrical = ours()["Drive11_Motion"].signals, ours()["Drive11_Electrical"].signals
     heat = ours()["Drive11_Temperatures"].signals["CoolantIn"]
     for field, range_, error in (

@@ -208,7 +208,7 @@ def test_no_torque_at_all_may_be_asked_for():
 
 
 def test_a_limit_that_is_a_step_stays_what_it_is():
-    """Whole and half revolutions a minute come back from rad/s as themselves, and a little less is the step below."""
+    """Whole and half revolutions a minute come back from rad/s; a little less is a step below."""
     field = bench_frames(ours()).set_point.speed
     for steps in range(20000):
         there = 0.5 * steps * RPM / RPM
@@ -218,7 +218,7 @@ def test_a_limit_that_is_a_step_stays_what_it_is():
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])
 def test_back_in_speed_mode_at_the_present_speed_there_is_no_jolt(sense: float):
-    """The load machine held a speed against 200 N m, coasts in torque mode and is asked for its speed: it turns on.
+    """A load machine that coasts in torque mode and is asked for its speed turns on.
 
     Friction takes 0.2 N m and the speed 0.05 rad/s in 10 ms; what held 200 N m would give 200 N m
     again.

@@ -50,7 +50,7 @@ def in_step(*counters: int) -> CheckState:
     ("counter", "expected"), [(0, "cc00000000000000"), (1, "9101000000000000")]
 )
 def test_published_frames(counter: int, expected: str):
-    """AUTOSAR PRS E2E protocol, profile 1, example with data id 0123h in both bytes, all data zero."""
+    """AUTOSAR PRS E2E protocol, profile 1, data id 0123h in both bytes, all data zero."""
     assert frame(counter).to_bytes(8, "little").hex() == expected
 
 
@@ -81,7 +81,7 @@ def test_a_few_lost_frames_are_tolerated_and_counted(lost: int):
 
 
 def test_more_lost_frames_are_a_wrong_sequence_until_it_goes_on_rightly():
-    """max_delta_counter is 3 after a right frame and 4 in the next call, so a step of 5 is too large."""
+    """max_delta_counter is 3 after a right frame, then 4: a step of 5 is too large."""
     s = in_step(3, 4)
     assert heard(s, frame(9)) == WRONG_SEQUENCE
     assert [heard(s, frame(c)) for c in (10, 11)] == [SYNC, OK]

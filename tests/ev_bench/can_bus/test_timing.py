@@ -14,7 +14,7 @@ from ev_msgs_py.can.frame_length import crc15, frame_bits, header, longest_frame
 
 @pytest.mark.parametrize(("length", "bits"), [(0, 55), (1, 65), (8, 135)])
 def test_longest_frame(length: int, bits: int):
-    """55 + 10 s bits for 11-bit identifiers (Davis et al. 2007, eq 1), the pause between frames counted."""
+    """55 + 10 s bits for 11-bit identifiers (Davis et al. 2007, eq 1), with the pause behind."""
     assert longest_frame(length) == bits
 
 

@@ -30,7 +30,7 @@ def bench(**values):
 
 
 def run(circuits, torque, load, periods, battery=BATTERY):
-    """Channels after some periods with drive torques at the front wheels [N m] and a load command."""
+    """Channels after some periods with front drive torques [N m] and a load command."""
     command = WheelTorqueCommand(Wheels.front(torque, torque), NO_WHEELS)
     for _ in range(periods):
         circuits.advance(command, load, battery)

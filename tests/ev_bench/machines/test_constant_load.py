@@ -1,4 +1,4 @@
-"""Load machines that follow a constant torque or a constant speed, whatever the virtual car asks for (section 4.2)."""
+"""Load machines at constant torque or speed, whatever the virtual car asks for (section 4.2)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ CAN = {"test_bench": "circuits_on_can", "inverter_gateway": "can"}
 
 
 class Shafts:
-    """The two circuits of the scenario, with a torque [N m] of both machines under test from the start on."""
+    """The two circuits of the scenario with a torque [N m] of both machines under test."""
 
     def __init__(
         self,
@@ -41,7 +41,7 @@ class Shafts:
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_constant_torque_accelerates_by_what_is_left(sign):
-    """(M_em - M_nu)/(J_1 + J_2) = (50 - 38)/0.12 = 100 rad/s^2 from rest, both ways, and 60 rad/s^2 against 42.8 N m.
+    """(50 - 38)/0.12 = 100 rad/s^2 from rest, both ways, and 60 rad/s^2 against 42.8 N m.
 
     Between 1 s and 2 s, when torques have settled; no friction. The road of the virtual car asks
     for something else.

@@ -1,4 +1,4 @@
-"""The flow sensors in the coolant loops of the bench (dissertation, section 4.2), which the method circuits has not."""
+"""Flow sensors in the coolant loops of the bench (dissertation, section 4.2)."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def driven(**changed):
 
 @pytest.mark.parametrize("flow", [4.0, 8.0])
 def test_flow_and_temperatures_show_the_heat_of_a_machine(flow):
-    """Flow times the rise of the coolant is what winding and power stage give off, whatever the flow.
+    """Flow times the rise of the coolant is the heat of winding and power stage at any flow.
 
     At 60 N m that is 0.045 M^2 + 2 M = 282 W (the car's file); of the slower winding e^-10 is left
     after 600 s with C R = 4000 J/K 0.015 K/W.

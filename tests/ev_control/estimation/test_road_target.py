@@ -16,7 +16,7 @@ from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 @cache
 def straight(surface: str, target: str, torque: float) -> Recording:
-    """The car of Ge & Ni with a Burckhardt tyre straight ahead at 5 m/s, 3 s of the reading increment."""
+    """The car of Ge & Ni on Burckhardt tyres straight ahead at 5 m/s, 3 s of `increment`."""
     values = [
         ("*", "vehicle.tyre.curve", "burckhardt"),
         ("plant", "road.left", [surface]),

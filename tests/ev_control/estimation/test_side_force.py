@@ -18,7 +18,7 @@ KINEMATIC = SlipAngleObserverParameters(kinematic_share=1.0)
 
 
 def left(angle: float, place: int = 0, ahead: float = 1.0, **changed) -> float:
-    """The share of a threshold at a car that goes straight on at 10 m/s with its front wheels at an angle [rad]."""
+    """Share of a threshold at a car straight on at 10 m/s, front wheels at an angle [rad]."""
     p = SideForceParameters(**{"correction": Correction.ELLIPSE, "observer": KINEMATIC, **changed})
     motion = WheelMotion(30.0, 30.0, 0.0, 100.0, 0.0, 0.0, 0.0, place, ahead, 10.0, 0.0, angle)
     return share_left(numbers_of(p), car_of(CAR), SlipAngleObserverState(), PERIOD, motion)

@@ -65,7 +65,7 @@ def test_slow_cars_have_the_slip_angles_of_the_least_speed():
 
 
 def bicycle(duration: float, angle: float, speed: float, stiffness: float) -> Iterator[Motion]:
-    """Motions of a linear single-track car after a step of the steering angle, explicit Euler at 1 kHz."""
+    """Motions of a linear single-track car after a step of steering, explicit Euler at 1 kHz."""
     v = r = 0.0
     half, dt, ahead = 1.35, 0.001, math.copysign(1.0, speed)
     for k in range(round(duration / dt)):
@@ -83,7 +83,7 @@ def bicycle(duration: float, angle: float, speed: float, stiffness: float) -> It
 
 
 def observed(true_stiffness: float, speed: float = 15.0) -> tuple[float, float]:
-    """Largest and last error of the observer's slip angles in a step steer, over the largest slip angle [1]."""
+    """Largest and last error of the slip angles in a step steer, over the largest angle [1]."""
     p, s = SlipAngleObserverParameters(), SlipAngleObserverState()
     errors, largest = [], 0.0
     for motion in bicycle(2.0, 0.02, speed, true_stiffness):
@@ -97,7 +97,7 @@ def observed(true_stiffness: float, speed: float = 15.0) -> tuple[float, float]:
 
 @pytest.mark.parametrize("speed", [15.0, -15.0])
 def test_observer_follows_a_step_steer_of_the_tyre_it_knows(speed):
-    """Measured 4.4 % underway, of which one period of v' (10 ms) is most, and 0.4 % settled (small angles)."""
+    """Measured 4.4 % underway, most of it one period of v' (10 ms), and 0.4 % settled."""
     underway, settled = observed(160e3, speed)
     assert underway < 0.06
     assert settled < 0.01

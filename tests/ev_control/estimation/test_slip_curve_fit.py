@@ -54,7 +54,7 @@ samples_of = st.tuples(st.floats(-0.1, 1.0), st.floats(-1.0, 1.0))
 
 @given(samples=st.lists(samples_of, min_size=25, max_size=120))
 def test_running_sums_are_those_of_the_window(samples):
-    """The normal equations after every sample equal those of the last 25 within rounding of sums of 25 terms."""
+    """The normal equations after every sample are those of the last 25, within rounding."""
     fit = SlipCurveFit()
     for slip, torque in samples:
         add_sample(fit, SIZE, OFFSET, slip, torque)
@@ -175,7 +175,7 @@ def test_the_fit_finds_burckhardts_peak(surface):
 
 
 def test_template_of_the_patent_fits_its_own_curve():
-    """A x + B x^2 = 4 x - 20 x^2 has its peak at -A/(2 B) = 0.1, where its slope is zero, and no error."""
+    """4 x - 20 x^2 has its peak at -A/(2 B) = 0.1, where its slope is zero, and no error."""
     patent, fit = SlipCurveParameters(template=Template.SQUARE, largest_error=1e-12), SlipCurveFit()
     for n in range(60):
         x = 0.002 * n

@@ -20,7 +20,7 @@ STRAIGHT = (1.0, 0.0, 0.0, 0.0)
 
 
 def launched() -> dict[str, np.ndarray]:
-    """A launch on dry asphalt without noise and without rolling resistance, which eqs 1.8 to 1.10 do not know."""
+    """A launch on dry asphalt without noise and rolling resistance, unknown to eqs 1.8 to 1.10."""
     return driven(
         5.0,
         ("*", "vehicle.rolling_resistance", 0.0),
@@ -36,7 +36,7 @@ def launched() -> dict[str, np.ndarray]:
 
 
 def observed(kind: str, noise: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
-    """Estimated slip and that of the kinematics, of the front left wheel while it turns faster than 3 rad/s."""
+    """Estimated and kinematic slip of the front left wheel while it turns faster than 3 rad/s."""
     c, car = launched(), car_of(CAR)
     p, state = numbers_of(SlipObserverParameters(observer=Observer.of(kind))), SlipObserverState()
     speed = c["wheel_states.velocity.front_left"] + noise * np.random.default_rng(

@@ -91,7 +91,7 @@ def test_a_sensor_that_comes_back_is_believed_after_a_second():
 def drive_noisily(
     law, car: float, noise: float, step: float, seconds: float, seed: int, a: float = 0.0
 ) -> set[str]:
-    """Wheels ever lost of a car that drives straight on [m/s], by sensors with noise and steps [rad/s]."""
+    """Wheels ever lost of a car straight on [m/s], by sensors with noise and steps [rad/s]."""
     random, found = Random(seed), set()
     for n in range(round(seconds / PERIOD)):
         rolls = (car + a * n * PERIOD) / RADIUS
@@ -112,7 +112,7 @@ def drive_noisily(
 )
 @example(car=80 / 3.6, noise=0.02, step=0.2, a=0.0, seed=0)
 def test_sound_sensors_are_never_lost(car, noise, step, a, seed):
-    """Noise and steps of a sensor do not add up, whatever they are within 0.16 m/s, half of what is allowed."""
+    """Noise and steps do not add up within 0.16 m/s, half of what is allowed."""
     assert drive_noisily(control(), car, noise, step, 2.0, seed, a) == set()
 
 

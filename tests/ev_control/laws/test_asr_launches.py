@@ -69,7 +69,7 @@ def test_launches_do_not_chatter(name, surface):
 @pytest.mark.parametrize("surface", SURFACE_NAMES)
 @pytest.mark.parametrize("name", CONTROLS)
 def test_mean_slip_is_lower_than_without(name, surface):
-    """Every road; on snow at most a third of the 0.82 without control, but for the law that knows no slip."""
+    """Every road; on snow at most a third of the 0.82 without control, if the law knows slip."""
     mean, off = (slip_of(full_throttle(law, surface))[200:].mean() for law in (name, "off"))
     assert mean < off
     if surface == "packed_snow_1":

@@ -99,7 +99,7 @@ def test_left_and_right_mirror_to_the_bit(name, sequence, car):
 @given(sequence=sequences, car=cars)
 @pytest.mark.parametrize("name", METHODS)
 def test_reverse_mirrors_forward_to_the_bit(name, sequence, car):
-    """Reverse mirrors forward without the load by accelerations, which shifts to the front, and slip angles."""
+    """Reverse mirrors forward without slip angles and the load shift by accelerations."""
     law, mirror = Control(name, car), Control(name, car)
     for m in sequence:
         if name == "adhesion_limit":
@@ -176,7 +176,7 @@ def test_a_released_pedal_forgets_all_of_the_wheel(name):
 
 @pytest.mark.parametrize("name", METHODS)
 def test_what_is_left_of_a_forgotten_wheel_does_nothing(name):
-    """After a released pedal a law goes on like a new one that has seen the same wheel speeds, to the bit."""
+    """A law behind a released pedal goes on like a new one with these wheel speeds, to the bit."""
     law, fresh = spun_up(name), Control(name)
     for control in (law, fresh):
         control.step(dataclasses.replace(SPINNING, drive=NO_WHEELS))

@@ -60,7 +60,7 @@ def test_nothing_is_withheld_from_wheels_that_roll(name):
 @pytest.mark.parametrize("name", METHODS)
 @pytest.mark.sampled
 def test_nothing_is_withheld_on_a_dry_road_without_slip(name):
-    """Every car at 8 and 22 m/s and in reverse, pedal down at once to a tenth and a fifth of the weight.
+    """Cars at 8 and 22 m/s and in reverse, pedal at once to a tenth and a fifth of the weight.
 
     Torque comes before force: the carcass winds up and the wheel runs ahead, which
     `acceleration_ratio` took for slip. Without slip is below 0.05, where dry asphalt still carries
@@ -76,7 +76,7 @@ def test_nothing_is_withheld_on_a_dry_road_without_slip(name):
 
 
 def starts(vehicle: str, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Requests and commands of all wheels [N m] in the first half second of six starts, and their largest slips."""
+    """Requests and commands of all wheels [N m] in 0.5 s of six starts, and their largest slips."""
     of = car(vehicle)
     lever = of.mass * 9.81 * of.wheel_radius
     pedals = [[share * lever * math.copysign(1.0, begin)] for begin, share in STARTS]

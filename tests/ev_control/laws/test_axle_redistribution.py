@@ -185,7 +185,7 @@ def test_rear_wheels_are_equal_until_one_is_the_slower_one_which_is_then_held():
 
 
 def test_deadbands_hold_branch_and_direction():
-    """Straight ahead noise of the slip angles within +-0.004 rad and of the acceleration changes no torque."""
+    """Noise of slip angles within +-0.004 rad and of the acceleration changes no torque."""
     law = made()
     first = law.step(Motion(torque=1000.0, a_x=0.3))
     for sign in (1, -1, 1, -1):

@@ -76,7 +76,7 @@ def test_drive_and_brake_together_pass():
 
 
 def test_drives_brake_as_far_as_they_can():
-    """300 N m are theirs alone, and of 900 N m the friction brakes take what is left after four of their lags."""
+    """300 N m are theirs alone; of 900 N m the brakes take the rest after four of their lags."""
     assert Brakes().step(braking(300.0), 100) == WheelTorqueCommand(Wheels.all(-300.0))
     command = Brakes().step(braking(900.0), 100)
     assert command.drive == Wheels.all(-CAN)
@@ -210,7 +210,7 @@ def offset_run(
     grade: float = 0.0,
     **changed: Any,
 ):
-    """Start from rest on dry asphalt, with an offset of the accelerometer and nothing else that is wrong."""
+    """Start from rest on dry asphalt with an offset of the accelerometer and no other error."""
     values = {f"driver.pedals.{name}": numbers for name, numbers in pedals.items()} | {
         "driver.pedals.begin_time": 0.0,
         "plant.initial_speed": 0.0,

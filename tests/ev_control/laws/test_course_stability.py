@@ -34,7 +34,7 @@ def moving(r: float = 0.0, hands: float = 0.0, **changed) -> Motion:
 
 
 def test_without_an_error_it_is_equation_4():
-    """Delta M of Shchur's eq 4 with M_b = 2, alpha = 3, alpha' = -4, at rest, where no yaw rate is wanted."""
+    """Shchur's eq 4 with M_b = 2, alpha = 3, alpha' = -4, at rest, without a wanted yaw rate."""
     motion = Motion(column=SteeringColumnState(3.0, -4.0, 2.0, 0.0, 0.0))
     assert difference(made().step(motion)) == pytest.approx(
         16 / LEVER * (10 - 0.153 + 0.248), rel=1e-14
@@ -95,7 +95,7 @@ def test_hands_that_hold_the_wheel_leave_a_sixth_of_the_yaw_moment():
     ("steering", 25.0, -5.0), ("yaw", 25.0, -5.0), ("steering", 1e4, -10.0), ("yaw", 1e4, -50.0),
 ])  # fmt: skip
 def test_the_second_gets_its_demand_within_the_room_that_is_left(first, asked, given):
-    """Tyres leave +-50 N m for half a difference, steering asks for 20 N m of it, yaw for -25 N m or far too much.
+    """Tyres leave +-50 N m of half a difference; steering asks for 20, yaw for -25 N m or more.
 
     Both have room beside each other. Yaw that asks too much gets the 0.6 of -50 N m that steering
     leaves beside its 20 N m, or comes first and leaves nothing.
@@ -107,7 +107,7 @@ def test_the_second_gets_its_demand_within_the_room_that_is_left(first, asked, g
 
 
 def test_the_drive_torque_comes_before_both():
-    """Nothing is left for the hands where it takes all that the tyres hold, and the sum is the driver's."""
+    """The hands get nothing where it takes all that the tyres hold; the sum is the driver's."""
     friction = Wheels.all(0.9 * 50.0 / (0.9 * 0.294 * FRONT_LOAD))
     drive = made().step(moving(hands=1.0, torque=100.0, friction=friction)).drive
     assert drive[:2] == (50.0, 50.0)

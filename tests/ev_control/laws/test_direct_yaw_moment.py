@@ -140,7 +140,7 @@ def test_predictive_control_keeps_the_contract():
     "controller", ["pi", "lqr", "sliding_mode", "super_twisting", "suboptimal"]
 )
 def test_a_settled_car_is_left_in_peace(controller):
-    """No chatter: in the second half of 3 s the torques move by less than 1 N m from step to step."""
+    """Torques of a settled car move by less than 1 N m from step to step."""
     torques = driven(made(controller=controller), LinearCar(20.0), 0.02, 300)
     assert max(abs(b.front_left - a.front_left) for a, b in itertools.pairwise(torques[150:])) < 1.0
 
@@ -148,7 +148,7 @@ def test_a_settled_car_is_left_in_peace(controller):
 @pytest.mark.parametrize("controller", Controller.texts())
 @pytest.mark.parametrize("speed", [0.0, 1.5, -1.5])
 def test_at_rest_noise_turns_no_wheel(controller, speed):
-    """Below `slowest` all wheels get the same, whatever yaw rate the sensor shows and wherever the wheels stand."""
+    """All wheels get the same below `slowest`, at any shown yaw rate and steering angle."""
     law = made(controller=controller, estimation="estimated")
     for r in (0.02, -0.03, 0.01, 0.4):
         motion = LinearCar(speed, r=r).motion(0.3, torque=400.0)

@@ -1,4 +1,4 @@
-"""Traction control by stored friction diagrams (dissertation, section 1.4, "analysis of the expected signal")."""
+"""Traction control by stored friction diagrams (dissertation, section 1.4)."""
 
 from __future__ import annotations
 

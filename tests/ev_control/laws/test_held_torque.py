@@ -1,4 +1,4 @@
-"""Traction control by the torque of the last step in the range (dissertation, section 2.4, principle 3)."""
+"""Traction control by the last torque in the range (dissertation, section 2.4, principle 3)."""
 
 from __future__ import annotations
 

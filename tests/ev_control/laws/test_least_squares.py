@@ -1,4 +1,4 @@
-"""Traction control that finds the peak of the slip curve by least squares (dissertation, eqs 2.34 to 2.36)."""
+"""Traction control by the slip curve's peak, by least squares (dissertation, eqs 2.34 to 2.36)."""
 
 from __future__ import annotations
 
@@ -167,7 +167,7 @@ def test_least_squares_leaves_dry_driving_alone():
 
 
 def test_least_squares_on_ice_ends_the_spin_by_its_backstop():
-    """The slip swings below the backstop of 0.3 on ice, which has no peak, once it counts against the car's speed."""
+    """Ice has no peak: the slip swings below the backstop of 0.3 once it counts."""
     channels = launch("least_squares", ("ice",), 3000.0, 1.0, 12.0)
     fast = channels["wheel_states.velocity.rear_left"] > 4.0
     assert fast.sum() > 400

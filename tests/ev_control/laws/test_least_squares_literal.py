@@ -15,7 +15,7 @@ SLOPE = -4.0  # A; with B = 2 the curve A x + B sqrt(x) peaks at x = 1/16
 
 
 def on_the_curve(slip: float, asked: float) -> Measured:
-    """Both front wheels with this slip over 10 rad/s, and the torque of the curve in parts of the nominal 1850 N m."""
+    """Front wheels with a slip over 10 rad/s, and the curve's torque in parts of 1850 N m."""
     torque = 1850.0 * (SLOPE * slip + 2.0 * math.sqrt(slip))
     wheel = 10.0 / (1.0 - slip)
     return dataclasses.replace(
@@ -26,7 +26,7 @@ def on_the_curve(slip: float, asked: float) -> Measured:
 
 
 def test_the_torque_of_the_step_before_the_peak_was_passed_is_held():
-    """25 samples from a slip of 0.02 to 0.2, past the peak at 0.0625, while the request rises by 10 N m a step.
+    """25 samples from slip 0.02 to 0.2, past the peak at 0.0625; the request rises by 10 N m each.
 
     The window fills in step 25, and the fitted curve, which is the true one, falls there: the
     torque of step 24 stays.

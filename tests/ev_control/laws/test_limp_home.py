@@ -1,4 +1,4 @@
-"""Limp mode: a motor that does not give its command is found beside its partner, which then gives the same."""
+"""Limp mode: a motor that misses its command is found; its partner then gives the same."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def test_a_dead_motor_that_shows_a_little_torque_is_dead(side, asked, fault, noi
 
 
 def test_the_difference_that_was_asked_for_stays_as_far_as_it_fits_the_request():
-    """50 N m more on the right are 50 N m of the right motor, but no torque against the request of the left one."""
+    """50 N m more on the right are given there, without torque against the left request."""
     assert Limping(Motors(faults=only(0, dead))).drive(200.0, 250.0, 1.0) == Wheels.front(
         200.0, 50.0
     )

@@ -18,7 +18,7 @@ FREE = {
 
 
 def end_speed(law: str, faults: tuple[str, ...], watch: bool) -> tuple[float, list[float]]:
-    """Speed of the car [m/s] and torques of the front wheels [N m] 2.5 s after faults of front-driven wheels."""
+    """Speed [m/s] and front torques [N m] 2.5 s after faults of front-driven wheels."""
     more = (
         ("*", "vehicle.driven_wheels", FRONT),
         ("asr", in_regulator(law, "reference.trust.watch"), watch),

@@ -1,4 +1,4 @@
-"""Traction control by the largest torque that the tyre can transmit (dissertation, eq 1.7), by hand."""
+"""Traction control by the largest torque that a tyre transmits (dissertation, eq 1.7), by hand."""
 
 from __future__ import annotations
 

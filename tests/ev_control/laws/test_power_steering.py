@@ -16,7 +16,7 @@ from ev_msgs_py.refusal import ParameterError
 
 
 def test_power_steering_is_equation_4():
-    """Delta M = (2 r_k i/d) (5 M_b - 0.051 alpha - 0.062 alpha') with M_b = 2, alpha = 3, alpha' = -4; by hand."""
+    """(2 r_k i/d) (5 M_b - 0.051 alpha - 0.062 alpha') with M_b = 2, alpha = 3, alpha' = -4."""
     request = law("power_steering").step(
         Motion(column=SteeringColumnState(3.0, -4.0, 2.0, 0.0, 0.0))
     )

@@ -34,7 +34,7 @@ def left_turn(slip_left: float, slip_right: float) -> Motion:
     [("rate", 0.01, 0.02), ("offset", 1, 1), ("increment", 1, 2)],
 )
 def test_readings_of_the_switching_control(reading, after_one, after_two):
-    """Both wheels are far below their targets, so they gain 50 and 100 N m (inner, outer) times the reading's step."""
+    """Wheels far below their targets gain 50 and 100 N m (inner, outer) times the step."""
     law, motion = made(reading=reading), left_turn(0.05, 0.05)
     for factor in (after_one, after_two):
         drive = law.step(motion).drive

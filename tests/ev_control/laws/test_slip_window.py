@@ -25,7 +25,7 @@ def test_relations_of_parameters_are_checked():
 
 
 def test_first_limit_is_the_torque_at_which_the_slip_leaves_the_window():
-    """Eq 1.6: the torque that acts, 1500 N m, and from then on 8000 N m/s less while the slip grows."""
+    """Eq 1.6: the acting 1500 N m, and from then on 8000 N m/s less while the slip grows."""
     law = Control("slip_window")
     torques = [
         law.step(spinning_at(at_slip(slip), 10.0)).front_left

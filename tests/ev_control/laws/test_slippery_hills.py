@@ -1,4 +1,4 @@
-"""Laws that hold a slip pull away on slippery hills that the grip of their wheels carries the car up."""
+"""Laws that hold a slip pull away on slippery hills within the grip of their wheels."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def test_the_grip_suffices(grade):
 
 @pytest.mark.parametrize("law", SLIP_LAWS)
 def test_every_slip_law_starts_on_a_snowy_hill(law):
-    """4.5 m and more on 10 %, 1.5 m and more on 12 %, where at 0.1 m/s of sliding tread four of them stood still."""
+    """4.5 m and more on 10 %, 1.5 m and more on 12 %, with 0.1 m/s of sliding tread."""
     assert climbed(law, 0.10) > 4.0
     assert climbed(law, 0.12) > 1.2
 

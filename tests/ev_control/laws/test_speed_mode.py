@@ -1,4 +1,4 @@
-"""Slip control by speed set-points for drives in speed mode (dissertation, sections 1.4 and 2.4)."""
+"""Slip control by set-points for drives in speed mode (dissertation, sections 1.4 and 2.4)."""
 
 from __future__ import annotations
 

@@ -69,7 +69,7 @@ def test_servo_recovers_from_its_limit():
 
 @given(sequence=st.lists(motions, min_size=1, max_size=8), most=st.floats(0.0, 1000.0))
 def test_difference_stays_within_its_limit(sequence, most):
-    """Equal to the rounding of limit over lever times lever, and of the difference of two torques of up to 2000 N m."""
+    """Equal to the rounding of limit over lever times lever, and of torques of up to 2000 N m."""
     differential = law("steer_by_wire", max_torque_difference=most)
     for motion in sequence:
         assert abs(difference(differential.step(motion))) <= most * (1 + 1e-14) + 1e-12

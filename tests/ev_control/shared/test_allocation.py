@@ -124,7 +124,7 @@ def test_what_is_given_can_be_had_and_is_never_more_than_asked(keep, car, torque
 
 
 def test_a_battery_that_neither_gives_nor_takes_leaves_no_torque_that_has_power():
-    """The limit and the power of no torque are then both zero, and neither is divided by the other."""
+    """Limit and power of no torque are both zero, and neither is divided by the other."""
     car = Vehicle(
         driven_wheels=("rear_left", "rear_right"),
         battery=Battery(discharge_power=0.0, charge_power=0.0, auxiliary_power=0.0),
@@ -137,7 +137,7 @@ def test_a_battery_that_neither_gives_nor_takes_leaves_no_torque_that_has_power(
 @settings(max_examples=100, phases=(Phase.explicit, Phase.generate))
 @given(car=cars, torque=torques, speed=speeds)
 def test_sum_gives_no_wheel_the_other_sign_and_leaves_no_motor_idle(car, torque, speed):
-    """Less of the sum is given, without a battery limit, only where no motor can give more of its sign."""
+    """Less than the sum is given, without a battery limit, only if no motor can give more."""
     asked = of_motors(car, torque)
     drive = given_to(car, "sum", asked, speed)
     assert all(one * other >= 0.0 for one, other in zip(drive, asked, strict=True))
@@ -194,7 +194,7 @@ SLOW = Wheels.all(1.0)
 
 @pytest.mark.parametrize("ahead", [1.0, -1.0])
 def test_each_choice_by_hand(ahead):
-    """Motors that can drive with 250 and brake with 150 N m, of which the right one is asked for 330."""
+    """Motors that drive with 250 and brake with 150 N m; the right one is asked for 330."""
 
     def choice(keep, *asked):
         speed = Wheels.all(ahead)
@@ -215,7 +215,7 @@ def test_each_choice_by_hand(ahead):
 
 @pytest.mark.parametrize("ahead", [1.0, -1.0])
 def test_the_battery_takes_from_the_sum_before_it_takes_from_the_difference(ahead):
-    """9 kW of mechanical power at 100 rad/s are 90 N m in all, with 60 N m between left and right."""
+    """9 kW at 100 rad/s are 90 N m in all, with 60 N m between left and right."""
     car = dataclasses.replace(CAR, battery=Battery(discharge_power=10e3))
     speed, asked = (
         Wheels.all(100.0 * ahead),

@@ -163,7 +163,7 @@ def test_left_and_right_mirror_to_the_bit(sequence, keeps):
 def test_a_sound_car_gets_what_was_asked_to_the_bit(
     parts, speed, bend, vehicle, period, battery, most, noise, seed
 ):
-    """Any share of the battery, with motors between hot and cold, gears, lags, periods, bends, noisy sensors."""
+    """Any share of the battery, hot or cold motors, gears, lags, periods, bends, noisy sensors."""
     limp = Limping(Motors(vehicle, period, most, battery, noise=noise, seed=seed))
     for asked, command in commanded(limp, parts, speed, bend):
         assert command == asked
@@ -191,7 +191,7 @@ def test_limits_that_no_controller_knows_are_no_loss_where_both_meet_them(
 @several
 @given(parts=requests, speed=speeds, vehicle=vehicles, fault=broken, asked=st.floats(80.0, 390.0))
 def test_all_drive_is_back_after_a_fault(parts, speed, vehicle, fault, asked):
-    """Within `recovery`, 0.5 s, of torques that are not about zero, and ten time constants of the drives."""
+    """`recovery`, 0.5 s, of torques that are not about zero, and ten time constants."""
     speed = max(min(speed, 80.0), -80.0)
     limp = Limping(Motors(vehicle, faults=fault))
     list(commanded(limp, parts, speed))

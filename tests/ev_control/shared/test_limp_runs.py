@@ -67,7 +67,7 @@ def test_limits_of_a_car_are_no_loss(vehicle, torque, more):
     "fault", ["battery_share battery 0 from 1 until 1.5", "motor_share all 0.5 from 1 until 1.2"]
 )
 def test_a_short_common_fault_leaves_nothing_behind(fault):
-    """Nothing turns the car, so the request passes during it as well, and all drive is there 0.1 s after it."""
+    """Nothing turns the car: the request passes meanwhile, and all drive is back in 0.1 s."""
     values = pedal(1500.0, 10.0, **{"plant.faults": [fault]})
     run = ev_stack.run(
         "step_steer", ["left"], vehicle="layout_1_8_c", method=LIMP, set=values, duration=1.8
@@ -115,7 +115,7 @@ def test_a_tripped_inverter_with_a_dragging_rotor_is_found():
     ("vehicle", "share"), [("layout_1_8_c", 0.6), ("compact_ev", 0.2), ("audi_a2", 0.2)]
 )
 def test_no_drive_is_taken_from_a_sound_car(vehicle, share):
-    """Any speed, torque, mass, gear and limit of the battery, with noise of up to half the allowed 20 N m."""
+    """Any speed, torque, mass, gear and battery limit, with noise of half the allowed 20 N m."""
     runs = max(round(share * SEEDS), 1)
     chance = np.random.default_rng(1)
     sums = [f"torque_{of}.drive.{wheel}" for of in ("request", "command") for wheel in WHEEL_NAMES]

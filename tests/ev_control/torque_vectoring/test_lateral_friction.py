@@ -62,7 +62,7 @@ def driven(scenario: str, run: str, scale: float, road: str) -> Result:
 def estimated(
     result: Result, stiffer: float = 1.0, brakes: float = 0.0, first: float = 1.2
 ) -> Iterator[Any]:
-    """Grip over load at each step, as the law believes by sensors alone, and what the side forces show of it.
+    """Grip over load in each step, as the law believes and as the side forces show.
 
     That begins at `first`, and rises by itself only from 1.2.
     """

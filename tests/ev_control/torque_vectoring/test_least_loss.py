@@ -1,4 +1,4 @@
-"""The allocation of least loss against a brute force search, closed forms, and the demands that it has to keep."""
+"""Allocation of least loss against brute force, closed forms, and its demands."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ def known(friction: float, speed: Wheels, side: float = 0.0) -> KnownMotion:
 @pytest.mark.parametrize("friction", [0.9, 0.2])
 @pytest.mark.parametrize("table", [NO_MAP, idling(500.0, 0.05)], ids=["model", "map"])
 def test_each_side_keeps_its_torque_within_motors_and_friction(friction, table):
-    """Sum and moment are those of least squares, also where tyres do not hold both, as on snow in a bend."""
+    """Sum and moment are those of least squares, also on snow in a bend, where neither holds."""
     motion = known(friction, Wheels.all(SPEED), 0.1 * friction * LOADS.front_left)
     most = 0.95 * friction * LOADS.front_left * CAR.wheel_radius + 1e-9
     for total, moment in ((0.0, 0.0), (900.0, 800.0), (-1500.0, 2000.0), (3000.0, -6000.0)):

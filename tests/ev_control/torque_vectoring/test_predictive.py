@@ -1,4 +1,4 @@
-"""The dense program with bounds against daqp, and the predictive controller against the regulator."""
+"""The dense bounded program against daqp, and the predictive controller against the regulator."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def test_at_its_bound_it_stays_there_with_what_is_fed_ahead():
 
 
 def test_the_programs_of_the_law_are_solved_as_by_daqp(monkeypatch):
-    """Errors and bounds as on the road, none of either, and more fed ahead than there is, at which no zero is within.
+    """Errors and bounds are as on the road, absent, or without a zero within.
 
     To 1e-6 N m; the unit of the program is 1500 N m, and daqp's tolerance 1e-12 of it.
     """

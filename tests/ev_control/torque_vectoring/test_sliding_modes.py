@@ -20,7 +20,7 @@ P = SuboptimalParameters(rate=12.0, layer=1e-6)  # as in the source, without a l
 
 
 def errors(disturbance: float, period: float, end: float, side: float = 1.0) -> list[float]:
-    """The error s at each step from 0.3 rad/s on, growing by 0.5 rad/s^2, under a square wave of 0.5 Hz [rad/s^3]."""
+    """Error from 0.3 rad/s on, growing by 0.5 rad/s^2, under a square wave [rad/s^3]."""
     state, integral = SuboptimalState(), MomentIntegral()
     s, rate, before, found = side * 0.3, side * 0.5, 0.0, []
     for n in range(round(end / period)):
@@ -38,7 +38,7 @@ def errors(disturbance: float, period: float, end: float, side: float = 1.0) -> 
 
 @pytest.mark.parametrize("disturbance", [0.0, 2.0, 5.5])
 def test_the_error_vanishes_in_finite_time_whatever_disturbs_it(disturbance: float):
-    """F < V_M/2: it is on the surface within 2 s and stays there to the order of T^2, as on all of second order.
+    """F < V_M/2: it is on the surface within 2 s and stays there to the order of T^2.
 
     (V_M + F) T^2/2 is the way of a period; 20 (V_M + F) T^2 is allowed, a few periods until an
     extremum is seen.

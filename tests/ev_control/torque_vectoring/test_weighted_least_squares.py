@@ -1,4 +1,4 @@
-"""The allocation by weighted least squares against daqp, and what it does where motors or tyres end."""
+"""Allocation by weighted least squares against daqp, and at the ends of motors and tyres."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def demand(
 
 
 def optimum(d: Demand) -> np.ndarray:
-    """Solution by daqp, in shares of the grip, which leaves the weights alone to make the problem stiff."""
+    """Solution by daqp, in shares of the grip: the weights alone make the problem stiff."""
     grip, arm = np.array(d.grip), np.array(d.arm) * np.array(d.grip)
     hessian = np.eye(4) + np.outer(grip, grip) / d.total_slack + np.outer(arm, arm) / d.moment_slack
     slope = -(d.total / d.total_slack * grip + d.moment / d.moment_slack * arm)

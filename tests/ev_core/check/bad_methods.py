@@ -167,7 +167,7 @@ class Leaning(Good):
 
 
 class Working(Good):
-    """Passes on what is asked for while the brakes are pressed, and does what is wrong while they are free."""
+    """Passes requests on under pressed brakes, and does what is wrong while they are free."""
 
     def answer(self, request: WheelTorqueRequest) -> WheelTorqueCommand:
         return times(1.0 if max(request.brake) > 0.0 else math.nan, request)

@@ -1,4 +1,4 @@
-"""Every steering column keeps the contract, whatever its parameters are, and as the scenarios have it."""
+"""Every steering column keeps the contract, at any parameters and as in the scenarios."""
 
 from __future__ import annotations
 

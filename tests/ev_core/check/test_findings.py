@@ -116,7 +116,7 @@ def test_what_was_never_called_is_a_finding_and_what_was_reached_is_reported():
 
 
 def test_the_pedal_is_free_and_pressed_and_a_brake_never_negative():
-    """Brakes were pressed in all steps but one in a hundred, and a pressed brake is all that some laws look at."""
+    """The pedal is free in many steps: some laws look at nothing but a pressed brake."""
     inputs = RandomInputs((WheelTorqueRequest, DriverCommand), 1, 0.01)
     signals = [inputs.next() for _ in range(400)]
     brakes = [(*request.brake, driver.brake_torque) for request, driver in signals]

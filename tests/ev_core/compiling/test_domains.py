@@ -1,4 +1,4 @@
-"""A number without a result, such as x / 0 or sqrt(-1), ends a compiled law as it ends plain Python, hidden or not."""
+"""A number without a result, such as x / 0, ends a compiled law as it ends plain Python."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ def text_of(numbers: dict[str, int]) -> tuple[int, ...]:
 @settings(max_examples=30)
 @given(edits)
 def test_the_fingerprint_follows_every_edit_and_knows_what_was_there_before(changes):
-    """After an edit it is that of a new process with the same text, and no other text has the same."""
+    """An edit gives that of a new process with the same text; no other text has the same."""
     numbers, space = {**BEGIN}, namespace(BEGIN)
     seen = {text_of(numbers): reach(space)}
     for cell, number in changes:

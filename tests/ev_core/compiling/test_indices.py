@@ -1,4 +1,4 @@
-"""An index out of range in a compiled law is what it is in plain Python, one line, and never foreign memory."""
+"""An index out of range in a compiled law is one line, as in plain Python, no foreign memory."""
 
 from __future__ import annotations
 
@@ -173,7 +173,7 @@ indices = st.one_of(
 @settings(max_examples=300)
 @given(kind=st.sampled_from(PLACES), index=indices)
 def test_an_index_does_compiled_what_it_does_in_plain_python(kind: str, index: int):
-    """The same answer and state, or one line with index and length and the state before the step."""
+    """Same answer and state, or one line with index and length and the state before the step."""
     made = METHOD, Parameters(float(index), kind), Vehicle(), 0.01
     index = int(float(index))
     compiled, plain, here = CompiledPart(*made), PythonPart(METHOD, create(*made)), Frame()

@@ -1,4 +1,4 @@
-"""Every touch of the inside of numba can be switched off, so that another numba costs time and no function."""
+"""Every touch of numba's inside can be switched off: another numba costs time alone."""
 
 from __future__ import annotations
 

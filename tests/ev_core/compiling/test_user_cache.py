@@ -84,7 +84,7 @@ def test_what_others_may_write_into_is_refused(tmp_path, monkeypatch, mode):
 
 
 def test_what_lies_in_a_folder_of_everybody_is_refused(tmp_path, monkeypatch):
-    """Anybody could put another folder into its place, unless the sticky bit keeps them from it, as in /tmp."""
+    """Any user could exchange the folder, unless the sticky bit forbids it, as in /tmp."""
     (tmp_path / "open").mkdir()
     (tmp_path / "open").chmod(0o777)
     (tmp_path / "link").symlink_to(tmp_path / "open")

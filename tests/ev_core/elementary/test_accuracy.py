@@ -102,7 +102,7 @@ def test_error_of_one_argument_is_at_most_an_ulp(name):
 
 @pytest.mark.parametrize("name", ONE)
 def test_error_near_one_is_at_most_an_ulp(name):
-    """Even steps of a thousandth turn and more, where hypothesis, which likes round numbers, seldom comes."""
+    """Even steps of a thousandth turn and more, which hypothesis seldom draws."""
     low, high = LIMITS.get(name, (None, None))
     generator = np.random.default_rng(7)
     for x in generator.uniform(max(-4.0, low or -4.0), min(4.0, high or 4.0), 1000).tolist():

@@ -63,7 +63,7 @@ RISING = ("asin", "atan", "exp", "expm1", "log", "log1p", "sinh", "tanh", "atanh
 
 @pytest.mark.parametrize("name", RISING)
 def test_rises_with_its_argument(name):
-    """Over distances of more than 1 ulp, for which the bound of the error alone does not make sure of it."""
+    """Distances of more than 1 ulp are needed: the bound of the error does not ensure it."""
     low, high = LIMITS.get(name, (None, None))
     limit = math.pi / 2 if name in ("sin", "tan") else 4.0
     function = getattr(elementary, name)

@@ -20,7 +20,7 @@ GONE = 1e-3  # [N m], of hundreds: 90 ms after it, 18 lags of the motor
 
 @cache
 def driven(*faults: str, battery: float = 120e3) -> Recording:
-    """The front-driven car from 20 m/s on, wheels held straight, drive torque rising from 400 to 700 N m in 3 s."""
+    """The front-driven car from 20 m/s on, straight, torque from 400 to 700 N m in 3 s."""
     values = [
         ("plant", "faults", list(faults)),
         ("steering_column", "profile.time", [0.0, 1.0]),

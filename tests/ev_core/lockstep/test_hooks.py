@@ -1,4 +1,4 @@
-"""A class or a function that lacks what a method of its role has is refused in one line, and not registered."""
+"""A class or function without a method of its role is refused in one line, not registered."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ def cart(p: P, s: S, period, command: WheelTorqueCommand) -> None:
 
 @pytest.fixture
 def registered(monkeypatch: pytest.MonkeyPatch):
-    """A register of its own, which begins with what it has by now, and with all that is installed."""
+    """A register of its own with what it has by now, and with all that is installed."""
     all_methods()
     kept = {role: dict(methods) for role, methods in register._REGISTER.items()}
     monkeypatch.setattr(register, "_REGISTER", kept)

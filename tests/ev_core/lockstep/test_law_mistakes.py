@@ -81,7 +81,7 @@ ANSWERS = {
 
 @pytest.mark.parametrize("answer", ANSWERS)
 def test_an_answer_in_another_shape_than_the_signal_is_refused(answer, tmp_path):
-    """Three drive and five brake torques are eight numbers too, of which the wrong wheels would get some."""
+    """Three drive and five brake torques are eight numbers too, for the wrong wheels."""
     file = tmp_path / "my_law.py"
     right = "return WheelTorqueCommand(request.drive, request.brake)"
     file.write_text(HEAD + FUNCTIONS.replace(right, answer))

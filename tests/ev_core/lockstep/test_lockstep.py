@@ -139,7 +139,7 @@ def assert_each_stepped_once(network: FakeNetwork, but: str = "") -> None:
 @settings(max_examples=20)
 @given(graphs())
 def test_without_faults_the_network_gives_what_the_offline_runner_gives(configurations):
-    """design.md: a node is a pure function of stamped inputs, so the way they come does not matter."""
+    """design.md: a node is a pure function of stamped inputs, in whatever order they come."""
     network = lossless(configurations, 12)
     assert network.signals() == bits(run_offline(configurations, 0.12))
     assert network.silences == 0
@@ -202,7 +202,7 @@ def test_topics_that_connect_late_change_no_bit(configurations, seed, faults):
 def test_resets_and_changes_at_any_time_end_in_a_fresh_run_with_the_same_values(
     configurations, seed, faults, changes
 ):
-    """Also at the first instants, of what answers and what integrates, while messages of runs before are under way."""
+    """The first instants count too, and messages of runs before that are still under way."""
     configurations = dict(configurations)
     network = FakeNetwork(configurations, 6, seed, faults)
     network.begin()
@@ -556,7 +556,7 @@ def test_a_node_that_integrates_speaks_first_and_is_one_answer_ahead():
 
 
 def test_a_late_message_after_a_reset_says_nothing_about_the_new_run():
-    """The column at rest again must not announce its initial state for an instant of the run before."""
+    """A column at rest again does not announce its first state for an older instant."""
     stepper = WatchedStepper(toy("steering_column", (DriverCommand, WheelStates, TireForces)))
     feed(stepper, 5 * PERIOD)
     assert [answer.stamp for answer in feed(stepper, 0, WheelStates)] == [0]
@@ -661,7 +661,7 @@ def test_realtime_holds_for_two_steps_whatever_their_period(period):
 
 
 def test_realtime_takes_messages_that_are_late_each_time():
-    """A command that always comes when its step has been taken without it stands in the next one."""
+    """A command that always misses its step stands in the next one."""
     box = HoldingInbox(
         Inputs((DriverCommand, WheelStates), PERIOD), frozenset({WheelStates}), neutral=True
     )

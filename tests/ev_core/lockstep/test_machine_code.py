@@ -25,7 +25,7 @@ LAWS = (("asr", "fuzzy"), ("asr", "pi_slip"))
 
 
 def stepped(role: str, method: str, compiled: bool) -> str:
-    """The kind of the part, and what it makes of ten steps over a frame of odd numbers, to the bit."""
+    """Kind of the part, and its result of ten steps over a frame of odd numbers, to the bit."""
     part, here = part_of(configure(role, {"method": method}), compiled), Frame()
     for n in range(10):
         for place in range(len(here.numbers)):
@@ -110,7 +110,7 @@ def test_what_cannot_be_compiled_is_one_line(name, message, capsys):
 
 
 def test_a_node_compiles_what_it_plays_but_not_while_real_time_waits(monkeypatch):
-    """A law that is switched to in the middle of a run runs in plain Python, or is refused if it is too heavy."""
+    """A law switched to in a run is stepped in plain Python, or refused if too heavy."""
     made = []
     monkeypatch.setattr(parts, "is_kept", lambda _: False)
     monkeypatch.setattr(

@@ -76,7 +76,7 @@ def test_a_law_in_c_has_the_bits_of_the_law_in_python_offline_and_over_dds(folde
 
 @pytest.mark.weekly
 def test_a_law_in_c_drives_as_a_process(folder, tmp_path):
-    """The runner names it to its node on the command line, for from a file the node would refuse it."""
+    """The runner names it on the node's command line: the node refuses it from a file."""
     library = str(folder / "libpower_steering.so")
     chosen = [
         ("electronic_differential", "method", library),
@@ -195,7 +195,7 @@ def answer_of(library: str) -> float:
 
 
 def test_a_library_is_the_file_that_is_there_now(refused, tmp_path, monkeypatch):
-    """After a rebuild, and after `chdir`, the law of the first file with that text of a path went on."""
+    """A rebuild, and `chdir` under the same text of a path, load the present file."""
     for answer in (1.0, 2.0, 4.0):
         folder = tmp_path / str(answer)
         folder.mkdir()

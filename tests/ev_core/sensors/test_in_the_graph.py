@@ -60,7 +60,7 @@ def test_seed_decides_the_run():
 
 
 def test_lost_messages_and_a_reset_do_not_change_what_sensors_show():
-    """The nodes' steppers on a faulty network give the offline run, bit by bit, and once more after a reset."""
+    """Steppers on a faulty network give the offline run bit by bit, also after a reset."""
     sensors = {
         "plant": ("wheel_speed", "wheel_torque", "body_velocity", "body_heading"),
         "steering_column": COLUMN,

@@ -50,7 +50,7 @@ def test_quantisation_gives_the_nearest_multiple():
     quantisation=st.floats(0.01, 1.0),
 )
 def test_quantisation_shows_nothing_beyond_the_range(range_, quantisation):
-    """The last step within the range is the largest number that is shown, as of a converter of few bits."""
+    """The last step within the range is the largest shown number, as of a coarse converter."""
     lowest, highest = range_
     true = np.linspace(-3.0, 3.0, 201)
     got = shown(true, quantisation=quantisation, lowest=lowest, highest=highest)

@@ -142,7 +142,7 @@ def test_an_own_seed_stays_in_its_declared_range(seed):
 
 
 def test_no_two_streams_are_one():
-    """Changes from sample to sample of what each stream shows, uncorrelated within four standard errors."""
+    """Changes between samples of the streams are uncorrelated within four standard errors."""
     shown = {stream: np.diff(driven(stream, 1) - driven(stream, 2)) for stream in STREAMS}
     for one, other in combinations(shown.values(), 2):
         if one.std() and other.std():

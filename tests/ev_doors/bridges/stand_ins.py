@@ -1,4 +1,4 @@
-"""Messages of packages that are not on PyPI, made from what their definitions say of the fields that are used here.
+"""Messages of packages that are not on PyPI, with the fields that are used here.
 
 Names, defaults and constants are those of simulation_interfaces 2.1.0, autoware_msgs and
 ackermann_msgs as of 2026.

@@ -107,7 +107,7 @@ def control(velocity: float, acceleration: float | None = None, angle: float = 0
 
 @pytest.mark.parametrize("started", [vehicle.Autoware], indirect=True)
 def test_autoware_drives_the_car_and_hears_what_it_does(started, commander):
-    """Forwards in a circle by the kinematic car's own rule r = v tan(delta)/L, backwards, and to rest without commands.
+    """A circle by r = v tan(delta)/L, backwards, and to rest without commands.
 
     The rear axle of this car does not slip: its lateral velocity, which Autoware wants, is zero;
     that of the centre of mass is not.
@@ -180,7 +180,7 @@ def test_ackermann_drives_backwards_by_a_negative_speed_and_steers_at_a_rate(sta
 @pytest.mark.parametrize("faults", [(), ("delayed driver/command.drive_torque 0.1",)])
 @pytest.mark.parametrize("compiled", [True, False])
 def test_a_command_counts_whatever_plays_the_driver(faults, compiled):
-    """The state of a law in plain Python, and of one behind sensors and faults, is a copy of its numbers."""
+    """The state of a plain law, and of one behind sensors and faults, is a copy."""
     configuration = configure("driver", {"method": vehicle._LAW, "faults": faults})
     part = part_of(configuration, compiled)
     names = configuration.method.law.names()

@@ -278,7 +278,7 @@ def test_a_port_that_is_taken_is_refused_before_a_run_is_started(monkeypatch):
 @needs_browser
 @pytest.mark.weekly
 def test_the_page_follows_the_runs_of_a_scenario_through_their_namespaces(tmp_path):
-    """Each of several runs stands in a namespace of its own, one after the other, and is over at its end."""
+    """Each of several runs has a namespace, one after the other, and is over at its end."""
     words = ["--port", "0", "ge_ni2005", "--no-record", "--no-report", "--out", str(tmp_path)]
     process = subprocess.Popen(
         [ROOT / "scripts" / "dashboard.sh", *words],

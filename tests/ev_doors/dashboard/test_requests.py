@@ -174,7 +174,7 @@ def test_what_the_line_says(page, name, value, message):
 
 
 def test_pages_of_other_sites_have_no_socket(page):
-    """Neither another site in the user's browser nor one that has its own name point to this machine."""
+    """Neither another site in the browser nor one with a name for this machine has one."""
     own = f"127.0.0.1:{page.pages.port}"
     assert page.status(Origin=f"http://{own}") == 101
     for origin in (

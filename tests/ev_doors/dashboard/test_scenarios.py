@@ -54,7 +54,7 @@ def window() -> Iterator[Browser]:
 
 @pytest.fixture
 def browser(window: Browser, fed: FedPage) -> Browser:
-    """The window, at the page of the server, to which it comes back from where a test has left it."""
+    """The window at the page of the server, brought back from where a test has left it."""
     if window.run("location.href") != fed.pages.url:
         go_to(window, fed)
         window.complaints.clear()

@@ -44,7 +44,7 @@ NOTHING = 1  # status: the first output is none
 
 @pytest.mark.parametrize("target", ["x86_64-linux", "aarch64-linux", "thumbv7em"])
 def test_an_index_out_of_range_is_a_status_and_the_step_is_none(target: str, tmp_path: Path):
-    """The state stays what it was, so the next step with an index within its range goes on from there."""
+    """The state stays, so the next step with an index in range goes on from there."""
     words = (TARGETS[target].compiler, *TARGETS[target].emulator[:1])
     if lacking := next((word for word in words if not shutil.which(word)), ""):
         pytest.skip(f"{lacking} is not installed")

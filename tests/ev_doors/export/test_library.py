@@ -120,7 +120,7 @@ def test_a_law_on_a_cortex_m7_has_the_bits_and_the_instructions_of_that_on_an_m4
 
 
 def test_a_board_counts_what_is_executed(content, tmp_path):
-    """A hundred thousand instructions, the loop around them, and reading the counter, which takes a division."""
+    """100 000 instructions, the loop around them, and reading the counter by a division."""
     if lacking := missing("thumbv7em"):
         pytest.skip(f"{lacking} is not installed")
     target, library = TARGETS["thumbv7em"], Library(content, "known")

@@ -63,7 +63,7 @@ def test_a_run_takes_every_combination_that_an_export_takes(data):
 
 
 def _made_beforehand(configuration: Configuration) -> list[float]:
-    """Constants of a law and its state at the start, without the parameters that it reads itself."""
+    """Constants and first state of a law, without the parameters that it reads itself."""
     method, common = configuration.method, configuration.common
     given = given_to(method, configuration.given, common.vehicle, common.control_period)
     made = {name: tree for name, tree in given.trees.items() if name != "p"}
@@ -90,7 +90,7 @@ def test_what_an_export_lets_change_is_part_of_nothing_that_is_made_beforehand(d
 
 
 def test_a_group_that_is_handed_on_whole_is_fixed_in_an_export():
-    """The DC link of the machine under test stands among the constants of the bench, that of the load does not."""
+    """The tested machine's DC link is among the constants of the bench, the load's is not."""
     names = [tunable.name for tunable in tunables("test_bench", "circuits_on_can")]
     assert "test_bench.load.dc_link.supply_voltage" in names
     assert not [name for name in names if name.startswith("test_bench.dc_link.")]

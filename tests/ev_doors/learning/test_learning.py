@@ -277,7 +277,7 @@ def test_an_action_of_another_shape_is_refused_and_nothing_is_done(action):
 @pytest.mark.parametrize("kind", ["torque_split", "traction_control", "steering"])
 @pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf, None, "3", 1j], ids=str)
 def test_an_action_that_is_no_finite_number_is_refused_and_nothing_is_done(kind, wrong):
-    """Neither as no limit at all, as NaN is in comparisons, nor behind a step that is done already."""
+    """It is neither taken as no limit, as NaN in comparisons, nor found behind the step."""
     environment = Environment("double_lane_change", kind)
     environment.reset(seed=1)
     action = np.full(environment.action_space.shape, 1.0).astype(

@@ -104,7 +104,7 @@ def free_port() -> int:
 
 
 class Try:
-    """Something under way, in the namespace if there is one, and all sockets that it was seen to hold."""
+    """A process under way, in the namespace if there is one, and all sockets seen of it."""
 
     def __init__(self, words: str, network: Network | NoNamespaces, folder: Path) -> None:
         self._mark = uuid.uuid4().hex

@@ -16,7 +16,7 @@ from ev_nodes import run_role
 def test_the_context_stays_in_the_graph_when_the_asking_node_goes(
     make: Callable[..., Any], monkeypatch
 ):
-    """A context leaves the graph with its last node, and Fast DDS may lock up others for that while they start."""
+    """A context leaves the graph with its last node; Fast DDS may then lock starting ones."""
     others = []
 
     class Asking(run_role.Node):

@@ -113,7 +113,7 @@ run_role.run_node("recorder", make)
 
 
 def test_what_goes_wrong_once_more_at_the_end_is_one_line_too():
-    """A recorder that may write no further fails when it is stepped, and again when it closes its bag."""
+    """A recorder that cannot write fails when stepped, and again when it closes its bag."""
     process = start([sys.executable, "-c", FAILS_AT_THE_END])
     output, _ = process.communicate(timeout=PATIENCE)
     # behind the one that it is ready

@@ -66,7 +66,7 @@ def test_the_graph_gives_the_same_numbers_as_the_offline_runner(way, tmp_path):
 
 
 def test_a_stranger_on_every_topic_changes_nothing_and_is_named_once_by_each_node(tmp_path):
-    """It repeats every stamp with other numbers, and with a number that is none, from before the first step on."""
+    """It repeats every stamp with other numbers, and NaN, from before the first step on."""
     run = shchur(1.0)
     with graph(run, tmp_path) as nodes:
         stranger = Node("stranger", context=nodes.context, namespace=NAMESPACE)
@@ -165,7 +165,7 @@ def test_the_master_says_that_it_waits_for_the_recorder(tmp_path, capfd):
 
 
 def the_rest_of(nodes: Graph, quality: Any) -> tuple[Node, Any]:
-    """A traction control of one's own in a graph that has none, with the publisher of its command, if it has one."""
+    """A user's traction control in a graph without one, and its publisher if it has one."""
     own = Node("asr", context=nodes.context, namespace=NAMESPACE)
     topic = TOPICS[WheelTorqueCommand]
     return own, quality and own.create_publisher(
@@ -301,7 +301,7 @@ def test_the_recorder_names_the_topics_on_which_nothing_comes(tmp_path, monkeypa
 
 
 def test_the_recorder_names_no_topic_behind_a_reset_in_which_time_rests(tmp_path, monkeypatch):
-    """The answers to the new first instant may be taken together with those of the run before, and be left out."""
+    """Answers to the new first instant may come with those of the run before, and be dropped."""
     monkeypatch.setattr("ev_stack.recorder_node._LONG", 0.5)
     run = shchur(0.1, plant__real_time_factor=0.1)
     with graph(run, tmp_path) as nodes:

@@ -29,7 +29,7 @@ def test_time_that_was_lost_counts_in_the_summary_but_makes_nothing_due(wall):
 
 
 def test_a_rest_counts_nowhere(wall):
-    """A second driven, ten of rest, which a change of the pace in between does not end, and half a second driven."""
+    """1 s driven, 10 s of rest through a change of the pace, 0.5 s driven."""
     pace = Pace()
     wall[0] += 1.0
     pace.rest()

@@ -99,7 +99,7 @@ def test_known_friction_is_better_than_the_printed_method_5(driven, seed):
 @pytest.mark.weekly
 @pytest.mark.parametrize("seed", SEEDS)
 def test_pulse_with_rolling_resistance(driven, seed):
-    """Method 1 has 0.77 to 0.82 with the rolling resistance of snow, far from 0.96, and more than method 2."""
+    """Method 1 has 0.77 to 0.82 with the resistance of snow, not 0.96, and more than method 2."""
     assert 0.77 <= wheel(driven, "1", "pulse", seed) <= 0.82
     assert 0.68 <= wheel(driven, "2", "pulse", seed) < wheel(driven, "1", "pulse", seed)
 

@@ -115,7 +115,7 @@ def test_torque_that_turns_the_wheel_faster_is_no_resistance():
 
 
 def test_energies_of_constant_power():
-    """15 N m x 200 rad/s for 2 s at each shaft, the losses of the motor beside it, F r (w - w_free) at both tyres."""
+    """15 N m x 200 rad/s for 2 s at each shaft, motor losses, F r (w - w_free) at both tyres."""
     run = steady_run()
     for sums in circuits_of(run).values():
         assert sums.shaft_work == pytest.approx(6e3)

@@ -28,7 +28,7 @@ def recording():
 
 
 def test_the_energy_of_the_bench_balances(recording):
-    """Battery + mains = resistor + heat + stored, and the battery of the car gave what the machines took.
+    """Battery + mains = resistor + heat + stored; the car's battery gave the machines' part.
 
     The battery follows one exchange later, by voltage and current in single precision: 0.1 %.
     """

@@ -89,7 +89,7 @@ def test_full_car_in_place_of_the_sources_own_is_noticed():
 
 
 def test_values_that_follow_are_those_of_the_equations():
-    """published.csv has seven digits of what the printed equations give with the printed parameters."""
+    """published.csv has seven digits of the printed equations with the printed parameters."""
     turn, speeds, slips = (
         paper.steady_turn(),
         paper.rear_speeds(),

@@ -22,7 +22,7 @@ CLAIMS = published("outside_checks")
 
 
 def judged(id: str, changed=None) -> str:
-    """The verdict from the measured numbers, those of cases that `changed` names by (name, quantity) replaced."""
+    """Verdict from the measured numbers, some replaced by `changed`: (name, quantity)."""
     kept = read_measured(ROOT, CLAIMS[id].needs[0])
     results = {
         name: dataclasses.replace(

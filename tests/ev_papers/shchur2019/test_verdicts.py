@@ -73,7 +73,7 @@ def test_another_parameter_is_noticed(id: str, changed):
 
 
 def test_values_that_follow_are_those_of_the_equations():
-    """published.csv has seven digits of what the printed equations give with the printed parameters."""
+    """published.csv has seven digits of the printed equations with the printed parameters."""
     one, two = paper.OBJECT, paper.CLOSED_LOOP
     ends = (
         one.steady_angle(paper.I_RATIO * 5.0),

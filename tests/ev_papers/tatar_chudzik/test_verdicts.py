@@ -45,7 +45,7 @@ def test_another_input_is_noticed(id: str, changed):
 
 
 def test_below_7_m_per_s_the_magnitude_rises():
-    """There the lateral force of the front left wheel, one of two parallel ones, still points outwards."""
+    """The lateral force of the front left wheel, one of two parallel ones, points outwards."""
     for fig in (12, 13, 14):
         metrics = verdict_on(f"tatar.fig{fig}.FL").metrics
         corrected, equal = (

@@ -1,4 +1,4 @@
-"""The law with active front steering, where the law alone loses the car and the steering alone does, too."""
+"""The law with active front steering, where either alone loses the car."""
 
 from __future__ import annotations
 

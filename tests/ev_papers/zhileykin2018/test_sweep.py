@@ -39,7 +39,7 @@ def block(name: str) -> str:
 
 
 def test_sweep_table_of_the_page_is_that_of_its_cases():
-    """All of it, from the measured numbers beside docs/verdicts.md, of which tests/docs drives some."""
+    """It comes from the numbers beside docs/verdicts.md, some of which tests/docs drives."""
     kept = read_measured(ROOT, StudyNeed("zhileykin2018_sweep")).results
     assert len(kept) == 10 * 40
     assert block("zhileykin2018_sweep") == study_table("zhileykin2018_sweep", kept).strip()
@@ -84,7 +84,7 @@ def test_holds_are_counted_among_the_cases_in_which_rear_drive_spins():
 
 
 def test_every_reading_is_driven_in_all_cases_and_given_to_the_law():
-    """Rear drive, K = 0.48, 0.5, 1 and the equality, three second branches, by speed and by geometry, a fixed half."""
+    """Rear drive, K = 0.48, 0.5, 1, the equality, three second branches, two ways, a fixed half."""
     cases = sweep.cases(Namespace())
     assert len(cases) == 10 * 40 == len({case.name for case in cases})
     settings = {case.name.split()[0]: case.values[4:] for case in cases}

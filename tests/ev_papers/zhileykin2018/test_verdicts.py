@@ -20,7 +20,7 @@ LAW = "electronic_differential"
 
 
 def on_sweep(id: str, changed=(), **peaks: float) -> Verdict:
-    """The verdict from runs with changed parameters and a sweep in which each control has this sideslip angle [rad]."""
+    """Verdict from changed runs and a sweep with this sideslip angle of each control [rad]."""
     peak = {"rear_drive": 3.0, "k05": 1.0, "k1": 0.1, "equality": 0.1, "fixed_split": 0.1, **peaks}
     calm = dict.fromkeys(("h_n", "h_2", "h_4"), 0)
     results = {

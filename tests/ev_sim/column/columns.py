@@ -19,7 +19,7 @@ LEVER = 1.462 / (2 * 0.294)  # d/(2 r_k)
 
 
 def wheels_with(difference: float = 0.0, speed_difference: float = 0.0) -> WheelStates:
-    """Wheels with a torque [N m] and a speed [rad/s] difference of the front wheels, right minus left."""
+    """Wheels with a difference of front torques [N m] and speeds [rad/s], right minus left."""
     return WheelStates(
         NO_WHEELS,
         Wheels.front(-speed_difference / 2, speed_difference / 2),

@@ -67,7 +67,7 @@ def test_it_steers_against_too_much_yaw_whichever_way_the_car_goes(speed, sign):
 
 
 def test_wanted_is_no_more_than_the_road_gives():
-    """A car that turns at the 3/20 rad/s that the road gives gets nothing, though the hands ask for 0.4 rad/s."""
+    """A car at the road's 3/20 rad/s gets nothing, though the hands ask for 0.4 rad/s."""
     assert at_wanted(20.0) > 0.15
     state = Active().drive(BodyVelocity(20.0, 0.0, 0.15), 1.0)
     assert state.road_wheel_angle == pytest.approx(HANDS / CAR.steering_ratio)

@@ -1,4 +1,4 @@
-"""Steer-by-wire with an actuator of its own (Shchur 2019, introduction), and road feel by a motor."""
+"""Steer-by-wire with its own actuator (Shchur 2019, introduction), road feel by a motor."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Actuated:
         self.names = names(METHOD.law.state())
 
     def hold(self, seconds: float, hand_torque: float, difference: float = 0.0) -> dict[str, float]:
-        """The state after some time with a hand torque and a torque difference of the drives [N m]."""
+        """State after some time with a hand torque and a torque difference of the drives [N m]."""
         for _ in range(round(seconds / PERIOD)):
             self.made.advance(DriverCommand(0.0, 0.0, hand_torque), wheels_with(difference))
         return dict(zip(self.names, self.made.state, strict=True))
@@ -60,7 +60,7 @@ def test_torque_difference_of_the_drives_is_a_disturbance():
 
 @pytest.mark.parametrize("share", [0.0, 1.0])
 def test_road_feel_is_that_of_a_mechanical_column(share):
-    """Holding 30 deg at the road wheels takes k_p 30 deg/i = 2.127 N m (shchur.hold30.manual) beside the own spring.
+    """30 deg take k_p 30 deg/i = 2.127 N m (shchur.hold30.manual) beside the own spring.
 
     That is all without feel: 0.25 N m/rad times i 30 deg.
     """
@@ -88,7 +88,7 @@ def test_rate_is_what_the_actuator_can_do():
 
 
 def test_scenario_steers_by_wire_with_and_without_feel():
-    """Near rest the hands hold the spring of the steering wheel, and of the road k_p delta/i where it is brought back.
+    """Near rest hands hold the spring of the steering wheel, and k_p delta/i of the road.
 
     5 % is for friction and the damping of a turn that has not ended quite.
     """

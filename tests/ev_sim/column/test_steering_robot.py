@@ -35,7 +35,7 @@ def test_robot_angle_goes_on_at_its_rate_without_jumps():
 
 
 def test_sine_with_dwell_shape():
-    """0.7 Hz: peak at 0.357 s, second peak from 1.071 s for half a second, back at zero after 1.929 s."""
+    """0.7 Hz: peaks at 0.357 s and from 1.071 s for half a second, zero after 1.929 s."""
     values = {
         "shape": "sine_with_dwell",
         "sine_with_dwell.begin": 0.0,

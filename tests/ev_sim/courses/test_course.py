@@ -63,7 +63,7 @@ def test_widths_that_differ_move_the_middle_of_the_road(tmp_path: Path):
 
 
 def test_the_racing_line_stays_within_the_widths_and_bends_least():
-    """The least-squares solver with bounds of scipy finds the same sum of squared curvatures, to 1e-6 of it."""
+    """Bounded least squares of scipy find the same sum of squared curvatures to 1e-6."""
     room = 0.5 * TRACK + HANDLING.clearance
     assert min(LINE.left.min(), LINE.right.min()) > room
     assert min(LINE.left.min(), LINE.right.min()) < room + 0.01  # it makes use of all of them
@@ -175,7 +175,7 @@ def test_a_bad_file_is_one_line(tmp_path: Path, text: str, line: str):
 def test_points_that_are_no_course_are_one_line(
     tmp_path: Path, spoilt: dict[int, str | None], line: str
 ):
-    """A circle of 30 m with 40 points is refused with a jump, a negative width, no end, or too wide a road."""
+    """A circle of 30 m with a jump, a negative width, no end, or too wide a road is refused."""
     path, rows = tmp_path / "course.csv", []
     for n in range(40):
         turn = 2.0 * np.pi * n / 40

@@ -47,7 +47,7 @@ def drives(
 
 
 def from_circle(found: BatchResult, run: int, begin: float, radius: float) -> np.ndarray:
-    """Distance [m], outwards negative, from a path straight on to `begin` [m], then half a circle to the left."""
+    """Distance [m], outwards negative, from a path straight to `begin` [m], then half a circle."""
     x, y = found.signals["pose.x"][run], found.signals["pose.y"][run]
     half = slice(0, np.flatnonzero(y > radius)[0] if (y > radius).any() else None)
     return np.where(x < begin, y, radius - np.hypot(x - begin, y - radius))[half]

@@ -97,7 +97,7 @@ def steepest(vehicle: Vehicle, road: str, direction: float) -> float:
 def test_a_driver_that_wants_to_stand_stands_up_to_the_steepest_slope_that_friction_holds(
     name, road, direction
 ):
-    """The car stands at 97 % of the slope on which locked wheels begin to slide, at half and at a tenth of it."""
+    """It stands at 97 %, half and a tenth of the slope on which locked wheels slide."""
     vehicle = car_named(name)
     limit = steepest(vehicle, road, direction)
     assert limit > {"dry": 0.4, "snow": 0.15}.get(road, 0.1)

@@ -115,7 +115,7 @@ def test_the_hottest_winding_counts(lap: DrivenRun):
 
 
 def test_a_car_that_cuts_across_leaves_the_course(lap: DrivenRun):
-    """A car counts as off the course where it is on another part of it for some seconds, and between both.
+    """A car is off the course on another part of it for some seconds, and between both.
 
     Pieces of the run show it as well: each begins with the last sample of the one before.
     """
@@ -131,7 +131,7 @@ def test_a_car_that_cuts_across_leaves_the_course(lap: DrivenRun):
 def test_a_car_that_goes_back_across_the_line_begins_no_lap_once_more(
     lap: DrivenRun, crossing: int
 ):
-    """The lap is as long as without reversing 5 samples behind the line, or longer by the way to and fro."""
+    """The lap is that without reversing 5 samples behind the line, or longer by the way back."""
     signals, line = lap.signals, line_of(lap.course, lap.vehicle).points[0]
     far = np.hypot(signals.channels["pose.x"] - line[0], signals.channels["pose.y"] - line[1])
     at = far[:1000].argmin() if crossing == 0 else 1000 + far[1000:].argmin()

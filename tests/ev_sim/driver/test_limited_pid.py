@@ -16,7 +16,7 @@ PERIOD = 0.01
     high=st.floats(0.0, 50.0),
 )
 def test_output_keeps_its_limits_and_the_integral_stays_in_reach(errors, low, high):
-    """The integral part grows only while the output is inside the limits, so one period's growth is all beyond them.
+    """The integral grows only inside the limits: one period's growth is all beyond them.
 
     Proportional action of the other sign lets it go further, by as much as it takes away.
     """

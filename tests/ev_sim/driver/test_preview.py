@@ -54,7 +54,7 @@ def test_every_car_settles_in_reverse(car):
 @pytest.mark.parametrize("car", CARS)
 @pytest.mark.sampled
 def test_bends_of_3_m_per_s2_are_followed(car):
-    """The car stays within 0.45 m of a bend that begins at once, and within 2 cm per m/s^2 at its end.
+    """The car stays within 0.45 m of a sudden bend, and within 2 cm per m/s^2 at its end.
 
     Speeds are 30 to 140 km/h. The driver learns what tyres lose against their slope at rest. The
     kei car of Ge & Ni has 40 % more of that, so 2 m/s^2, and its tyres slide so slowly that it is
@@ -104,7 +104,7 @@ def test_left_and_right_are_alike_to_the_bit(speed):
 
 
 def test_gains_are_those_of_the_textbook():
-    """Against the algebraic Riccati equation and the matrix exponential of scipy, at all speeds both ways."""
+    """The Riccati equation and matrix exponential of scipy agree, at all speeds both ways."""
     p, car = PreviewParameters(), Vehicle()
     speeds = np.array([*GAIN_SPEEDS, *(-speed for speed in GAIN_SPEEDS)])
     gains, (a, b) = preview_gains(p, car), _model(p, car, speeds)

@@ -16,7 +16,7 @@ PERIOD = 0.01
 
 @pytest.mark.parametrize("speed", [2.0, -2.0])
 def test_pure_pursuit_comes_back_to_the_path(speed):
-    """A rolling car 1 m beside a straight path, 0.2 rad off its direction, within 5 cm after 30 m, either way."""
+    """A rolling car 1 m and 0.2 rad off a straight path is within 5 cm after 30 m."""
     vehicle = Vehicle()
     path = path_of(PathParameters(x=(-100.0, 100.0), y=(0.0, 0.0)))
     rear_x, rear_y, heading, leg = 0.0, 1.0, 0.2, 0

@@ -42,7 +42,7 @@ def test_first_step_by_hand(wanted, speed, drive, brake):
     speeds=st.lists(st.floats(-30.0, 30.0), min_size=1, max_size=20),
 )
 def test_pedals_keep_their_limits_and_mirror_in_reverse(wanted, speeds):
-    """Limits hold, the drives never drive while the brakes brake, backwards is the mirror image of forwards."""
+    """Limits hold, drives do not drive against the brakes, reverse is the mirror image."""
     feet, mirrored = SpeedControlState(), SpeedControlState()
     for target, speed in zip(wanted * len(speeds), speeds * len(wanted), strict=True):
         drive, brake = follow_speed(LIMITS, NUMBERS, feet, PERIOD, target, speed)

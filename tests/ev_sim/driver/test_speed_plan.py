@@ -52,7 +52,7 @@ def planned(path: Path) -> tuple[np.ndarray, np.ndarray]:
     curvatures=st.lists(st.floats(-0.3, 0.3), min_size=4, max_size=4),
 )
 def test_no_bend_is_too_fast_and_none_comes_too_suddenly(lengths, curvatures):
-    """V^2/R within the grip but for the chords of half a metre, and V V' = a at most, along any arcs."""
+    """V^2/R within the grip but for chords of half a metre, V V' = a at most, on any arcs."""
     arcs = PathParameters(
         shape="arcs", length=tuple(lengths), curvature=tuple(curvatures[: len(lengths)])
     )

@@ -69,7 +69,8 @@ def test_switched_drive_agrees_with_a_plain_model_of_three_phases(speed, bus_vol
 
     The second bus makes the diodes conduct.
 
-    0.1 % of the torque: the explicit steps of the plain model, of which the freewheeling phase may pass zero by one.
+    0.1 % of the torque: the explicit steps of the plain model, by one of which the
+    freewheeling phase may pass zero.
     """
     state, parameters = drive_with({"drive": "switched", "motor.torque_limit": 1e5})
     for _ in range(8):
@@ -79,7 +80,7 @@ def test_switched_drive_agrees_with_a_plain_model_of_three_phases(speed, bus_vol
 
 @pytest.mark.parametrize("changes", SWITCHED, ids=name_of)
 def test_commutation_makes_six_ripples_in_an_electrical_turn(changes):
-    """The sixth harmonic is far above its neighbours at 40 N m and 60 rad/s (a turn takes 10.47 ms)."""
+    """The sixth harmonic leads at 40 N m and 60 rad/s (a turn takes 10.47 ms)."""
     turn = math.tau / (10 * 60.0)
     result = run(changes, 40.0, 60.0, duration=30 * turn, step=turn / 120, settled=10 * turn)
     spectrum = np.abs(np.fft.rfft(result.mean_torque)) / len(result.mean_torque) * 2

@@ -24,7 +24,7 @@ from ev_sim.drives.drive import DRIVE_MODELS
 def test_without_resistance_electrical_energy_is_mechanical_work_and_magnetic_energy(
     changes, torque, speed, bus_voltage
 ):
-    """The midpoint rule keeps the balance up to rounding, lost current control and diode braking included."""
+    """The midpoint rule keeps it to rounding, lost current control and diodes included."""
     state, parameters = drive_with({**changes, "motor.resistance": 0.0})
     electrical, mechanical, turnover = 0.0, 0.0, 1.0
     for _ in range(20):

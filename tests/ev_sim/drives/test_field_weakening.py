@@ -1,4 +1,4 @@
-"""The torque envelope of a synchronous machine by DC-link voltage and speed, against closed forms."""
+"""Torque envelope of a synchronous machine by DC voltage and speed, against closed forms."""
 
 from __future__ import annotations
 

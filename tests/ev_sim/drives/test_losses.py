@@ -10,7 +10,7 @@ from ev_core.vehicle.motor import Motor
 
 
 def test_losses_and_efficiency_map_agree():
-    """A map made from the loss model gives the loss model's values at its points, driving and generating."""
+    """A map of the loss model gives its values at the points, driving and generating."""
     speeds, torques = np.linspace(50.0, 500.0, 4), np.linspace(20.0, 200.0, 5)
     motor = Motor()
     power = speeds[:, None] * torques[None, :]

@@ -45,7 +45,7 @@ def test_proportional_and_integral_part_by_hand():
 
 @pytest.mark.parametrize(("error", "limit"), [(2.0, 10.0), (-2.0, -10.0)])
 def test_the_integral_holds_where_the_torque_is_limited(error, limit):
-    """The integral stays at 9 N m where 15 are asked of 10, either way, and goes back as the error turns."""
+    """It stays at 9 N m where 15 are asked of 10, either way, and goes back with the error."""
     integral = 0.9 * limit
     asked, held = speed_control_without_windup(BOTH_WAYS, integral, error)
     assert (asked, held) == (3.0 * error + integral, integral)

@@ -61,7 +61,7 @@ def test_windows_say_the_mode_whatever_the_cycle(time, mode):
 
 
 def test_rule_finds_the_windows_that_the_dissertation_lists():
-    """All 19, but that the source drives on from 49.7 s to 57.3 s, where the speed falls from 47.3 to 31.5 km/h."""
+    """All 19, but that the source drives from 49.7 to 57.3 s while the speed falls."""
     listed = load_scenario("urban_mixed").runs[0].configurations["driver"].parameters
     begin, mode = windows_by_rule(RULE, wanted_speed(listed.speed_profile))
     found = list(zip(begin, (MODES[place] for place in mode), strict=True))

@@ -40,7 +40,7 @@ def test_duration_and_distance(name, duration, distance, tolerance):
     [("udds", 1369, 7.45, 56.7), ("hwfet", 765, 10.26, 59.9), ("nycc", 598, 1.18, 27.7)],
 )
 def test_schedules_of_the_epa(name, seconds, miles, fastest):
-    """Duration, distance as printed to 0.01 mi, and speeds in tenths of a mile per hour, once a second."""
+    """Duration, distance to the printed 0.01 mi, speeds in tenths of a mile per hour."""
     rows = points(name)
     assert [t for t, _ in rows] == list(range(seconds + 1))
     tenths = [v * 3.6 / 0.1609344 for _, v in rows]

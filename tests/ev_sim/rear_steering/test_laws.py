@@ -24,7 +24,7 @@ CAR = load_scenario("rear_steering").runs[0].configurations["plant"].common.vehi
 
 
 def ratio_after_a_while(method: str, speed: float) -> float:
-    """Rear over front angle where the car goes straight at a speed and its front wheels are turned."""
+    """Rear over front angle of a car straight on at a speed, with its front wheels turned."""
     found = find_method("rear_steering", method)
     law = found.factory(found.parameters(max_angle=1.0), CAR, 0.01)
     column = SteeringColumnState(FRONT * CAR.steering_ratio, 0.0, 0.0, FRONT, 0.0)
@@ -43,7 +43,7 @@ def test_speed_dependent_follows_its_points_forwards_and_in_reverse(speed, ratio
 
 @pytest.mark.parametrize("speed", [5.0, 15.0, 25.0, 40.0])
 def test_zero_sideslip_is_that_of_the_linear_model(speed):
-    """A car with this ratio has no lateral velocity in the steady state of its own single-track model."""
+    """A car with this ratio has no steady lateral velocity in its single-track model."""
     ratio = ratio_after_a_while("zero_sideslip", speed)
     model = single_track(dataclasses.replace(CAR, rear_steering_ratio=ratio), speed)
     lateral, yaw_rate = np.linalg.solve(-model.A, model.B)[:2, 0]

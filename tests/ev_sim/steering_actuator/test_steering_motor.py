@@ -71,7 +71,7 @@ def test_limits_hold_whatever_is_asked_and_both_sides_are_alike(commands):
     st.lists(st.tuples(st.floats(-0.05, 0.05), st.floats(-150.0, 150.0)), min_size=1, max_size=100)
 )
 def test_energy_closes(commands):
-    """Supply = copper + friction + kinetic energy - work of the road, exactly for the rule by which a step is taken."""
+    """Supply = copper + friction + kinetic - work of the road, exactly for the step's rule."""
     s, c = SteeringMotorState(), servo(P, ONE_STEP)
     taken = losses = given_by_road = 0.0
     for wanted, moment in commands:

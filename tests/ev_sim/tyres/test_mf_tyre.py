@@ -49,7 +49,7 @@ def forces_at(tyres, load, slip_ratio, slip_angle, plain):
 
 
 def test_forces_are_those_of_an_independent_implementation():
-    """The forces agree to 1e-12 of each, by the short formula and by the full one (measured 2.8e-15)."""
+    """Forces agree to 1e-12, by the short formula and the full one (measured 2.8e-15)."""
     for row in REFERENCE:
         expected = abs(row["longitudinal_force"]), abs(row["side_force"])
         for plain in (True, False):
@@ -74,7 +74,7 @@ def test_tyres_with_all_terms_follow_the_printed_formula():
 
 
 def printed_formula(df, load, kappa, alpha, **n):
-    """Pacejka 2012, eqs 4.E9 to 4.E65 with the terms that `MfTyres` keeps, both forces as sizes [N]."""
+    """Pacejka 2012, eqs 4.E9 to 4.E65 with the terms of `MfTyres`, forces as sizes [N]."""
 
     def bent(x, curvature):
         return math.atan(x - curvature * (x - math.atan(x)))
@@ -106,7 +106,7 @@ def printed_formula(df, load, kappa, alpha, **n):
 
 
 def test_plant_slides_at_the_slips_of_the_formula():
-    """Slip velocities over the transport velocity, as the plant has them, give F of kappa and tan(alpha)."""
+    """The plant's slip velocities over transport velocity give F of kappa and tan(alpha)."""
     along, slip_x, slip_y = 20.0, 0.8, -1.1
     rim = along + slip_x
     loaded = at_load(FRONT_LEFT, 3500.0, 1.0, 1.0)
@@ -184,7 +184,7 @@ def test_a_coefficient_that_is_there_twice_is_refused(tmp_path):
 
 @pytest.mark.parametrize("pressure", [150e3, 250e3])
 def test_another_pressure_than_the_nominal_one_changes_stiffness_and_friction(pressure):
-    """The factors are those of the formula with all its terms (eqs 4.E13 to 4.E25), to which rig data are fitted."""
+    """Factors are those of the whole formula (eqs 4.E13 to 4.E25), as fitted to rig data."""
     by_pressure = dict(
         zip(
             [f"PP{a}{n}" for a in "XY" for n in range(1, 5)], np.linspace(-0.3, 0.4, 8), strict=True

@@ -49,7 +49,7 @@ def test_a_car_that_stays_in_the_lanes_passes_on_either_side():
 
 
 def test_a_car_that_touches_a_cone_does_not_pass():
-    """0.8 m aside the body, 0.82 m to each side, reaches over the cones at 1.5 m of the first lane."""
+    """A body 0.8 m aside, 0.82 m to each side, reaches over cones at 1.5 m."""
     assert judged(driven((13.0, 0.8), (17.0, -3.0)))[:2] == (0.0, 4)
 
 

@@ -115,7 +115,7 @@ def timing() -> dict[str, Sheet]:
 
 
 def long_words() -> dict[str, Sheet]:
-    """Titles, names, reasons and ordinates that are wider than a column, and a word without a blank."""
+    """Titles, names, reasons and ordinates wider than a column, and a word without a blank."""
     curves = [Curve(TIME, 1e8 * np.sin(TIME + n), f"{LONG} {n}") for n in range(3)]
     reason = f"not measured: {LONG}, for nothing of it was recorded"
     panels = [
@@ -145,7 +145,7 @@ STUDIES = {
 )
 @pytest.mark.sampled
 def test_print_has_no_text_beyond_the_edge_or_over_another(study: str, width: float):
-    """A sweep of two parameters was 3.5 x 33.9 in, with colour bars apart from their maps and titles cut."""
+    """A sweep of two parameters fits: bars beside their maps, whole titles."""
     found = {
         name: flaws(figure, width) for name, figure in printed(STUDIES[study](), width).items()
     }

@@ -15,7 +15,7 @@ COURSE = load_scenario("obstacle_avoidance").parameters.course
 @pytest.mark.parametrize("side", [1, -1])
 @pytest.mark.parametrize(("track", "third"), [(1.462, 3.0), (2.0, 1.3 * 2.21 + 0.25)])
 def test_the_course_is_that_of_the_standard(side, track, third):
-    """Lanes of 12, 11, 12 m, 13.5 and 12.5 m apart, 1.1 w + 0.25, w + 1 and 1.3 w + 0.25 >= 3 m wide."""
+    """Lanes of 12, 11, 12 m, 13.5 and 12.5 m apart, 1.1 w + 0.25, w + 1, 1.3 w + 0.25 wide."""
     car = Vehicle(front_track=track, rear_track=track)
     first, second, last = COURSE.lanes(car, side)
     ends = [(lane.begin, lane.end) for lane in (first, second, last)]

@@ -43,7 +43,7 @@ def second_order(system: paper.SecondOrder, time: np.ndarray) -> np.ndarray:
 def step_run(
     system: paper.SecondOrder, hand_torque: float, gain: float, step_time: float = 0.5
 ) -> Recording:
-    """The column after a step by hand at `step_time`, with the differential torque of eq. 4 from the step on."""
+    """The column after a step by hand at `step_time`, with eq 4's differential torque."""
     time = instants(10.0)
     hand = np.where(time >= step_time - 1e-9, hand_torque, 0.0)
     steady = system.steady_angle(gain * paper.I_RATIO * hand_torque)
@@ -84,7 +84,7 @@ def steps_runs() -> dict[str, Recording]:
 
 
 def cycle_run(end: float = 50.0, angle_error: float = 0.0) -> dict[str, Recording]:
-    """Shchur's cycle in the steady state at every instant, with an error of the road-wheel angle in the turns."""
+    """Shchur's cycle, steady at every instant, with an error of the road-wheel angle in turns."""
     time = instants(end)
     speed = np.interp(time, [0, 4, 25, 29, 50], np.array([0, 15, 15, 30, 30]) / 3.6)
     turns = np.select([(time >= 10) & (time <= 18), (time >= 37) & (time <= 45)], [1.0, -1.0])
@@ -369,7 +369,7 @@ def test_torque_at_another_angle_is_not_the_torque_at_30_deg():
 
 
 def test_cycle_report_reproduces_the_steady_turns():
-    """Angles and wheel speeds are what the run is given, or follow from it by the plant's own equations."""
+    """Angles and wheel speeds are given to the run, or follow by the plant's equations."""
     metrics = report_for("shchur2019").metrics(cycle_run(), VEHICLE, IDEAL)
     right = metrics["shchur.fig4.dV.right"]
     assert right.verdict.startswith("follows from the inputs")

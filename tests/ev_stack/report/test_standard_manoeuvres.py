@@ -76,7 +76,7 @@ def test_a_sine_with_dwell_has_the_multiples_of_its_name_with_another_car():
 
 
 def test_a_car_with_slower_steering_has_its_own_angle_and_a_given_one_stays():
-    """Twice the steering ratio takes twice the angle, and at the same rate of the ramp half the lag: 1 % of it."""
+    """Twice the steering ratio takes twice the angle, with half the ramp's lag: 1 % of it."""
     changed = ("*", "vehicle.steering_ratio", 2 * Vehicle().steering_ratio)
     (one,) = with_own_angles(
         load_scenario("step_steer", Overrides(values=[changed]), only=["left"])
@@ -163,7 +163,7 @@ def test_another_cycle_is_no_other_car():
 
 
 def test_a_standing_car_has_no_response():
-    """Overshoot of 3e13 % and a TB factor of 26 deg s were measured of a car that had come to rest."""
+    """A car at rest has neither an overshoot nor a TB factor."""
     at_rest = {
         "driver.speed_profile.speed": [0.0],
         "driver.speed_profile.time": [0.0],

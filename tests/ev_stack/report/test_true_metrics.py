@@ -123,7 +123,7 @@ FAULTS = (
     ),
 )
 def test_sensors_and_faults_make_of_the_truth_what_was_recorded(sensors, faults, of_column):
-    """Rows of sensors and faults behind the found truth show the recorded numbers to the bit, whatever read them."""
+    """Sensors and faults behind the found truth give the recorded numbers to the bit."""
     values = [
         ("plant", f"sensors.{name}.{of}", value)
         for name, errors in sensors.items()
@@ -287,7 +287,7 @@ def assert_mirrored(scenario: Scenario, runs: dict[str, Recording]) -> None:
     st.sampled_from(["audi_a2", "dissertation_class_b", "layout_1_8_c"]),
 )
 def test_metrics_of_any_mirror_image_are_mirrored(name, speed, left, vehicle):
-    """Forwards and in reverse, on split friction, with front, rear and all wheels driven, measured or not."""
+    """Both ways, on split friction, with front, rear and all-wheel drive, measured or not."""
     values = [("plant", "initial_speed", speed), ("plant", "road.left", [left])]
     values += [("steering_column", "scale", 1.0)] * (name == "step_steer")  # no slow ramp
     run = load_scenario(name).runs[0].name

@@ -1,4 +1,4 @@
-"""A law that never ends, compiled, and that asks for the end of the run once it is seen to stand there.
+"""A compiled law that never ends and asks for the end of the run once it is in its loop.
 
 As a module it drives a run in one of the ways in which laws are driven: `python endless_law.py WAY
 FOLDER`. The signal goes to the process that began the run, as from a service manager; its workers

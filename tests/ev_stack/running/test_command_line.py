@@ -279,7 +279,7 @@ def test_ctrl_c_is_one_line_from_the_first_moment(when, command, monkeypatch, ca
 def test_an_error_that_ctrl_c_has_made_is_one_line_and_any_other_is_shown(
     interrupted, error, command, monkeypatch, capsys
 ):
-    """The compiler hears of no Ctrl-C in a callback, and goes on without what that should have brought.
+    """The compiler gets no Ctrl-C in a callback, and goes on without its result.
 
     Python itself makes another error of it where a class is being made: no method of that module is
     known then.

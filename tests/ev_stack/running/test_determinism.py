@@ -1,4 +1,4 @@
-"""The campaign that looks for anything on which bits depend meets everything, and sees a difference."""
+"""The campaign that looks for causes of other bits meets them all, and sees a difference."""
 
 import os
 from collections import Counter

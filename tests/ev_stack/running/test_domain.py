@@ -81,7 +81,7 @@ def test_when_all_are_taken_the_run_does_not_begin():
 
 @pytest.mark.parametrize("participant", [0, 1, 7])
 def test_a_domain_in_which_anybody_lives_is_left_alone(participant, first_port):
-    """Participant n of a domain listens 250 domain + 10 + 2 n above the first port (DDSI-RTPS 9.6.1.1)."""
+    """Participant n listens 250 domain + 10 + 2 n above the first port (DDSI-RTPS 9.6.1.1)."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
         stranger.bind(("127.0.0.1", first_port + 250 + 10 + 2 * participant))
         with free_domain() as free:

@@ -58,7 +58,7 @@ def test_many_runs_end_with_one_line(way: str, kind: signal.Signals, tmp_path: P
 @pytest.mark.weekly
 @pytest.mark.parametrize("way", BEFORE_THEM)
 def test_what_comes_before_many_runs_ends_with_one_line(way: str, tmp_path: Path):
-    """The time of a study is estimated by its first run, and what is added to a board is held against the contract."""
+    """A study times its first run, and an added law is held against the contract."""
     assert_stopped(ended(way, tmp_path, signal.SIGINT))
 
 

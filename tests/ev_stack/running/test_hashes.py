@@ -24,7 +24,7 @@ QUICK = ("double_lane_change", "shchur2019_steps", "step_steer", "tatar_chudzik"
     ids=lambda word: word,
 )
 def test_a_published_hash_is_that_of_the_run(scenario, run):
-    """A change of arithmetic that moves it belongs into the page (document.sh) and, with its cause, into CHANGELOG."""
+    """A change that moves it goes into the page and, with its cause, into CHANGELOG."""
     (found,) = [each for each in load_scenario(scenario).runs if each.name == run]
     assert signal_hash(run_offline(found.configurations, found.duration)).startswith(
         PUBLISHED[scenario, run]

@@ -60,7 +60,7 @@ def metrics_of(scenario: str) -> dict[str, float | None]:
 
 
 def deviations(recording: Recording, state: np.ndarray, reference: np.ndarray) -> dict[str, float]:
-    """Differences of two states at the end of a run over the way and the largest speeds of the run [1]."""
+    """Differences of two last states over the way and the largest speeds of the run [1]."""
 
     def largest(*channels: str) -> float:
         return max(float(np.abs(recording.channels[channel]).max()) for channel in channels)
@@ -116,7 +116,7 @@ def test_an_adaptive_solver_ends_the_run_alike(scenario, name):
 
 @pytest.mark.parametrize(("scenario", "name"), CASES)
 def test_power_balance_closes(scenario, name):
-    """Battery work = losses + drive work, drive work = kinetic energy + tyres + resistance, within 0.1 %."""
+    """Battery = losses + drives; drives = kinetic + tyres + resistance, within 0.1 %."""
     _, end = driven(scenario, name)
 
     def work(entry: str) -> float:
@@ -139,7 +139,7 @@ def test_every_metric_is_measured(scenario):
 
 @pytest.mark.parametrize("name", ["forward", "backward"])
 def test_hill_start(name):
-    """Held on 20 % for a minute within 1 mm, no roll-back, and the slip of the pull-away keeps its sign."""
+    """Held on 20 % for a minute within 1 mm, no roll-back; the slip keeps its sign."""
     metrics = metrics_of("hill_start")
     assert metrics[f"{name}_holding_time"] >= 60.0
     assert metrics[f"{name}_movement_while_holding"] < 1e-3
@@ -270,7 +270,7 @@ def test_a_car_beside_its_lane_hits_the_cones_of_one_row():
 
 
 def test_sine_with_dwell_multiples_of_a():
-    """The amplitudes in the scenario are the multiples that their names say of the A that its first run gives."""
+    """Amplitudes are the multiples in their names of the A that the first run gives."""
     metrics = metrics_of("sine_with_dwell")
     for name, multiple in (
         ("times_1_5", 1.5),

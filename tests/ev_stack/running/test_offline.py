@@ -79,7 +79,7 @@ def clockwork() -> dict[str, Configuration]:
 
 
 def test_answers_arrive_at_once_and_integrated_states_one_step_later():
-    """roles.py: the output of an answering role at t_k follows from t_k, of an integrating one from up to t_k-1."""
+    """roles.py: an answer at t_k follows from t_k, an integrated state from up to t_k-1."""
     channels = run_offline(clockwork(), 0.03).channels
     times = [0.0, 0.01, 0.02, 0.03]
     assert channels["driver.command.drive_torque"].tolist() == times

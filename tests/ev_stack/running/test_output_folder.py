@@ -1,4 +1,4 @@
-"""Nothing that is there is deleted or replaced, whatever it is and whichever command is given."""
+"""Nothing of the user's is deleted or replaced, whatever is in the folder and the command."""
 
 from __future__ import annotations
 
@@ -264,7 +264,7 @@ def test_a_new_file_may_be_in_a_new_folder(tmp_path: Path):
 
 @pytest.mark.parametrize("links", (True, False))
 def test_a_file_that_is_killed_before_it_has_its_name_leaves_no_name(tmp_path, monkeypatch, links):
-    """SIGKILL between taking the name and moving the file leaves no empty signals.npz.
+    """SIGKILL between name and contents leaves no empty file (campaign, seed 786).
 
     Where the file system has no links the name is taken first; nothing else can keep two writers
     apart there.

@@ -1,4 +1,4 @@
-"""A look into the running graph waits for what is found late, and no longer than discovery takes."""
+"""A look into the running graph waits for late nodes, as long as discovery takes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ev_stack.commands.present_graph import master_namespace, type_of
 
 
 class Graph:
-    """A node's view of a graph in which others appear at instants [s] of a clock that only sleeping moves."""
+    """View of a graph in which nodes appear at instants [s] of a clock that sleeping moves."""
 
     def __init__(self, appear: Mapping[str, float], monkeypatch: pytest.MonkeyPatch) -> None:
         self.now, self._appear = 0.0, appear

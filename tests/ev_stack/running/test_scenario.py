@@ -111,7 +111,7 @@ def test_one_run_lives_in_ev_and_several_below(scenario):
 
 
 def test_later_words_go_before_earlier_ones(scenario, more, config):
-    """Vehicle file, then the scenario, then further files in their order, then the command line in its order."""
+    """Vehicle file, scenario, further files in order, command line in order."""
     name = scenario(
         HEAD + section("/**", "{vehicle.mass: 1.0e3, seed: 1}") + section("/**/plant", "{seed: 2}")
     )

@@ -43,7 +43,7 @@ def inspect(domain: int, *words: str) -> subprocess.CompletedProcess:
 
 @pytest.fixture(scope="module")
 def domain(tmp_path_factory) -> Iterator[int]:
-    """The domain of a graph that is held at a fifth of real time, in one process, which costs others little."""
+    """Domain of a graph held at a fifth of real time, in one process, cheap for others."""
     running = Running(
         tmp_path_factory.mktemp("inspect") / "out",
         "--in-process",
@@ -334,7 +334,7 @@ def test_a_parameter_of_ros_itself_is_there_for_those_that_ask_for_it(shell):
 
 
 class AtHundredHertz:
-    """A graph in which each topic has 100 messages a second, and a subscription takes 50 ms to be made."""
+    """A graph with 100 messages a second on each topic, and 50 ms to subscribe."""
 
     def __init__(self) -> None:
         self.now = 0.0

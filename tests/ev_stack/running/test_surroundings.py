@@ -100,7 +100,7 @@ STAGES = {
     ("command", "module"), [(name, each) for name, stages in STAGES.items() for each in stages]
 )
 def test_ctrl_c_at_any_stage_of_a_start_is_one_line(command: str, module: str, tmp_path: Path):
-    """The signal comes while a module is imported, so no stage hangs on the speed of the machine."""
+    """The signal comes in an import, so no stage depends on the speed of the machine."""
     (tmp_path / "sitecustomize.py").write_text(INTERRUPT_WHILE)
     environment = {**ENVIRONMENT, "PYTHONPATH": f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}"}
     environment["WHILE_IMPORTING"] = module

@@ -183,7 +183,7 @@ def test_a_terminal_that_knows_ascii_only_is_answered(monkeypatch):
 
 
 def test_another_law_than_that_of_the_source_is_not_judged():
-    """No number is called (not) reproduced by a law, a car or a node that the source does not know."""
+    """No number is (not) reproduced by a law, car or node that the source does not know."""
     method_of_mine = {"electronic_differential": "equal_torque"}
     found = ev_stack.run("shchur2019", method=method_of_mine, duration=0.1).metrics
     judged = {metric.judgement for metric in found.values()}

@@ -105,7 +105,7 @@ def test_the_frame_of_the_car_is_its_pose(driven):
 
 
 def test_front_wheels_are_steered_by_ackermann(driven):
-    """cot(right) - cot(left) = track / wheelbase in a left turn, and their mean cotangent is that of the mean angle."""
+    """cot(right) - cot(left) = track / wheelbase to the left; their mean is the mean angle's."""
     left, right = (
         angles(frames(driven)[f"front_{side}_steering"], "z") for side in ("left", "right")
     )

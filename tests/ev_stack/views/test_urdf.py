@@ -48,7 +48,7 @@ def links(robot: Element) -> dict[str, tuple[np.ndarray, float, np.ndarray]]:
 
 @pytest.mark.parametrize("name", VEHICLES)
 def test_the_parts_weigh_what_the_car_weighs(name):
-    """Mass, centre of mass and yaw inertia of all links together, by Steiner, are those of the vehicle file."""
+    """Mass, its centre and yaw inertia of all links, by Steiner, are the vehicle's."""
     car = vehicle_of(name)
     parts = links(fromstring(urdf(car)))
     assert len(parts) == 1 + 2 * len(WHEEL_NAMES)

@@ -85,7 +85,7 @@ def neutral_front_share(car: SideSlipModel) -> float:
 
 
 def neutral_rear_difference(car: SideSlipModel) -> float:
-    """Difference q of the rear shares that makes the car steer neutrally at this h < 1 (eq 7) [1]."""
+    """Difference q of the rear shares for neutral steering at this h < 1 (eq 7) [1]."""
     needed = car.excitation + car.moment_rate
     rear_moment = (1 - car.front_share) * car.drive_force * car.rear_track
     return needed * car.yaw_inertia * car.yaw_rate / rear_moment
@@ -214,7 +214,7 @@ def test_dropped_steering_rate_is_what_separates_w12_from_the_car():
 
 
 def test_understeer_of_ge_and_ni():
-    """m_1/C_1 - m_2/C_2 = 1191.9/21000 - 1308.1/24000 = 2.248e-3 rad s^2/m, v_ch = sqrt(1.72/2.248e-3) = 27.66 m/s."""
+    """m_1/C_1 - m_2/C_2 = 2.248e-3 rad s^2/m, v_ch = sqrt(1.72/2.248e-3) = 27.66 m/s."""
     assert axle_cornering_stiffnesses(GE_NI) == (21000.0, 24000.0)
     gradient = 2500 * 0.82 / 1.72 / 21000 - 2500 * 0.90 / 1.72 / 24000
     assert understeer_gradient(GE_NI) == pytest.approx(gradient, rel=1e-12)
@@ -258,7 +258,7 @@ def test_oversteer_has_a_critical_speed():
 
 
 def four_by_four(**tyre) -> Vehicle:
-    """The car of CAR with strong motors, without resistances and with a centre of mass on the road."""
+    """The car of CAR with strong motors, no resistances, and its mass on the road."""
     return Vehicle(
         mass=CAR.mass,
         wheelbase=CAR.wheelbase,
@@ -331,7 +331,7 @@ def test_linearised_plant_has_the_closed_form_of_a_steady_turn():
 
 
 def test_linearised_plant_moves_as_the_nonlinear_one():
-    """A step of 1e-4 rad about steady cornering, half a second of both, to 1 % of the change of yaw rate."""
+    """1e-4 rad about steady cornering, half a second of both, to 1 % of the yaw change."""
     angle, step = 0.05, 1e-4
     found = linearised(ICE, OperatingPoint(CAR.speed, angle))
     parameters = PlanarParameters(initial_speed=CAR.speed, speed="held")

@@ -73,7 +73,7 @@ def test_a_law_file_and_a_law_with_its_parameter_file_are_ranked_beside_the_othe
 def test_a_law_may_name_the_traction_control_as_well(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ):
-    """Brakes on snow lock all wheels with equal torques, and an ABS by the drives takes most of the slip from them.
+    """Brakes on snow lock all wheels; an ABS by the drives takes most of the slip away.
 
     The line beside the run drives it as a scenario, with its signal hash.
     """

@@ -1,4 +1,4 @@
-"""Boards: what they refuse, their cells, equal bits, and single runs that the printed command drives again."""
+"""Boards: refusals, cells, equal bits, and single runs by the printed command."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def test_cells_are_cars_by_manoeuvres_by_roads():
 def test_a_metric_with_the_name_of_a_field_is_refused_before_anything_is_driven(
     result: BoardResult,
 ):
-    """Every field of the record of a run, and every name that the search of a speed keeps beside metrics."""
+    """Fields of a run's record, and names that the search of a speed keeps beside metrics."""
     step = SMALL.manoeuvres["step_steer"]
     (cell,) = SMALL.cells(STEP)
     fields = next(iter(result.runs())).keys() - named_metrics(step.measured).keys()

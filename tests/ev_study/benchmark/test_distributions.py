@@ -1,4 +1,4 @@
-"""Performance profiles, probability of improvement and the front of laws that no other one dominates."""
+"""Performance profiles, probability of improvement, the front of undominated laws."""
 
 from __future__ import annotations
 

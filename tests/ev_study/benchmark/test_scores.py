@@ -1,4 +1,4 @@
-"""Costs against a reference, means of the middle half and of the tail, and ranks that noise does not decide."""
+"""Costs against a reference, means of middle half and tail, ranks that noise cannot decide."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def test_a_cost_without_metrics_is_one_unless_the_run_is_lost():
 
 
 def test_what_is_below_the_scale_is_no_difference():
-    """1e-9 against 1e-6 rad on a straight road is a thousandth of a hundredth of a radian, not a factor of 1000."""
+    """1e-9 against 1e-6 rad on a straight road is 1e-3 of 0.01 rad, not a factor of 1000."""
     assert costs([1e-9] * 3, [1e-6] * 3)[1] == pytest.approx([1.0001] * 3)
 
 
@@ -72,7 +72,7 @@ def test_the_middle_half_and_the_worst_tenth():
 
 
 def test_nothing_is_better_within_the_noise():
-    """Two laws of one distribution share a rank, a third of which every draw is better by a tenth has the first."""
+    """Two laws of one distribution share a rank; a third, better by a tenth, is first."""
     random = np.random.default_rng(1)
     alike = 1.0 + 0.2 * random.standard_normal((2, 6, 20))
     found = ranked(bootstrap(np.concatenate([alike, alike[:1] - 0.1]), interquartile_mean, seed=1))

@@ -1,4 +1,4 @@
-"""Tuning: bounds from the declarations, a cost that falls, equal bits, a search that goes on where it was stopped."""
+"""Tuning: declared bounds, a falling cost, equal bits, a search that can be stopped."""
 
 from __future__ import annotations
 

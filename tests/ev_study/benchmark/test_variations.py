@@ -165,7 +165,7 @@ def counted(board: Board, cell: Cell, drawn_as: np.ndarray) -> dict[str, Varied]
 def test_the_most_of_what_varies_is_found_in_what_is_driven(
     board: Board, variation: Variation, least: str, most: str, is_most: Callable
 ):
-    """A cost of 1 in the runs that are driven with the most, and nothing elsewhere, differs by 1 without doubt."""
+    """A cost of 1 in the runs with the most, and 0 elsewhere, differs by 1 without doubt."""
     many = replace(board, draws=100, variations=[variation])
     (cell,) = many.cells(STEP)
     base = run_of(many, cell, values_of(many, cell)).configurations
@@ -192,7 +192,7 @@ def test_what_a_board_does_not_vary_or_has_too_few_runs_of_makes_no_difference(b
 
 @pytest.mark.parametrize(("cells", "draws", "spread"), [(12, 10, 1.0), (12, 20, 3.0), (1, 10, 1.0)])
 def test_differences_are_as_sure_as_they_say(cells: int, draws: int, spread: float):
-    """Cells cost much more or less than others, have more runs with the most by chance, and those scatter more.
+    """Cells differ in cost, in their number of runs with the most, and in scatter.
 
     Of 600 boards 95 % within four standard deviations of a binomial distribution, or more of those
     with few runs: the freedom of the fewer runs is the careful choice.
@@ -285,7 +285,7 @@ def test_nothing_that_is_stated_is_overwritten_by_what_is_drawn(
 
 
 def test_a_manoeuvre_sets_no_parameter_that_a_law_plays_without(board: Board):
-    """The law would be driven with its default, and the printed line with what the manoeuvre sets."""
+    """The law would have its default, and the printed line the manoeuvre's value."""
     step, law = board.manoeuvres["step_steer"], {"method": "equal_torque", "asr.method": "pi_slip"}
     values = {**step.values, "asr.method": "pi_slip", "asr.natural_frequency": 10.0}
     own = replace(
@@ -394,7 +394,7 @@ def test_a_variation_that_does_not_fit_ends_the_board_before_anything_is_driven(
 
 
 def test_ends_of_two_variations_that_fit_together_alone_are_driven(board: Board):
-    """The centre of mass of a car that is twice as long is beyond the front axle of the one that is not."""
+    """The mass centre of a car of twice the length is beyond the front axle of the other."""
     names = ("*.vehicle.wheelbase", "*.vehicle.centre_of_mass_to_rear_axle")
     own = replace(board, draws=1, variations=[Variation(name, factor=[2.0, 2.0]) for name in names])
     (cell,) = own.cells(STEP)

@@ -118,7 +118,7 @@ def changed(at: int, change: Callable[[Line], Line]) -> list[Line]:
 
 
 def test_a_frame_that_is_too_short_is_passed_over_and_counted(tmp_path, clean):
-    """One of 200: bridged by a line for 20 ms, where the speed turns from falling by 0.1 km/h a step to rising."""
+    """1 of 200 is bridged by a line for 20 ms, where the speed turns by 0.1 km/h a step."""
     record = read(tmp_path, changed(300, lambda line: (*line[:3], b"\1")))
     assert any(
         note == "1 of 200 frames of SPEED passed over: too short for SPEED.V"

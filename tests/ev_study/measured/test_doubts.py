@@ -212,7 +212,7 @@ def test_what_the_scale_of_a_sensor_does_to_parameters_is_known_beforehand(chann
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
 def test_the_error_that_is_left_is_that_of_what_was_measured(monkeypatch, share):
-    """One weight off throughout is one weight, whatever part of the windows has no sideslip angle."""
+    """One weight off is one weight, with or without a sideslip angle in its windows."""
     record = record_of()
     record.channels[SIDESLIP][: int(0.7 * share * len(record.valid))] = np.nan
     replay = replay_of(record)
@@ -244,7 +244,7 @@ def test_a_late_yaw_rate_is_named_and_gives_no_interval():
     "late", [0.25, 0.35, 1.0, None], ids=["0.25 s", "0.35 s", "1 s", "of another drive"]
 )
 def test_a_yaw_rate_that_is_not_that_of_the_car_gives_no_interval(late):
-    """So late that its replay has less than half of it, beyond the lags that are looked for, or quite another one."""
+    """It is late beyond the lags that are looked for, or quite another one."""
     rate = driven().channels[YAW_RATE]
     back = round((late or 0.0) / PERIOD)
     other = (
@@ -274,7 +274,7 @@ def test_a_yaw_rate_that_is_not_that_of_the_car_gives_no_interval(late):
     ids=["gyro", "gyro, negative", "velocity to the side", "steering", "less than noise"],
 )
 def test_an_offset_of_a_sensor_is_named_and_gives_no_interval(name, offset, line):
-    """All windows have it, so their differences, by which intervals are as wide as they are, do not show it."""
+    """All windows have it: their differences, and so the intervals, do not show it."""
     found = fitted(
         replay_of(
             replace(record_of({name: driven().channels[name] + offset}), noise={}), inertia=1.1

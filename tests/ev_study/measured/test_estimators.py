@@ -18,7 +18,7 @@ KINEMATIC = "slip_angle_observer.kinematic_share=1.0"
 
 
 def columns(with_wheels: bool = True) -> dict[str, np.ndarray]:
-    """Those of a car that begins straight ahead, so that an estimator which knows nothing begins right."""
+    """Columns of a car straight ahead at first, so that an estimator begins right."""
     more = {"ax": "imu.longitudinal_acceleration", **(WHEELS if with_wheels else {})}
     return columns_of(driven()) | {
         name: driven().channels[channel] for name, channel in more.items()

@@ -64,7 +64,7 @@ FAILED = [
 def test_no_number_of_a_sensor_that_fails_for_a_while_is_believed(
     failed, begin, length, empty, seed
 ):
-    """However long it is off, up to half of the record, and with cells without a number before and behind that."""
+    """It is off for up to half of the record, with cells without a number around that."""
     channel, level = failed
     end = begin + length
     values = TRUTH[channel] + 0.1 * NOISE * np.random.Generator(

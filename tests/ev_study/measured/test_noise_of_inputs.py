@@ -39,7 +39,7 @@ IMPOSED_AND_COMPARED = (LONGITUDINAL, LATERAL, YAW_RATE, ROAD_WHEEL_ANGLE)
 def record_of(
     changed: dict[str, np.ndarray] | None = None, places: dict[str, float] | None = None
 ) -> MeasuredRecord:
-    """The made record with other values of some channels, measured so far ahead of the centre of mass [m]."""
+    """The made record with other values of some channels, measured so far ahead [m]."""
     run = driven()
     values = {name: run.channels[name] for name in IMPOSED_AND_COMPARED} | (changed or {})
     placed = {name: ColumnParameters(x=(places or {}).get(name, 0.0)) for name in values}
@@ -58,7 +58,7 @@ def validated(record: MeasuredRecord) -> Validation:
 
 @pytest.mark.parametrize("kind", ["noise", "quantised", "held"])
 def test_noise_of_the_imposed_speed_is_no_force_of_the_tyres(kind):
-    """A yaw rate within 0.0006 rad/s of the true one, a seventh of what raw differences of such speeds gave it.
+    """The yaw rate is within 0.0006 rad/s, a seventh of what raw differences would give.
 
     Noise of 0.05 m/s at 100 Hz, steps of 0.1 m/s, and a speed of 10 Hz that is held. The line on it
     has the acceleration of the raw samples.
@@ -124,7 +124,7 @@ def test_a_record_without_noise_stays_as_it_is():
     seed=st.integers(0, 1000), noise=st.floats(0.003, 0.2), rate=st.sampled_from([20, 50, 100, 200])
 )
 def test_the_noise_that_is_left_makes_a_hundredth_of_what_a_car_does(seed, noise, rate):
-    """White noise of any size on a car that brakes and drives off with up to 5 m/s^2, sampled at 20 to 200 Hz.
+    """White noise of any size, braking and driving off with up to 5 m/s^2, at 20 to 200 Hz.
 
     Of 0.1 m/s^2 a tenth more for its chance, unless the lowest cut-off was needed. Less noise has a
     higher cut-off.

@@ -12,7 +12,7 @@ from ev_study.measured.search_key import search_key
 
 
 def test_the_key_of_a_search_changes_with_all_that_its_answers_depend_on():
-    """Windows of another length that begin at the same instants, and what of the record is believed, among others."""
+    """Lengths of windows and believed parts of the record count, among others."""
     record = record_of()
     valid = record.valid.copy()
     valid[-1] = False

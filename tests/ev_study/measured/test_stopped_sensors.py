@@ -1,4 +1,4 @@
-"""Sensors that stop, that are at the end of their range, and channels that are not there all the while."""
+"""Sensors that stop, or at the end of their range, and channels present for a time only."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def record_of(changed: dict[str, np.ndarray], time: np.ndarray = TIME) -> Measur
 def test_what_a_sensor_shows_that_has_stopped_is_not_believed(
     channel, begin, length, noise, sign, seed
 ):
-    """Nowhere is it off by more than 0.4 of its range, ahead, in reverse, and to the end of the record.
+    """It is never off by more than 0.4 of its range, both ways, to the end of the record.
 
     What it follows has to move by a tenth of its own range first, which may be half a radian ahead,
     and 0.2 s are left for the car to answer: 0.2 of the range of this wave.
@@ -92,7 +92,7 @@ def test_a_sensor_at_the_end_of_its_range_is_masked_and_named(channel):
     phase=st.floats(-1.5, 1.5),
 )
 def test_steps_holds_and_dead_bands_of_a_sensor_are_believed(channel, kind, share, phase):
-    """Steps of up to 0.3 of its range, samples held for up to 0.3 s, and a zero within 0.05 of its range.
+    """Steps of up to 0.3 of its range, holds of up to 0.3 s, zero within 0.05 of the range.
 
     The sensor may be ahead of or behind what it follows by up to a quarter of a wave.
     """
@@ -110,7 +110,7 @@ def test_steps_holds_and_dead_bands_of_a_sensor_are_believed(channel, kind, shar
 
 
 def test_a_car_that_goes_straight_or_stands_has_no_sensor_that_has_stopped():
-    """Exact zeros of a simulated car until it steers, and of one that is steered while it stands."""
+    """Exact zeros of a simulated car until it steers, and of one steered at rest."""
     step = np.where(TIME < 10.0, 0.0, 1.0 - np.exp(10.0 - np.maximum(TIME, 10.0)))
     record = record_of(
         {

@@ -88,7 +88,7 @@ def test_what_is_found_of_a_drive_does_not_depend_on_the_one_before_it(slower, g
 
 
 def test_the_difference_of_two_drives_is_no_acceleration():
-    """The line on the imposed speed has what the car did, 0.5 m/s^2, and not the jump of 10 m/s between the drives."""
+    """The line on the imposed speed has the car's 0.5 m/s^2, not the jump of 10 m/s."""
     record = one_after_the_other(0.5, PERIOD, 0.0)
     line = with_acceleration(record, smoothed(record, LONGITUDINAL, 3.0), 3.0)
     assert float(line.rpartition(" ")[2]) < 0.6

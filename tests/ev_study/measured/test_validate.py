@@ -143,7 +143,7 @@ def test_a_replay_has_the_period_of_the_record(tmp_path):
 
 
 def test_the_torque_of_each_wheel_is_imposed_by_itself(tmp_path, capsys):
-    """A car straight ahead that only a difference of its front torques turns, and a brake at one rear wheel.
+    """A car turned by a difference of front torques alone, and a brake at one rear wheel.
 
     Replayed with its torques it is where it was; with those of left and right exchanged it turns
     the other way. What has no column is zero and named; a drive torque at a wheel without a motor

@@ -130,7 +130,7 @@ def test_a_chunk_that_unfolds_to_more_than_the_bound_is_one_line(monkeypatch, tm
 def test_what_a_bag_names_is_a_file_that_fits_on_the_disk(
     kind, turn: Path, tmp_path: Path, monkeypatch
 ):
-    """Its metadata may name a pipe, which would never end, or a compressed file that unfolds to any size."""
+    """Metadata may name a pipe without an end, or a compressed file of any size."""
     bag = foreign_bag(load(turn / "signals.npz"), tmp_path, STEPS, PART) / "bag"
     metadata = bag / "metadata.yaml"
     (storage,) = (path for path in bag.iterdir() if path != metadata)

@@ -34,7 +34,7 @@ STEERED = 10.0  # s, at which the driver of shchur2019 takes the wheel
 def test_another_law_differs_from_the_step_in_which_hands_or_column_move(
     turn: Path, tmp_path: Path, capsys: pytest.CaptureFixture
 ):
-    """Eq 4 of Shchur (2019) gives no torque difference as long as hand torque, angle and rate are zero."""
+    """Eq 4 of Shchur (2019) gives no difference while hand torque, angle and rate are zero."""
     run_replay(
         [str(turn), "--node", "electronic_differential=equal_torque", "--out", str(tmp_path)]
     )
@@ -163,7 +163,7 @@ def test_instants_that_are_not_those_of_a_control_period_are_refused(turn: Path,
 
 @pytest.mark.slow
 def test_as_recorded_every_role_says_the_same_bits(tmp_path: Path):
-    """All roles of a bench, with noise of sensors and a bus between laws and car, from a bag and from signals.npz."""
+    """All roles of a bench, noisy sensors and a bus between, from a bag and signals.npz."""
     words = [
         "bench_fault",
         "--offline",

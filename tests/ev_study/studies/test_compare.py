@@ -156,7 +156,7 @@ def test_time_over_limit_counts_slip_beyond_the_peak_of_the_curve():
 
 
 def test_the_limit_is_that_of_a_surface_that_lies_on_the_road():
-    """Wet asphalt and snow, of which a random road would be made, were on every road, in any order."""
+    """Wet asphalt and snow, those of a random road, are not taken for other roads."""
     assert surfaces_of(RoadParameters()) == (SURFACES["dry_asphalt"],)
     assert surfaces_of(RoadParameters(right=("ice",))) == (SURFACES["dry_asphalt"], SURFACES["ice"])
     drawn = surfaces_of(RoadParameters(pattern="random"))

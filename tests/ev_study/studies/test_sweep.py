@@ -1,4 +1,4 @@
-"""Sweeps: values times values times seeds, each run as it is alone, and the files that come of it."""
+"""Sweeps: values times values times seeds, each run as it is alone, and their files."""
 
 from __future__ import annotations
 
@@ -254,7 +254,7 @@ def test_metrics_are_named_before_anything_is_driven():
 
 
 def test_values_that_are_rounded_inside_are_noted(tmp_path, capsys):
-    """`preview_time` is rounded to points of 0.05 s, so 1.00 and 1.01 s are one and 1.10 s is another."""
+    """`preview_time` is rounded to 0.05 s: 1.00 and 1.01 s are one, 1.10 s is another."""
     words = [
         "--vary",
         "driver.preview.preview_time=1.0,1.01,1.1",

@@ -1,4 +1,4 @@
-"""A measure of a published number is an expression over the run that it names, or a function with its words."""
+"""A measure of a published number is an expression over a run, or a function with its words."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Ackermann-Jeantaud geometry against the equations of Shchur (2019) as printed, with the sign of delta in eq 11."""
+"""Ackermann-Jeantaud geometry of Shchur (2019) as printed, with the sign of delta in eq 11."""
 
 import math
 

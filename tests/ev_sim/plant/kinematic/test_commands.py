@@ -43,7 +43,7 @@ def moved(command):
     ],
 )
 def test_impossible_commands_are_counted_and_not_taken(command, accepted, counts):
-    """Wheels without a motor get no torque, what is not finite gives 0, everything else the nearest limit."""
+    """Wheels without a motor get none, infinite ones 0, all else the nearest limit."""
     assert moved(command) == (moved(accepted)[0], counts)
 
 

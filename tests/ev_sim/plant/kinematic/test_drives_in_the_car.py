@@ -49,7 +49,7 @@ def test_second_turn_loses_current_control_on_a_bus_of_300_volt(drive):
 
 
 def test_wheel_torque_is_the_mean_over_the_period_and_motor_torque_is_the_one_now():
-    """So the speed follows from the wheel torques to rounding, while the motor shows its chopping."""
+    """The speed follows from wheel torques to rounding, while the motor shows its chopping."""
     car = Car(WITHOUT_DRAG, drive="switched", initial_speed=4.0).drive(torque(300.0), steps=20)
     before = car.speed
     car.drive(torque(300.0))

@@ -134,7 +134,7 @@ def test_resistance_never_speeds_the_car_up_or_turns_it_round(speed, brakes, deg
 
 
 def test_drives_stop_a_reversing_car_and_pull_it_away_forwards():
-    """The sign changes once and the acceleration steps by twice the rolling resistance over the mass there."""
+    """The sign changes once; the acceleration steps there by twice f_0 g."""
     car = Car(WITHOUT_DRAG, initial_speed=-2.0)
     speeds = [car.speed] + [car.drive(torque(500.0)).speed for _ in range(400)]
     accelerations = [(b - a) / PERIOD for a, b in pairwise(speeds)]

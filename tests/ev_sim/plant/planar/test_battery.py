@@ -29,7 +29,7 @@ def test_battery_limits_hold():
 
 @pytest.mark.parametrize(("charge", "noted"), [(1e-6, True), (0.0, True), (0.5, False)])
 def test_an_empty_battery_is_noted(charge, noted):
-    """It gives no torque from then on, and keeps saying so when braking has filled it a little again."""
+    """It gives no torque from then on, and the note stays when braking refills it a little."""
     moved = plant(Vehicle(battery=Battery(state_of_charge=charge)), initial_speed=20.0)
     drive(moved, 2.0, Wheels.front(200.0, 200.0))
     drive(moved, 1.0, Wheels.front(-200.0, -200.0))
@@ -62,7 +62,7 @@ def test_regeneration_charges():
 
 
 def test_blended_braking_stops_the_car_alike_and_gains_energy():
-    """The motors take their part of the brake torque as far as they can, the friction brakes the rest, down to rest."""
+    """The motors brake as far as they can, the friction brakes do the rest, down to rest."""
     distance, energy = {}, {}
     for blended in (False, True):
         moved = plant(Vehicle(blend_brakes=blended), initial_speed=20.0)
@@ -77,7 +77,7 @@ def test_blended_braking_stops_the_car_alike_and_gains_energy():
 @pytest.mark.parametrize("pedal", [0.0, 60.0, -60.0])
 @pytest.mark.parametrize("speed", [15.0, -5.0])
 def test_blended_brakes_are_exactly_as_strong_as_asked(speed, pedal):
-    """Each tyre has, at held speed and behind the lag of the motors, the force that friction brakes alone give it."""
+    """Tyres have the force of friction brakes alone, at held speed behind the motors' lag."""
     forces = []
     for blended in (False, True):
         held = plant(Vehicle(blend_brakes=blended), initial_speed=speed, speed="held")

@@ -42,7 +42,7 @@ def test_yaw_gain_is_that_of_its_understeer_gradient(fast):
 
 
 def test_it_understeers_as_cars_do():
-    """0.5 to 4 deg for each g is what passenger cars have (Gillespie, Fundamentals of Vehicle Dynamics, chapter 6)."""
+    """Passenger cars have 0.5 to 4 deg for each g (Gillespie, chapter 6)."""
     assert 0.5 < np.degrees(understeer_gradient(CAR) * 9.81) < 4.0
     assert 10.0 < tangent_speed(CAR) < 35.0
 
@@ -70,7 +70,7 @@ def test_sideslip_changes_sign_at_the_tangent_speed():
 
 
 def test_outer_wheels_carry_by_stiffness_and_roll_centres():
-    """Steady bend: front share of the lateral transfer as the closed form has it (1e-9: both are the same formula)."""
+    """The front share of the lateral transfer is the closed form in a steady bend (1e-9)."""
     driven = plant(CAR, initial_speed=15.0, speed="held")
     for _ in range(600):
         driven.advance(STILL, steered(0.03))

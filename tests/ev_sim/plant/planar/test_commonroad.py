@@ -62,7 +62,7 @@ COMMONROAD_CAR = SimpleNamespace(
 
 
 def of_planar_plant(speed: float, angle: float) -> np.ndarray:
-    """Yaw rate [rad/s] and sideslip angle [rad] at the ends of the periods, the speed held by the drives."""
+    """Yaw rate [rad/s] and sideslip angle [rad] after each period, speed held by the drives."""
     car = plant(CAR, PERIOD, initial_speed=speed)
     rows = []
     for _ in range(round(DURATION / PERIOD)):

@@ -31,7 +31,7 @@ def test_open_differential_passes_equal_torque():
 
 
 def test_limited_slip_differential_helps_the_wheel_with_grip():
-    """The slower wheel gets the locking torque more, and the car pulls away faster than with an open differential."""
+    """The slower wheel gets the locking torque more; the car pulls away faster than open."""
     torques = np.zeros(4)
     rear = ("rear_left", "rear_right")
     limited = Driveline(coupling="limited_slip", preload=50.0, locking_ratio=0.3, locking_speed=1.0)

@@ -97,7 +97,7 @@ def test_lock_coefficient_is_the_torque_of_the_slower_over_that_of_the_faster_si
 
 
 def test_differentials_lose_what_their_locks_take_and_no_more():
-    """Power of the parts of the motor = power at the wheels + locking torque times half the difference of speeds."""
+    """Motor power = wheel power + locking torque times half the difference of speeds."""
     speeds, parts = (31.0, 29.0, 12.0, 9.0), (100.0,) * 4
     for share in (0.3, 0.5):
         for lock, rear in (("open", "open"), ("dccd", "torsen_2")):
@@ -260,7 +260,7 @@ def test_engine_at_full_load_stalls_where_the_converter_takes_its_torque():
 
 
 def test_engine_gives_what_is_asked_and_loses_what_gear_and_converter_take():
-    """Losses at a held speed, in steady state, = slip of the converter, 5 % in the gear, 4 % in the final drive."""
+    """Steady losses: slip of the converter, 5 % in the gear, 4 % in the final drive."""
     car = plant(engine_car(), initial_speed=20.0, speed="held")
     drive(car, 5.0, Wheels.all(150.0))
     before = car.state.copy()

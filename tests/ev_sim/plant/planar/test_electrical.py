@@ -136,7 +136,7 @@ def test_heat_takes_torque_away_and_never_turns_it_around(torque):
 
 
 def test_the_voltage_of_the_cells_limits_the_torque():
-    """Full pedal beyond the base speed gives the envelope at the battery's own voltage, which relaxes slowly."""
+    """Full pedal beyond base speed gives the envelope at the battery's own, slow voltage."""
     torques = {}
     motor = dataclasses.replace(MOTOR, peak_power=1e6)
     for cells in (206, 103):

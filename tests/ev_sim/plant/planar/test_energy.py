@@ -14,7 +14,7 @@ from ev_sim.plant.planar.planar_state import VX, VY, WHEEL_SPEED, YAW_RATE, inde
 
 
 def test_energy_never_grows():
-    """Kinetic energy and that of the carcasses only fall, from 64 random states without torque and resistance.
+    """Kinetic and carcass energy only fall from 64 random states without torque.
 
     The carcasses start unloaded, so the kinetic energy never comes back above its start.
     """

@@ -46,7 +46,7 @@ def engine_car(
 def outputs_by_step(
     car: Vehicle, speed: float, torque: float, steps: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Torque of the gearbox' output in each step of 1 ms [N m], while no gear changes, and the state in the end."""
+    """Gearbox output in steps of 1 ms [N m] while no gear changes, and the last state."""
     moving = plant(car, period=1e-3, initial_speed=speed)
     torques, gears = [], []
     for _ in range(steps):
@@ -58,7 +58,7 @@ def outputs_by_step(
 
 
 def longest_alternation(torques: np.ndarray) -> int:
-    """Most steps in a row in which the torque goes up and down by more than a twentieth of its largest."""
+    """Most steps in a row with torque up and down by over a twentieth of its largest."""
     changes = np.diff(torques)
     big = np.abs(changes) > 0.05 * np.abs(torques).max(initial=1.0)
     alternates = (changes[1:] * changes[:-1] < 0.0) & big[1:] & big[:-1]
@@ -84,7 +84,7 @@ def longest_alternation(torques: np.ndarray) -> int:
 def test_no_gear_and_no_size_makes_the_converter_ring(
     final_drive, size, ratios, reverse, coupling, speed, torque
 ):
-    """Any gears, final drive 1 to 10, converter 0.01 to 100 times that of the source, either way, driving and braking.
+    """Any gears, final drive 1 to 10, converter 0.01 to 100 times the source's, both ways.
 
     A wheel against its carcass swings over 4.5 steps or more, so four changes in a row are the
     scheme's. The gear has no losses here: they change sides with every turn of a wheel that rocks

@@ -41,7 +41,7 @@ def test_forces_stay_within_the_friction_circle(jump, speed, inputs):
 
 @pytest.mark.parametrize(("surface", "grade"), [("ice", 0.2), ("packed_snow_2", -0.4)])
 def test_parked_on_too_steep_a_slope_the_car_slides_at_once(surface, grade):
-    """Locked wheels slide by x = a t^2/2, a = g (p - mu)/sqrt(1 + p^2), mu between peak and full slip at once."""
+    """Way a t^2/2, a = g (p - mu)/sqrt(1 + p^2), mu between peak and full slip."""
     sliding = plant(CAR, road__grade=(grade,), **on(surface))
     start = sliding.state[X]
     for n in range(1, 101):

@@ -96,7 +96,7 @@ def test_a_car_with_its_mass_right_of_the_middle_is_pulled_to_the_left_when_brak
 
 
 def test_a_held_start_continues_a_steady_bend():
-    """Begun with lateral velocity and yaw rate of a steady bend, held for ten lags of the loads, the car stays in it.
+    """Lateral velocity and yaw rate of a bend, held for ten lags of the loads, stay.
 
     Without the hold carcasses and loads begin at rest, and the car has to catch up: it loses 0.7 %
     of the yaw rate.

@@ -38,7 +38,7 @@ def numbers_of(**values) -> Car:
 
 
 def test_lateral_transfer_of_ge_and_ni():
-    """N_1,2 = b/(2L) (m g -+ 2 h F_c/B), N_3,4 = a/(2L) (m g -+ 2 h F_c/B), with the left wheels inside."""
+    """N_1,2 = b/(2L) (m g -+ 2 h F_c/B), N_3,4 with a for b, the left wheels inside."""
     moment = 0.6 * 2500.0 * 2.0
     loads = wheel_loads(numbers_of(**GE_NI, front_roll_share=0.82 / 1.72), NORMAL, 0.0, moment)
     front, rear = 0.82 / (2 * 1.72), 0.90 / (2 * 1.72)
@@ -101,7 +101,7 @@ def test_ackermann(angle):
 
 @given(base=st.floats(0.3, 12.0), track=st.floats(0.2, 4.0), angle=st.floats(0.01, 1.4))
 def test_no_front_wheel_of_an_accepted_car_turns_over(base, track, angle):
-    """Cars with a centre of the turn between the wheels, where eq 8 turns the inner one by 180 deg, are refused."""
+    """Cars with a turn's centre between the wheels are refused: eq 8 turns one by 180 deg."""
     car = {
         "wheelbase": base,
         "centre_of_mass_to_rear_axle": base / 2.0,

@@ -70,7 +70,7 @@ def test_overload_ends_at_the_nominal_torque():
 
 @pytest.mark.parametrize("kind", ["ideal", "averaged", "switched"])
 def test_brushless_drives_plug_in(kind):
-    """The drives of Shchur's car give the commanded torque in the mean, and their losses are in the balance."""
+    """Drives of Shchur's car give the command in the mean; losses are in the balance."""
     moved = plant(Vehicle(), drive=kind, initial_speed=4.0)
     out = drive(moved, 1.0, Wheels.front(100.0, 100.0))
     mean = np.mean(

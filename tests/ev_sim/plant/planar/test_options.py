@@ -62,7 +62,7 @@ def test_an_option_that_is_put_off_leaves_the_plain_plant():
 
 
 def test_rear_wheels_and_speed_mode_act_together_as_each_alone():
-    """Straight rear wheels leave speed mode to the bit, a set-point out of reach leaves rear steering."""
+    """Straight rear wheels leave speed mode to the bit, a far set-point leaves steering."""
     steered_rear = plant(rear_steering=True, initial_speed=15.0)
     by_speed = plant(speed_mode=True, initial_speed=15.0)
     straight, free = (

@@ -35,7 +35,7 @@ class Hill:
         return self.car.rolling_resistance + SURFACES[self.surface].rolling_resistance
 
     def axle_shares(self, force: float) -> tuple[float, float]:
-        """Shares of the load on front and rear axle, under tyre forces [1] of the load in the direction of travel."""
+        """Shares of the load by axle, under tyre forces [1] of the load in travel direction."""
         moved = self.car.centre_of_mass_height * force * self.direction
         front = (self.car.centre_of_mass_to_rear_axle - moved) / self.car.wheelbase
         return front, 1.0 - front
@@ -49,7 +49,7 @@ class Hill:
         )
 
     def steepest(self) -> float:
-        """The grade p at which SURPLUS times the needed torque brings the driven tyres to their peak.
+        """Grade p at which SURPLUS times the needed torque brings driven tyres to their peak.
 
         With q = SURPLUS (p + f) the drive torque over radius and load, f the rolling resistance and
         n the share of the load on the driven wheels: q - f n = mu n, and n = n_0 + s (q - f) by
@@ -62,7 +62,7 @@ class Hill:
         return q / SURPLUS - self.rolling
 
     def climb(self, grade: float) -> tuple[float, np.ndarray]:
-        """Way uphill [m] and rim speeds [m/s] after a ramp of torque to SURPLUS times what the grade needs.
+        """Way uphill [m] and rim speeds [m/s] after a ramp to SURPLUS times the grade's need.
 
         The brakes hold just what the torque does not; drives and brakes share by the load of the
         ramp's end.
@@ -116,7 +116,7 @@ def test_below_the_peak_the_car_climbs(hill, share):
 
 @pytest.mark.parametrize("hill", HILLS)
 def test_above_the_peak_the_wheels_spin(hill):
-    """3 % above the closed form the same ramp of torque ends in spinning wheels, so the test above can fail."""
+    """3 % above the closed form the same ramp ends in spin: the test above can fail."""
     _, rim = hill.climb(1.03 * hill.steepest())
     assert rim.max() > 20.0
 
@@ -130,7 +130,7 @@ def test_full_slip_alone_would_not_do():
 
 
 def test_a_contact_that_has_slid_holds_again():
-    """Wheels spun in place and brought to rest pull away as if they never had, after five seconds."""
+    """Wheels spun in place and at rest for five seconds pull away as if they never had."""
     hill = Hill(CAR, "dry_asphalt", 1.0)
     grade = 0.97 * hill.steepest()
     moving = plant(CAR, road__grade=(grade,))

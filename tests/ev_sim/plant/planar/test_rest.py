@@ -71,7 +71,7 @@ def test_without_brakes_the_car_rolls_down():
 )
 @pytest.mark.parametrize("direction", [1.0, -1.0])
 def test_pull_away_slip_has_one_sign(surface, torque, direction):
-    """The slip keeps its sign at the default step, from creeping to spinning wheels, forward and in reverse."""
+    """The slip keeps its sign at the default step, from creeping to spinning, both ways."""
     car = plant(period=1e-3, **on(surface))
     slip = []
     for _ in range(3000):

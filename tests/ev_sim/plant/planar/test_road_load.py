@@ -1,4 +1,4 @@
-"""A road load A + B V + C V^2, as a coast-down or a dynamometer gives it, in the place of f_0 and c_d A."""
+"""A road load A + B V + C V^2, of a coast-down or dynamometer, in place of f_0 and c_d A."""
 
 from __future__ import annotations
 

@@ -176,7 +176,7 @@ def test_side_drag_acts_against_lateral_velocity_and_its_work_is_booked():
 
 @pytest.mark.parametrize(("speed", "torque"), [(5.0, 700.0), (5.0, -700.0), (-5.0, 700.0)])
 def test_a_run_may_begin_in_the_equilibrium_of_straight_running(speed, torque):
-    """Speeds and forces stay, to 1e-6 and 1e-5, driving, braking and backwards, also against rolling resistance."""
+    """Speeds and forces stay to 1e-6 and 1e-5, driving, braking and in reverse."""
     car = dataclasses.replace(
         REAR_DRIVEN, motor=dataclasses.replace(REAR_DRIVEN.motor, gear_efficiency=0.95)
     )

@@ -42,7 +42,7 @@ def vehicle(path: Path) -> Vehicle:
 
 @pytest.mark.parametrize("path", VEHICLES, ids=lambda path: path.stem)
 def test_vehicle_drives(path):
-    """Every vehicle pulls away with the torque of 0.5 m/s^2 more than it needs, then a turn, then to rest again."""
+    """Every vehicle pulls away with 0.5 m/s^2 to spare, turns, and comes to rest again."""
     car = vehicle(path)
     assert car.name == path.stem
     driven = plant(car)
