@@ -265,12 +265,13 @@ def test_sweeps_of_small_angles_decide_no_friction(tmp_path, capsys):
     small["SA"] = -np.degrees(angles)
     noise = 10.0 * np.random.Generator(np.random.PCG64(0)).standard_normal(720)
     small["FY"] = -combined_lateral(coefficients(), points(np.zeros(720), angles, loads)) + noise
-    main(["identify", "--tyre", str(write(tmp_path / "rig.csv", small)), "--out", str(tmp_path)])
+    out = tmp_path / "out"
+    main(["identify", "--tyre", str(write(tmp_path / "rig.csv", small)), "--out", str(out)])
     line = "not decided by these sweeps, near what is assumed: PCY1, PDY1, PDY2"
     assert line in capsys.readouterr().out
-    assumed = assumed_by(tmp_path)
+    assumed = assumed_by(out)
     assert {name: assumed[name] for name in ("PCY1", "PDY1", "PEY1")} == {
         name: STARTS[name][0] for name in ("PCY1", "PDY1", "PEY1")
     }
     assert "PKY1" not in assumed
-    assert json.loads((tmp_path / "summary.json").read_text())["assumed"].count("PDY1") == 1
+    assert json.loads((out / "summary.json").read_text())["assumed"].count("PDY1") == 1
