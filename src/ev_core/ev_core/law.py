@@ -17,6 +17,7 @@ What traction controls and differentials share, such as `traction_control` and `
 """
 
 from ev_core.elementary import *  # as its __all__ lists them
+from ev_core.methods.hooks import SAME
 from ev_core.methods.register import method
 from ev_core.parameters.declaration import Choice, group, parameter, setting
 from ev_core.parameters.record import (

@@ -18,7 +18,9 @@ from can_bus.lockstep_runs import HEALTHY, driven
 
 import ev_stack
 from ev_bench.bus.channel import bus_log
+from ev_bench.bus.parameters import EV_BENCH
 from ev_bench.runs.frame_log import FrameLog, logged_frames
+from ev_core.parameters.data_file import find_file
 from ev_msgs_py.refusal import ParameterError
 from ev_papers.dissertation.studies import bench_faults
 from ev_papers.dissertation.studies.bench_faults import FAULTS, trial
@@ -170,6 +172,24 @@ def test_a_run_without_enabled_drives_has_a_note(rate, waits):
     assert torque.any() == (not waits)
     note = "/ev/inverter_gateway: the drives waited for more than 2 s to be enabled"
     assert outcome.notes == ((note,) if waits else ())
+
+
+def test_both_ends_of_the_bus_have_one_database(tmp_path):
+    """With frames of twice the step at one end a drive gives half the torque, below what is implausible."""
+    other = tmp_path / "coarse.dbc"
+    fine = " SG_ Torque : 24|16@1- (0.03125,0)"
+    text = find_file(EV_BENCH).read_text(encoding="utf-8")
+    assert fine in text
+    other.write_text(text.replace(fine, fine.replace("0.03125", "0.0625")), encoding="utf-8")
+    of_bench = ("test_bench", "bus.database", str(other))
+    of_gateway = ("inverter_gateway", "bus.database", str(other))
+    with pytest.raises(ParameterError, match="requires inverter_gateway"):
+        driven(0.1, of_gateway)
+    for values in ((of_bench,), (of_bench, of_gateway)):
+        run = driven(0.6, *values)
+        asked = run["torque_command.drive.front_left"][-1] / 7.4
+        given = run["bench.shafts.machine_torque.front_left"][-1]
+        assert given == pytest.approx(asked, abs=0.04) and asked > 10.0
 
 
 def test_a_wheel_that_grips_again_is_no_fault():

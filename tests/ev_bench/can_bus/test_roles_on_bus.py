@@ -19,14 +19,17 @@ from can_bus.test_channels import FRAMES, received
 from helpers.run_script import ENVIRONMENT, RUN
 
 from ev_bench.bus.channel import BusMeter, Channel
+from ev_bench.bus.model import BusModelParameters
 from ev_bench.bus.parameters import BusParameters
 from ev_bench.inverter_gateway.station import GatewayOnBus
 from ev_bench.machines.bench_on_bus import BenchOnBus, meters_of
 from ev_bench.runs import can as can_of_runs
+from ev_core.parameters.values import build
 from ev_msgs_py.can.payload import joined
 from ev_msgs_py.contract.optional_signals import LoadCommand
 from ev_msgs_py.contract.signals import BatteryCondition, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
+from ev_stack.recording.outcome import RunFailed
 from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 TICKS = 5  # of 1 ms in a control period
@@ -278,15 +281,29 @@ def test_a_meter_counts_all_bits_and_times_what_is_awaited():
     assert meter.latency == 0.001
 
 
+def _run_on(bus: BusParameters, of_bench: BusModelParameters) -> Any:
+    both = zip(("inverter_gateway", "test_bench"), (bus, of_bench), strict=True)
+    ends = {role: SimpleNamespace(parameters=SimpleNamespace(bus=each)) for role, each in both}
+    return SimpleNamespace(name="hub", realtime=True, configurations=ends)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("interface", "socketcand"), ("channel_11", "239.1.1.1:2000"), ("channel_12", "can1")],
+)
+def test_a_bus_of_the_bench_alone_is_refused(name, value, tmp_path):
+    """Both ends have that of the gateway: another one would be taken and never used."""
+    run = _run_on(BusParameters(), build(BusModelParameters, {name: value}))
+    line = f"^test_bench.bus.{name}: '{value}' is refused, expected '.*', as of inverter_gateway"
+    with pytest.raises(RunFailed, match=line), can_of_runs.real_bus(run, 1, tmp_path):
+        pass
+
+
 @pytest.mark.slow
 def test_without_multicast_a_run_has_a_hub_of_its_own(monkeypatch, tmp_path: Path):
     """Socketcand's protocol over TCP on 127.0.0.1; the hub ends with the run."""
     monkeypatch.setattr(can_of_runs, "_works", lambda channel: False)
-    ends = {
-        "inverter_gateway": SimpleNamespace(parameters=SimpleNamespace(bus=BusParameters())),
-        "test_bench": None,
-    }
-    run: Any = SimpleNamespace(name="hub", realtime=True, configurations=ends)
+    run = _run_on(BusParameters(), BusModelParameters())
     with can_of_runs.real_bus(run, 1, tmp_path) as parameters:
         values = parameters["test_bench"]
         assert values["bus.interface"] == "socketcand" and "@127.0.0.1:" in values["bus.channel_11"]

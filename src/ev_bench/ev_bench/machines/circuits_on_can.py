@@ -20,6 +20,7 @@ from ev_bench.machines.circuits import outputs as outputs_of_circuits
 from ev_bench.machines.circuits import prepare as prepare_circuits
 from ev_bench.machines.described import KEPT_SET_POINTS, CanCircuitsParameters, CircuitsState
 from ev_core.law import (
+    SAME,
     WHEEL_NAMES,
     BatteryCondition,
     Car,
@@ -175,7 +176,11 @@ def _said(
         BusStates,
     ),
     needs=(two_driven,),
-    requires={"plant": "planar_on_bench", "inverter_gateway": "can"},
+    requires={
+        "plant": "planar_on_bench",
+        "inverter_gateway": "can",
+        "inverter_gateway.bus.database": SAME,
+    },
     # what is measured comes a period later than in lockstep
     in_real_time={"plant.wheel_speed": "virtual"},
     heavy=True,

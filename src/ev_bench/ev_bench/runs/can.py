@@ -7,12 +7,14 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 from ev_bench.bus.parameters import CIRCUITS, LOOPBACK, BusInterface
 from ev_bench.bus.socketcand_hub import HOST
 from ev_bench.runs.frame_log import FrameLog
+from ev_msgs_py.refusal import quoted
 from ev_stack.recording.outcome import RunFailed, announce
 from ev_stack.running.children import ends_with_us
 from ev_stack.scenarios.records import Run
@@ -36,6 +38,7 @@ def real_bus(run: Run, domain: int, directory: Path) -> Iterator[dict[str, dict[
         yield {}
         return
     bus = run.configurations[_ENDS[0]].parameters.bus
+    _refuse_another_bus(run.configurations[_ENDS[1]].parameters.bus, bus)
     with _channels(bus, domain) as (interface, channels):
         announce(f"{run.name}: CAN over {interface}, {' and '.join(channels)}")
         names = [f"bus.channel_{circuit}" for circuit in CIRCUITS]
@@ -46,6 +49,17 @@ def real_bus(run: Run, domain: int, directory: Path) -> Iterator[dict[str, dict[
         }
         log = {"bus.log": str(directory / bus.log)} if bus.log else {}
         yield {_ENDS[0]: given | log, _ENDS[1]: given}
+
+
+def _refuse_another_bus(of_bench: BusInterface, bus: BusInterface) -> None:
+    """RunFailed if the bench names a bus that is not that of the gateway, which both ends get."""
+    for field in fields(BusInterface):
+        value, given = getattr(of_bench, field.name), getattr(bus, field.name)
+        if value not in (field.default, given):
+            raise RunFailed(
+                f"test_bench.bus.{field.name}: {quoted(value)} is refused, expected "
+                f"{quoted(given)}, as of inverter_gateway, whose bus both have"
+            )
 
 
 @contextmanager

@@ -7,6 +7,7 @@ from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
 from ev_core.lockstep.configuration import Configuration
+from ev_core.methods.hooks import SAME
 from ev_core.parameters.declaration import flatten
 from ev_msgs_py.contract.roles import Role, RoleKind
 from ev_msgs_py.refusal import ParameterError
@@ -113,6 +114,8 @@ def check_graph(configurations: Mapping[str, Configuration]) -> None:
                 )
         for what, needed in configuration.method.requires.items():
             role, _, parameter = what.partition(".")
+            if needed == SAME:
+                needed = configuration.values()[parameter]
             other = configurations.get(role)
             if other is not None and other.method.plays_back:
                 continue

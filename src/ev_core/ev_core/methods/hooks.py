@@ -11,7 +11,8 @@ set to that of another one.
 The class itself has `parameters`, the parameter dataclass, and may have
 
 - `writes`, the part of its role's signals that it can know; without it all,
-- `requires`, by role the method, or by ROLE.PARAMETER its value, without which it makes no sense,
+- `requires`, by role the method, or by ROLE.PARAMETER its value, without which it makes no sense;
+  `SAME` is the value of its own parameter of that name,
 - `needs`, what the vehicle must have (`vehicle.car.Need`),
 - `mirrored`, whether left and right are alike to it: `check.mirror` defines it.
 """
@@ -22,6 +23,8 @@ from typing import Any, Protocol, runtime_checkable
 from ev_core.parameters.declaration import entries
 from ev_msgs_py.contract.roles import ROLES, Role, RoleKind
 from ev_msgs_py.refusal import shown
+
+SAME = "the same"  # in `requires`
 
 
 @runtime_checkable

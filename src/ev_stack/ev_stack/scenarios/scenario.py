@@ -23,6 +23,7 @@ from typing import Any
 from ev_core.lockstep.configuration import Configuration, chosen_method, configure
 from ev_core.lockstep.graph import check_graph
 from ev_core.methods.former_names import note_on, with_present_name
+from ev_core.methods.hooks import SAME
 from ev_core.methods.law_error import LawError
 from ev_core.parameters.section import matches
 from ev_msgs_py.contract.roles import MASTER, ROLES
@@ -225,7 +226,10 @@ def _choose_methods(values: Values) -> None:
             required = {**method.in_real_time, **required}
         for what, needed in required.items():
             other, _, parameter = what.partition(".")
-            values[other].setdefault(parameter or "method", needed)
+            if needed == SAME:
+                needed = values[role].get(parameter)
+            if needed is not None:
+                values[other].setdefault(parameter or "method", needed)
 
 
 def _is_played(role: str, values: Values) -> bool:
