@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ev_msgs_py.refusal import ParameterError
 from ev_stack.commands.run_scenario import main
 from ev_stack.scenarios.parameter_file import ParameterFile
 from ev_study.measured.motor_map import fit_motor
@@ -76,4 +77,19 @@ def test_a_row_of_other_units_is_refused_and_one_of_its_own_is_read(tmp_path):
     assert fit_motor(path).losses == pytest.approx(LOSSES, rel=1e-6)
     path.write_text(f"{header}\nrad/s,Nm,-\n{rows}")
     with pytest.raises(ValueError, match=r"map\.csv: speed_rpm is in 'rad/s', expected rpm"):
+        fit_motor(path)
+
+
+@pytest.mark.parametrize(("column", "name"), [(0, "speed_rpm"), (1, "torque_nm")])
+def test_a_map_at_one_speed_or_torque_is_refused(tmp_path, column, name):
+    """A loss by the square of the speed would else take those that are constant, and count for all speeds."""
+    path = write(tmp_path)
+    header, *lines = path.read_text().splitlines()
+    rows = np.array([list(map(float, line.split(","))) for line in lines if line != ",,"])
+    rows[:, column] = rows[:, column].mean() * np.linspace(0.8, 1.2, len(rows))
+    text = [header, *(",".join(map(str, row)) for row in rows)]
+    path.write_text("\n".join(text))
+    with pytest.raises(
+        ParameterError, match=f"{name} is .* to .*, expected 2 times as much as the"
+    ):
         fit_motor(path)

@@ -24,6 +24,7 @@ from ev_study.measured.records.units import refuse_other_units
 MOTOR = "motor.yaml"
 _COLUMNS = ("speed_rpm", "torque_nm", "efficiency_inverter_to_mechanical")
 _UNITS = {"speed_rpm": "rpm", "torque_nm": "N m"}
+_LEAST_RANGE = 2.0  # largest over least speed, and torque: in less all losses look alike
 _EVERY = 3  # of the points one is held out
 _SHOWN = 2.0  # percentage points, where the colours of the map end
 
@@ -88,6 +89,13 @@ def fit_motor(file: Path) -> MotorFit:
         raise ParameterError(
             f"{file} has {len(speed)} points with numbers, expected {2 * len(terms)} or more"
         )
+    for name, values in zip(_COLUMNS[:2], rows[:2, whole], strict=True):
+        low, high = values.min(), values.max()
+        if high < _LEAST_RANGE * low:
+            raise ParameterError(
+                f"{file}: {name} is {low:g} to {high:g}, expected {_LEAST_RANGE:g} times as much "
+                "as the least or more: in less no loss can be told from the others"
+            )
     power = speed * torque
     weight = efficiency**2 / power  # a watt of loss in the efficiency
     matrix = np.stack([*terms.values()], axis=1)
