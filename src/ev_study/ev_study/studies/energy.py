@@ -11,7 +11,7 @@ import argparse
 from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from ev_sim.profiles.profile import cycle_values
 from ev_stack.measures import motion
 from ev_stack.measures.metric import Metric, channel
 from ev_stack.recording.recording import Recording
-from ev_stack.report.tables import text_table
+from ev_stack.report.tables import Table
 from ev_stack.scenarios.files import vehicle_of
 from ev_stack.scenarios.records import Run
 from ev_study.studies.electric_cars import (
@@ -92,28 +92,27 @@ def _fitted(file: Path) -> Assumptions:
 
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:
-    """Each car on each cycle; ParameterError for a duration, with which a part would be held against the whole."""
+    """Each car on each cycle; ParameterError for a duration: what was measured is of whole cycles."""
     if given.duration is not None:
         raise ParameterError(
             f"--duration {given.duration:g} is refused: what was measured is of whole cycles"
         )
     assumptions = _assumptions(given)
-    return [
-        Case(
-            f"{car.name}: {cycle}",
-            _SCENARIO,
-            _values(car, cycle, assumptions),
-            duration=cycle_values(cycle)[1],
-            vehicle=_VEHICLE,
-        )
-        for car in _cars(given)
-        for cycle in CYCLES
-    ]
+    found = []
+    for car in _cars(given):
+        for cycle in CYCLES:
+            values = _values(car, cycle, assumptions)
+            duration = cycle_values(cycle)[1]
+            name = f"{car.name}: {cycle}"
+            found.append(Case(name, _SCENARIO, values, duration=duration, vehicle=_VEHICLE))
+    return found
 
 
 def _values(car: ElectricCar, cycle: str, a: Assumptions) -> tuple[tuple[str, str, Any], ...]:
     base = vehicle_of(_VEHICLE)
-    machines, radius, gear = 2 * car.driven_axles, base.wheel_radius, base.gear_ratio
+    machines = 2 * car.driven_axles
+    radius = base.wheel_radius
+    gear = base.gear_ratio
     size = car.mass / REFERENCE_MASS
     # squared force at the wheel over squared torque at the shaft
     torques = (gear * a.gear_efficiency / radius) ** 2
@@ -158,45 +157,49 @@ def _values(car: ElectricCar, cycle: str, a: Assumptions) -> tuple[tuple[str, st
 
 
 def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
-    """Consumption from the battery [W h/km] and the largest difference from the speed of the cycle [m/s]."""
+    """Consumption from the battery [W h/km] and largest difference from the cycle's speed [m/s]."""
     power = -channel(recording, "battery.voltage") * channel(recording, "battery.current")
+    energy = float((power[1:] * np.diff(recording.time)).sum())
     distance = float(motion.distance_on_path(recording)[-1])
     wanted = run.configurations["driver"].parameters.speed_profile
     asked = np.interp(recording.time, wanted.time, wanted.speed)
     return {
-        "consumption": float((power[1:] * np.diff(recording.time)).sum())
-        / 3600.0
-        / (distance / 1000.0),
+        "consumption": energy / 3600.0 / (distance / 1000.0),
         "speed_error": float(np.abs(motion.speed(recording) - asked).max()),
     }
 
 
-def _compared(
-    given: argparse.Namespace, results: Results
-) -> list[tuple[ElectricCar, bool, list[tuple[float, float]]]]:
-    """Each car that was driven, whether it is new to the assumptions, and by cycle ours and measured [W h/km]."""
+class _Compared(NamedTuple):
+    """A car that was driven, and by cycle ours and what was measured [W h/km]."""
+
+    car: ElectricCar
+    is_new: bool  # to the assumptions
+    pairs: list[tuple[float, float]]
+
+
+def _compared(given: argparse.Namespace, results: Results) -> list[_Compared]:
     assumed = _assumptions(given)
     found = []
     for car in _cars(given):
         driven = [results[f"{car.name}: {cycle}"].measured for cycle in CYCLES]
         if all(driven):
-            ours = (each["consumption"] / assumed.charger_efficiency for each in driven)
-            found.append(
-                (
-                    car,
-                    car.vehicle not in assumed.fitted,
-                    list(zip(ours, car.measured.values(), strict=True)),
-                )
-            )
+            ours = [each["consumption"] / assumed.charger_efficiency for each in driven]
+            pairs = list(zip(ours, car.measured.values(), strict=True))
+            found.append(_Compared(car, car.vehicle not in assumed.fitted, pairs))
     return found
 
 
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
-    """Median and ninetieth percentile of the relative error, of all cars and of those new to the assumptions."""
+    """Median and ninetieth percentile of the relative error.
+
+    They are those of all cars and of those new to the assumptions.
+    """
     compared = _compared(given, results)
     found = {}
-    for part, of in (("", compared), ("_new", [each for each in compared if each[1]])):
-        errors = [abs(ours / measured - 1.0) for _, _, pairs in of for ours, measured in pairs]
+    for part, of in (("", compared), ("_new", [each for each in compared if each.is_new])):
+        errors = []
+        for each in of:
+            errors += [abs(ours / measured - 1.0) for ours, measured in each.pairs]
         if errors:
             found[f"median_error{part}"] = Metric(float(np.median(errors)), "1")
             found[f"ninety_percent_within{part}"] = Metric(float(np.quantile(errors, 0.9)), "1")
@@ -204,43 +207,30 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
 
 
 def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
-    """Car, class of its drive, whether it was fitted or is new; by cycle ours, what was measured, and the error."""
-    return [
-        (
-            *(car.name, car.drive, _NEW if new else _FIT),
-            *(
-                text
-                for ours, measured in pairs
-                for text in (
-                    f"{ours:.0f}",
-                    f"{measured:.0f}",
-                    f"{100 * (ours / measured - 1):+.1f} %",
-                )
-            ),
-        )
-        for car, new, pairs in _compared(given, results)
-    ]
+    """Car, class of its drive, whether it was fitted or is new; by cycle numbers and the error."""
+    found = []
+    for car, is_new, pairs in _compared(given, results):
+        row = [car.name, car.drive, _NEW if is_new else _FIT]
+        for ours, measured in pairs:
+            error = 100 * (ours / measured - 1)
+            row += [f"{ours:.0f}", f"{measured:.0f}", f"{error:+.1f} %"]
+        found.append(tuple(row))
+    return found
 
 
 def tables(given: argparse.Namespace, results: Results) -> str:
     """The assumptions, the rows, and the errors in sum."""
-    names = ("quantity", "class", "value", "unit")
     # The codes of the fitted cars only for a fit of this list: a user may want its assumptions
     # to keep.
     shown = [row for row in assumption_rows(_assumptions(given)) if given.fit or row[0] != FITTED]
-    assumed = text_table(names, shown, left=names[:2])
-    errors = {
-        name: 100.0 * float(metric.value or 0.0) for name, metric in metrics(given, results).items()
-    }
-    sums = [
-        f"{which}: median error {errors[f'median_error{part}']:.1f} %, 90 % of the rows within "
-        f"{errors[f'ninety_percent_within{part}']:.1f} %"
-        for part, which in (
-            ("", "all cars"),
-            ("_new", "cars that the assumptions were not fitted to"),
-        )
-        if f"median_error{part}" in errors
-    ]
-    return "\n".join(
-        [assumed, "", text_table(COLUMNS, rows(given, results), left=COLUMNS[:LEFT]), *sums]
-    )
+    assumed = Table(("quantity", "class", "value", "unit"), shown, left=2)
+    lines = [assumed.text(), "", Table(COLUMNS, rows(given, results), LEFT).text()]
+    found = metrics(given, results)
+    parts = {"": "all cars", "_new": "cars that the assumptions were not fitted to"}
+    for part, which in parts.items():
+        if f"median_error{part}" in found:
+            median = 100.0 * float(found[f"median_error{part}"].value or 0.0)
+            ninety = 100.0 * float(found[f"ninety_percent_within{part}"].value or 0.0)
+            errors = f"median error {median:.1f} %, 90 % of the rows within {ninety:.1f} %"
+            lines.append(f"{which}: {errors}")
+    return "\n".join(lines)

@@ -17,12 +17,27 @@ from ev_stack.measures import motion
 from ev_stack.measures.metric import Metric, channel
 from ev_stack.recording.recording import Recording
 from ev_stack.scenarios.records import Run
+from ev_study.studies.options import add_choice
 from ev_study.studies.study import Case, Results, own_methods
 
 BEGIN = 5.0  # of the fault [s]
 DURATION = 10.0  # [s]
 SCENARIO = "double_lane_change"
+ABOUT = (
+    "Every electronic differential with every fault in mid-turn, on dry and wet roads: "
+    "path, yaw rate, sideslip, safe?"
+)
 ROADS = {"dry": "dry_asphalt", "wet": "wet_asphalt_1"}
+ROLE = "electronic_differential"
+DRAWN = "power_steering"
+OFF = "off"
+LIMP = "limp_home"
+_ON_A_ROAD = ("path error [m]", "yaw rate error [deg/s]", "sideslip [deg]", "safe")
+COLUMNS = ("fault", "law", "asr", *(f"{road}: {what}" for road in ROADS for what in _ON_A_ROAD))
+LEFT = 3
+SUMS = ("safe_",)
+SHORTEST = BEGIN
+CURVES = {"deviation": "m", "yaw_rate": "deg/s"}  # over time, with their units
 BY_WIRE = ("drive_by_wire", "steer_by_wire")
 # behind the name of a law: on the column of Shchur (2019), with half the track as its lever
 POWERED = " (powered)"
@@ -76,55 +91,37 @@ _ENDS = {"law restarted for 0.5 s": BEGIN + 0.5}
 def values_of(road: str, law: str, asr: str, fault: str) -> tuple[tuple[str, str, Any], ...]:
     """Values of one case that differ from the scenario's own file."""
     name = law.removesuffix(POWERED)
-    column = "by_wire" if law in BY_WIRE else "manual" if law == name else "powered"
-    until = f" until {_ENDS[fault]:g}" if fault in _ENDS else ""
-    return (
+    column = "manual" if law == name else "powered"
+    if law in BY_WIRE:
+        column = "by_wire"
+    values = [
         *TURN,
         ("plant", "road.left", [ROADS[road]]),
         ("plant", "road.right", [ROADS[road]]),
-        ("electronic_differential", "method", name),
+        (ROLE, "method", name),
         ("asr", "method", asr),
         ("steering_column", "method", column),
-        *(
-            (("asr", "plausibility.keep_difference", column != "manual"),)
-            if asr == "limp_home"
-            else ()
-        ),
-        *(
-            (role, "faults", [f"{each} from {BEGIN:g}{until}" for each in of])
-            for role, of in FAULTS[fault].items()
-        ),
-    )
-
-
-ABOUT = "Every electronic differential with every fault in mid-turn, on dry and wet roads: path, yaw rate, sideslip, safe?"
-ROLE, DRAWN = "electronic_differential", "power_steering"
-OFF, LIMP = "off", "limp_home"
-_ON_A_ROAD = ("path error [m]", "yaw rate error [deg/s]", "sideslip [deg]", "safe")
-COLUMNS = ("fault", "law", "asr", *(f"{road}: {what}" for road in ROADS for what in _ON_A_ROAD))
-LEFT = 3
-SUMS = ("safe_",)
-SHORTEST = BEGIN
-CURVES = {"deviation": "m", "yaw_rate": "deg/s"}  # over time, with their units
+    ]
+    if asr == LIMP:
+        values.append(("asr", "plausibility.keep_difference", column != "manual"))
+    until = f" until {_ENDS[fault]:g}" if fault in _ENDS else ""
+    for role, of in FAULTS[fault].items():
+        values.append((role, "faults", [f"{each} from {BEGIN:g}{until}" for each in of]))
+    return tuple(values)
 
 
 def laws() -> list[str]:
-    """All electronic differentials of the package that brings the node; two of them on another column as well."""
-    return [*own_methods(ROLE), *(name + POWERED for name in ("equal_torque", DRAWN))]
+    """All electronic differentials of the package that brings the node.
+
+    Two of them stand there with another column as well.
+    """
+    return [*own_methods(ROLE), f"equal_torque{POWERED}", DRAWN + POWERED]
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """A part of the laws and faults instead of all, and what counts as safe."""
-    parser.add_argument(
-        "--laws", nargs="+", choices=laws(), metavar="LAW", help="these only; default: all"
-    )
-    parser.add_argument(
-        "--faults",
-        nargs="+",
-        choices=list(FAULTS),
-        metavar="FAULT",
-        help="these only; default: all",
-    )
+    add_choice(parser, "--laws", laws(), "LAW")
+    add_choice(parser, "--faults", FAULTS, "FAULT")
     parser.add_argument(
         "--lane", type=real(0.0), default=3.5, help="width of the lane [m]; default: %(default)s"
     )
@@ -140,9 +137,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _combinations(given: argparse.Namespace) -> Iterator[tuple[str, str, str]]:
+    """Fault, law and traction control of all cases."""
     for fault in given.faults or FAULTS:
+        controls = (OFF, LIMP) if fault in (SOUND, *OF_MOTORS) else (OFF,)
         for law in given.laws or laws():
-            for asr in (OFF, LIMP) if fault in (SOUND, *OF_MOTORS) else (OFF,):
+            for asr in controls:
                 yield fault, law, asr
 
 
@@ -152,30 +151,34 @@ def name_of(fault: str, law: str, asr: str, road: str) -> str:
 
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:
-    """Every law with every fault, and with a limp mode where motors are struck; what the car forbids is refused."""
-    return [
-        Case(
-            name_of(fault, law, asr, road),
-            SCENARIO,
-            values_of(road, law, asr, fault),
-            duration=DURATION,
-        )
-        for fault, law, asr in _combinations(given)
-        for road in ROADS
-    ]
+    """Every law with every fault, and with a limp mode where motors are struck.
+
+    What the car forbids is refused.
+    """
+    found = []
+    for of_case in _combinations(given):
+        fault, law, asr = of_case
+        for road in ROADS:
+            values = values_of(road, law, asr, fault)
+            found.append(Case(name_of(*of_case, road), SCENARIO, values, duration=DURATION))
+    return found
 
 
 def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
-    """Largest deviations from the fault on: from the path [m], from its yaw rate [deg/s], sideslip angle [deg]."""
+    """Largest deviations from the fault on.
+
+    They are those from the path [m] and from its yaw rate [deg/s], and the sideslip angle [deg].
+    """
     wanted = run.configurations["driver"].parameters.path
-    path, after = path_of(wanted), recording.time >= BEGIN
-    deviation, leg = np.zeros(len(recording.time)), 0
-    for n, (x, y) in enumerate(
-        zip(channel(recording, "pose.x"), channel(recording, "pose.y"), strict=True)
-    ):
+    path = path_of(wanted)
+    after = recording.time >= BEGIN
+    deviation = np.zeros(len(recording.time))
+    leg = 0
+    places = zip(channel(recording, "pose.x"), channel(recording, "pose.y"), strict=True)
+    for n, (x, y) in enumerate(places):
         _, leg = nearest(path, x, y, leg)
-        along_x, along_y = path.along_x[leg], path.along_y[leg]
-        deviation[n] = along_x * (y - path.y[leg]) - along_y * (x - path.x[leg])
+        across = path.along_x[leg] * (y - path.y[leg])
+        deviation[n] = across - path.along_y[leg] * (x - path.x[leg])
     speed = channel(recording, "twist.longitudinal")
     yaw_rate = np.degrees(channel(recording, motion.YAW_RATE) - wanted.curvature[-1] * speed)
     sideslip = np.degrees(np.where(motion.moving(recording), motion.sideslip_angle(recording), 0.0))
@@ -199,65 +202,62 @@ def is_safe(given: argparse.Namespace, measured: Mapping[str, Any]) -> bool:
 def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     """Numbers of faults, dry and wet, with which each law is safe without the limp mode."""
     found: dict[str, Metric] = {}
+    faults = [fault for fault in given.faults or FAULTS if fault != SOUND]
     for law in given.laws or laws():
-        names = [
-            name_of(f, law, OFF, road)
-            for f in given.faults or FAULTS
-            if f != SOUND
-            for road in ROADS
-        ]
-        safe = [is_safe(given, results[name].measured) for name in names if results[name].measured]
+        safe = []
+        for fault, road in itertools.product(faults, ROADS):
+            measured = results[name_of(fault, law, OFF, road)].measured
+            if measured:
+                safe.append(is_safe(given, measured))
         if safe:
             found[f"safe_{law}"] = Metric(float(sum(safe)), "1")
     return found
 
 
 def rows(given: argparse.Namespace, results: Results) -> list[tuple[str, ...]]:
-    """Fault, law and traction control, and what was measured on each road; without laws that the car forbids."""
+    """Fault, law and traction control, and what was measured on each road.
+
+    Laws that the car forbids are left out.
+    """
     found = []
-    for fault, law, asr in _combinations(given):
-        measured = [results[name_of(fault, law, asr, road)].measured for road in ROADS]
+    for of_case in _combinations(given):
+        measured = [results[name_of(*of_case, road)].measured for road in ROADS]
         if any(measured):
-            found.append(
-                (
-                    fault,
-                    law,
-                    asr,
-                    *(cell for of_road in measured for cell in _cells(given, of_road)),
-                )
-            )
+            row = [*of_case]
+            for of_road in measured:
+                row += _cells(given, of_road)
+            found.append(tuple(row))
     return found
 
 
 def _cells(given: argparse.Namespace, measured: Mapping[str, Any]) -> tuple[str, ...]:
+    """Cells of a road below _ON_A_ROAD."""
     if not measured:
         return ("–",) * len(_ON_A_ROAD)
-    numbers = (
-        f"{measured[name]:.{n}f}"
-        for name, n in (("path_error", 2), ("yaw_rate_error", 1), ("sideslip", 1))
+    return (
+        f"{measured['path_error']:.2f}",
+        f"{measured['yaw_rate_error']:.1f}",
+        f"{measured['sideslip']:.1f}",
+        "yes" if is_safe(given, measured) else "no",
     )
-    return (*numbers, "yes" if is_safe(given, measured) else "no")
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
-    """Deviation from the path, yaw rate error and hand torque over time: power steering with a dead motor."""
+    """Deviation from the path and yaw rate error over time: power steering with a dead motor."""
     shown = (
         ("deviation", "deviation from the path, left positive", "deviation [m]"),
         ("yaw_rate", "yaw rate less that of the path", "yaw rate [deg/s]"),
     )
-    pairs = [(SOUND, OFF), *((fault, asr) for fault in OF_MOTORS[:2] for asr in (OFF, LIMP))]
+    pairs = [(SOUND, OFF), *itertools.product(OF_MOTORS[:2], (OFF, LIMP))]
     panels = []
-    for law, road, (quantity, title, ylabel) in itertools.product(
-        (DRAWN, DRAWN + POWERED), ROADS, shown
-    ):
-        drawn = {
-            f"{fault}, {readable(asr)}": results.get(name_of(fault, law, asr, road))
-            for fault, asr in pairs
-        }
-        curves = [
-            Curve(result.measured["time"], result.measured[quantity], label)
-            for label, result in drawn.items()
-            if result is not None and "time" in result.measured
-        ]
-        panels.append(Panel(f"{readable(law)}, {road}: {title}", ylabel, curves))
+    for law, road in itertools.product((DRAWN, DRAWN + POWERED), ROADS):
+        for quantity, title, ylabel in shown:
+            curves = []
+            for fault, asr in pairs:
+                result = results.get(name_of(fault, law, asr, road))
+                if result is not None and "time" in result.measured:
+                    values = result.measured[quantity]
+                    label = f"{fault}, {readable(asr)}"
+                    curves.append(Curve(result.measured["time"], values, label))
+            panels.append(Panel(f"{readable(law)}, {road}: {title}", ylabel, curves))
     return {DRAWN: Sheet(panels)}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Collection
 
 from ev_stack.command_line.numbers import whole
 from ev_stack.command_line.options import add_traceback
@@ -25,6 +26,15 @@ def add_driving(parser: argparse.ArgumentParser, name: str) -> None:
     add_out(parser, name)
     parser.add_argument("--anew", action="store_true", help="drive again what was driven before")
     add_traceback(parser)
+
+
+def add_choice(
+    parser: argparse.ArgumentParser, option: str, names: Collection[str], metavar: str
+) -> None:
+    """Declare an option that chooses some of many."""
+    parser.add_argument(
+        option, nargs="+", choices=list(names), metavar=metavar, help="these only; default: all"
+    )
 
 
 def workers_of(given: argparse.Namespace) -> Workers:
