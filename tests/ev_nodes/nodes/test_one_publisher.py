@@ -40,7 +40,7 @@ class Graph:
 
 
 class Reported:
-    """What a node has reported: notes change no number, warnings may."""
+    """Reports of a node: notes change no number, warnings may."""
 
     def __init__(self) -> None:
         self.notes: list[str] = []
@@ -77,7 +77,7 @@ def test_the_node_of_the_role_is_admitted_and_another_one_is_named(wall):
 
 
 def test_a_second_node_of_the_name_is_refused_and_makes_the_run_not_reproducible(wall):
-    """Which of both is the right one is not known: the first one may have been the wrong one."""
+    """The right one of both is not known: the first one may have been the wrong one."""
     reported, graph = Reported(), Graph(ours="plant")
     judge = judge_of(graph, reported)
     assert judge.admits(OURS)

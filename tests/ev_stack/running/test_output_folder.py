@@ -56,7 +56,7 @@ def saved(driven: ev_stack.Result, tmp_path_factory: pytest.TempPathFactory) -> 
 
 
 def content(folder: Path) -> dict[Path, object]:
-    """What each place below a folder holds, or where it leads."""
+    """Content of each place below a folder, or the target of its link."""
     found: dict[Path, object] = {}
     for path in folder.rglob("*"):
         if path.is_symlink():
@@ -92,7 +92,7 @@ def test_no_command_writes_where_anything_is(saved: Path, tmp_path: Path, comman
 
 
 def test_a_result_is_not_saved_where_anything_is(saved: Path, driven: ev_stack.Result):
-    """Not even over itself."""
+    """A result does not even replace itself."""
     before = content(saved)
     with pytest.raises(ParameterError, match=r"is there, expected a new or an empty folder$"):
         driven.save(saved)
@@ -132,7 +132,7 @@ def test_each_run_has_a_folder_of_its_own_and_latest_leads_to_the_last(here: Pat
 
 
 def test_a_scenario_that_is_driven_twice_keeps_both(here: Path, driven: ev_stack.Result):
-    """From the command line and from Python; the links can be followed by the commands that read a run."""
+    """Command line and Python keep both; commands that read a run can follow the links."""
     program.perform(OFFLINE)
     before = content(here)
     program.perform(OFFLINE)
@@ -209,7 +209,7 @@ def test_a_users_own_latest_stays(here: Path, capsys: pytest.CaptureFixture, thi
 
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EROFS, errno.EACCES, errno.EPERM])
 def test_a_disk_that_takes_nothing_is_one_line(here: Path, monkeypatch, number: int):
-    """Full, read-only, of somebody else."""
+    """The disk is full, read-only, or another user's."""
 
     def refused(path: object, mode: int = 0o777) -> None:
         raise OSError(number, os.strerror(number), str(path))

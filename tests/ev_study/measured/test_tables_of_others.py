@@ -211,7 +211,7 @@ def test_a_stamp_of_a_bag_from_the_future_costs_one_message(tmp_path, monkeypatc
     order=st.permutations(range(8)),
 )
 def test_believed_times_increase_and_are_most_of_them(wrong, order):
-    """Of 200 readings no more are lost than are spoilt, and the rest increases."""
+    """No more of 200 readings are lost than are spoilt, and the rest increases."""
     time = 0.01 * np.arange(200)
     time[list(wrong)] = list(wrong.values())
     kept = believed(time)

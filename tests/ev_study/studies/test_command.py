@@ -118,7 +118,7 @@ def test_a_file_of_parameters_does_not_take_the_place_either(tmp_path):
 
 @pytest.mark.parametrize("name", study_names())
 def test_names_differ_and_what_a_case_sets_is_its_own(name):
-    """What the first case of any study sets is refused for its node and for every node."""
+    """Values of a study's first case are refused for its node and for every node."""
     cases = cases_of(name)
     assert len({case.name for case in cases}) == len(cases) > 0
     for node, parameter, _ in cases[0].values:

@@ -88,7 +88,7 @@ class Law:
         return self.function in FUNCTIONS and (self.outputs is None or self.outputs in FUNCTIONS)
 
     def with_options(self, parameters: Any) -> Law:
-        """The law with the options whose switches are on in these parameters."""
+        """The law with the options that these parameters switch on."""
         changes: dict[str, Any] = {}
         for switches, changed in self.options.items():
             if all(getattr(parameters, switch) for switch in switches):

@@ -35,7 +35,7 @@ _MOST = 1000  # different ones that are remembered
 
 
 class Reported:
-    """Takes the reports of nodes whose names are those of roles."""
+    """Takes the reports of nodes with the names of roles."""
 
     def __init__(self, node: Node) -> None:
         self._node = node

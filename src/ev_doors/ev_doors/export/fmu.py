@@ -78,7 +78,7 @@ class Variable(NamedTuple):
 
 
 def write_fmu(content: Content, fmi: int, targets: Sequence[Target], file: Path) -> None:
-    """Write an FMU of FMI 2 or 3, whose model is named after the file, which must be new.
+    """Write an FMU of FMI 2 or 3 to a new file; its model is named after the file.
 
     ParameterError, in one line, for another name and a target that has no FMUs.
     """

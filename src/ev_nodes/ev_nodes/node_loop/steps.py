@@ -50,7 +50,7 @@ class Memory(NamedTuple):
 class Work(NamedTuple):
     """Memory that one loop works on; `steps` and `frames` are those of the node's inbox.
 
-    `admitted` (inputs, 2) is the identity of the publisher whose messages an input takes.
+    `admitted` (inputs, 2) is the identity of the publisher of an input.
     """
 
     head: Any

@@ -1,1 +1,1 @@
-"""What is done below rclpy, in the C library of ROS."""
+"""Calls below rclpy, in the C library of ROS."""

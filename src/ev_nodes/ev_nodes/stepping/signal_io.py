@@ -31,7 +31,7 @@ QUALITY = QoSProfile(depth=QUEUE_DEPTH)  # reliable, volatile, keep last
 # Messages that are held until they are taken; foreign ones shall not displace the others.
 HELD = 20 * QUEUE_DEPTH
 _RECEIVED = QoSProfile(depth=HELD)
-_SOON = 0.01  # s of wall time until a publisher whose node is not known yet is looked up again
+_SOON = 0.01  # s of wall time until a publisher of an unknown node is looked up again
 _LATER = 0.2  # the same of one that was refused
 _LONG = 3.0  # s for the graph to name the node of a publisher
 _MOST = 100  # refused publishers that are remembered

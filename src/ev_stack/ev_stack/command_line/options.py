@@ -198,7 +198,7 @@ def add_outputs(parser: argparse.ArgumentParser) -> None:
 
 
 def printing(given: argparse.Namespace) -> Print:
-    """What is wanted for print; ParameterError for its details without --figures."""
+    """Options for print; ParameterError for details without --figures."""
     for option in ("width", "panels"):
         if getattr(given, option) is not None and not given.figures:
             raise ParameterError(f"--{option} is about figures for print: add --figures pdf or svg")
@@ -234,7 +234,7 @@ def own_nodes(given: argparse.Namespace) -> dict[str, list[str]]:
 
 
 def processors(given: argparse.Namespace) -> dict[str, str]:
-    """By role the processor, or the command of a program, that a law runs on."""
+    """Processors, or commands of programs, by the role that runs there."""
     return dict(_split(word, "=", "--processor", "NODE=PROCESSOR") for word in given.processor)
 
 

@@ -65,7 +65,10 @@ def _named(name: str) -> list[Unit]:
 
 
 def everything() -> list[Unit]:
-    """What steps methods, sensors and observers, and all methods; those together that share functions of one type."""
+    """Units for all that steps methods, sensors and observers, and for all methods.
+
+    Methods that share functions of one type are together.
+    """
     methods: list[Method] = []
     for of_role in all_methods().values():
         for method in of_role.values():

@@ -100,7 +100,10 @@ def _refuse_without_ros(given: argparse.Namespace) -> None:
 
 
 def _can_be_loaded() -> bool:
-    """Whether ROS 2 starts; where it does not find its middleware it ends the process that tries, in words of C."""
+    """Return True if ROS 2 starts.
+
+    Without its middleware it ends the process that tries, in words of C.
+    """
     words = [
         sys.executable,
         "-c",

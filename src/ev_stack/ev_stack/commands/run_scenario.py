@@ -77,7 +77,7 @@ def list_all(argv: list[str]) -> None:
 
 
 def _lacks_memory(error: BaseException) -> bool:
-    """Whether an error comes from a lack of memory, which a library that cannot be loaded words in its own way."""
+    """Return True for a lack of memory, which an unloadable library reports in its own words."""
     cause: BaseException | None = error
     while cause is not None:
         if isinstance(cause, MemoryError):

@@ -1,4 +1,4 @@
-"""A rosbag2 MCAP bag, whose messages are on the disk within a second, and its index and metadata at the end.
+"""A rosbag2 MCAP bag: messages on disk within a second, index and metadata at the end.
 
 A recorder that is killed leaves a file without index and metadata.yaml. It lacks only what was
 written in the last second: readers that go through the file, such as `ros2 bag`, `mcap recover` and
@@ -29,7 +29,7 @@ from rosbags.typesys.store import Typestore
 
 @cache
 def ros_types() -> Typestore:
-    """The definitions of messages, also of those whose package is not installed."""
+    """Definitions of messages, also of packages that are not installed."""
     return get_typestore(Stores.ROS2_KILTED)
 
 

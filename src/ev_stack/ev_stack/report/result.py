@@ -146,7 +146,7 @@ class Result:
         return {**figures_of_runs(self.truth, self.scenario.runs), **timing}
 
     def figures(self, width: float = WIDE) -> dict[str, Figure]:
-        """Figures [inch wide] of matplotlib by name, drawn anew."""
+        """New figures [inch wide] of matplotlib by name."""
         return drawn(self.sheets, width)
 
     @property

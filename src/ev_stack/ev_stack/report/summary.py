@@ -71,7 +71,7 @@ def differences(driven: Scenario, own: Scenario) -> list[Difference]:
 def _of_run(run: Run, before: Run) -> Iterator[Difference]:
     for role, configuration in run.configurations.items():
         own, defaults = before.configurations.get(role), _defaults(configuration)
-        # an optional role that the command line lets somebody play
+        # an optional role that the command line gives a method
         scenarios = own.values() if own else defaults
         for entry in configuration.entries():
             name, value = entry.name, entry.default

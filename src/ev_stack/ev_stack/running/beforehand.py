@@ -1,6 +1,6 @@
 """Compiled code of runs, made before they begin: on all cores, with a bar that counts.
 
-What nobody has made by then is compiled when it is used, by nodes as well. What is on disk is only
+What is missing then is compiled when it is used, by nodes as well. What is on disk is only
 looked for.
 """
 
@@ -72,7 +72,7 @@ def compile_units(units: Iterable[Unit]) -> list[str]:
 
 
 def _processes() -> int:
-    """Number of processes to fork: none beside other threads, whose locks would last for ever."""
+    """Number of processes to fork: none beside other threads, for their locks would stay held."""
     return (
         len(os.sched_getaffinity(0))
         if sys.platform == "linux" and threading.active_count() == 1

@@ -1,4 +1,4 @@
-"""What a runner sees of the nodes of a run: what each reports on its line, and the graph, by a node of its own."""
+"""View of a runner on its nodes: their reports, each on its line, and the graph."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ class NodeReports:
         self._why: dict[str, Sequence[str]] = {}  # by node: why it waited when it last reported so
 
     def line(self, node: str) -> tuple[str, int]:
-        """For the environment of a node, by which it finds its end, and the descriptor that it has to inherit."""
+        """Value for the environment of a node, by which it finds its end, and its descriptor."""
         end = self._lines[node] = ListeningEnd()
         return end.address, end.theirs.fileno()
 
@@ -117,11 +117,11 @@ class NodeReports:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What nodes note, and once for each node or topic that its messages were refused."""
+        """Notes of nodes, and one for each node or topic with refused messages."""
         return tuple(self._noted.values())
 
     def new_words(self) -> tuple[str, ...]:
-        """What the user is to see at once: that time was stopped, or goes on."""
+        """Words for the user at once: that time was stopped, or goes on."""
         words, self._words = tuple(self._words), []
         return words
 
@@ -166,7 +166,7 @@ class NodeReports:
             self._noted.setdefault(shown(word.what) if word.kind == NOTE else text, text)
 
     def outcome(self, recording: Recording, wall_time: float) -> Outcome:
-        """What a run has given that was driven over DDS, and why it may not give the same numbers again."""
+        """Outcome of a run over DDS, and why it may not give the same numbers again."""
         by_the_clock = ["driven by the wall clock"] if self._realtime else []
         reasons = (*by_the_clock, *self.warnings)
         return Outcome(recording, wall_time, reasons, self.notes, self.timing)
@@ -179,7 +179,7 @@ class NodeReports:
 
 @contextmanager
 def node_reports(namespace: str, realtime: bool = False) -> Iterator[NodeReports]:
-    """For the time of a run; where that does not come to its end, what was noted is printed all the same."""
+    """Reports during a run; a run without an end prints their notes all the same."""
     found = NodeReports(namespace, realtime)
     try:
         yield found

@@ -52,7 +52,7 @@ class ScenarioParameters:
     slow_ramp: SlowRampParameters = group(SlowRampParameters)
     report: str = setting(
         "",
-        about="scenario whose metrics and figures it gets; empty for its own, "
+        about="scenario with the metrics and figures for it; empty for its own, "
         "and with a course for that of courses",
     )
     metrics: tuple[str, ...] = setting(
@@ -76,7 +76,7 @@ class ScenarioParameters:
 
 
 def report_of(name: str, about: ScenarioParameters) -> str:
-    """The scenario whose metrics and figures a scenario of this name gets."""
+    """Name of the scenario with the metrics and figures of this one."""
     if about.report:
         return about.report
     has_its_own = name in offered(REPORTS)

@@ -244,13 +244,13 @@ def _refuse(board: Board, path: Path) -> None:
 
 
 def _refuse_variation(variation: Variation) -> None:
-    bounds, who = (
+    bounds, subject = (
         [*variation.factor, *variation.value, *variation.count],
         f"variation of {variation.parameter}",
     )
     if bounds if variation.choice else not _rise(bounds):
         raise ParameterError(
-            f"{who} has the bounds {bounds}, expected two that rise, of one of factor, value, count, or a choice"
+            f"{subject} has the bounds {bounds}, expected two that rise, of one of factor, value, count, or a choice"
         )
     if variation.parameter == MOTOR_FAULT:
         shares, begin = variation.value, variation.begin
@@ -262,14 +262,14 @@ def _refuse_variation(variation: Variation) -> None:
             and begin[0] >= 0.0
         ):
             raise ParameterError(
-                f"{who} needs value and begin, expected two shares within 0 to 1 and two times"
+                f"{subject} needs value and begin, expected two shares within 0 to 1 and two times"
             )
         if not 0.0 <= variation.probability <= 1.0:
             raise ParameterError(
-                f"{who} has the probability {variation.probability}, expected 0 to 1"
+                f"{subject} has the probability {variation.probability}, expected 0 to 1"
             )
     elif variation.begin or variation.probability != 1.0:
-        raise ParameterError(f"{who} has begin or probability, allowed for {MOTOR_FAULT} alone")
+        raise ParameterError(f"{subject} has begin or probability, allowed for {MOTOR_FAULT} alone")
 
 
 def _rise(bounds: Sequence[float]) -> bool:

@@ -56,8 +56,8 @@ def values_of(board: Board, cell: Cell) -> dict[str, Any]:
     for number, name in enumerate(varied):
         _refuse_twice("the board varies", [name], [*varied[:number], *searched])
     # a factor is on what is set
-    anew = [each.parameter for each in board.variations if not each.factor]
-    _refuse_twice(f"manoeuvre {cell.manoeuvre} sets", manoeuvre.values, [*anew, *searched])
+    absolute = [each.parameter for each in board.variations if not each.factor]
+    _refuse_twice(f"manoeuvre {cell.manoeuvre} sets", manoeuvre.values, [*absolute, *searched])
     values = {**_layout_and_road(board, cell), **manoeuvre.values}
     if manoeuvre.steering_on:
         values[SCALE_OF_ANGLES] = _scale_of_angles(board, replace(cell, road=manoeuvre.steering_on))
@@ -66,14 +66,14 @@ def values_of(board: Board, cell: Cell) -> dict[str, Any]:
     return values
 
 
-def _refuse_twice(who: str, names: Iterable[str], others: Sequence[str]) -> None:
+def _refuse_twice(subject: str, names: Iterable[str], others: Sequence[str]) -> None:
     """ParameterError if a ROLE.PARAMETER is set or varied a second time: one of the values would be lost."""
     for name, other in itertools.product(names, others):
         role, _, parameter = name.partition(".")
         role_of_other, _, same = other.partition(".")
         if parameter == same and (role == role_of_other or EVERY_ROLE in (role, role_of_other)):
             raise ParameterError(
-                f"{who} {name}, and {other} is varied already, expected one of them"
+                f"{subject} {name}, and {other} is varied already, expected one of them"
             )
 
 

@@ -1,4 +1,4 @@
-"""What a board has driven, a row for each law in a cell: memory stays flat, a stop loses nothing."""
+"""Driven cells of a board, a row for each law: memory stays flat, a stop loses nothing."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class KeptCells(Sequence[DrivenCell]):
 def kept_cells(
     board: Board, cells: Sequence[Cell], laws: Sequence[str], results: Results, anew: bool = False
 ) -> KeptCells:
-    """Return cells as laws have driven them before; those of a board `anew` count as missing.
+    """Return cells as laws have driven them before; those to drive again, `anew`, count as missing.
 
     ParameterError for a mistake of the board's file.
     """

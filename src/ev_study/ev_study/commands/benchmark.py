@@ -143,7 +143,7 @@ def _parser() -> argparse.ArgumentParser:
         "--cells",
         default="*",
         metavar="ID",
-        help="those whose ids fit, such as '*:step_steer:*'",
+        help="those with ids that fit, such as '*:step_steer:*'",
     )
     parser.add_argument(
         "--laws", metavar="NAME,NAME", help="these, the reference and what is added only"

@@ -216,7 +216,7 @@ def _reaches_friction(
     kind: str,
     points: Points,
 ) -> bool:
-    """Whether any point has nearly as much force as a curve has at its load."""
+    """Return True if a point has nearly as much force as a curve has at its load."""
     slip, furthest = _FURTHEST[kind]
     most = np.zeros(len(points.load))
     for each in np.linspace(-furthest, furthest, 61):

@@ -1,4 +1,4 @@
-"""A replay of a run: one role is played anew, all others play back what was recorded; what it leaves behind."""
+"""A replay of a run: one role is played again, all others play back their recorded outputs."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ _OF_WALL_TIME = (
 
 @dataclass(frozen=True)
 class Replay:
-    """A role that is played anew: `values` are those of its parameters, `duration` is simulated [s]."""
+    """A role that is played again: `values` are its parameters, `duration` is simulated [s]."""
 
     recorded: Recorded
     role: str
@@ -106,7 +106,7 @@ class Replay:
         )
 
     def _compared(self) -> np.ndarray:
-        """Whether what the role answers from is recorded (n,): of this instant, or if it integrates the one before."""
+        """Mask of instants with the role's inputs, (n,): the one before if it integrates."""
         there = np.ones(len(self.recorded.recording.time), bool)
         for signal in self.configuration.method.reads:
             if signal is not Instant:
@@ -228,7 +228,7 @@ def prepared(replay: Replay, folder: Path) -> Run:
 
 
 def _write_told(path: Path, replay: Replay) -> None:
-    """What is known of the nodes of the recorded run, so that it can be replayed once more from there."""
+    """Write the known parameters of the recorded run, so that it can be replayed from there."""
     given = replay.recorded.parameters
     if given is not None:
         with atomic_file(path) as file:
@@ -268,7 +268,7 @@ class Replayed:
         return (*self.replay.recorded.notes, *more, *self.outcome.notes)
 
     def lines(self) -> list[str]:
-        """What the terminal shows."""
+        """Lines for the terminal."""
         table = comparing.table_of(self.differences)
         answers = [TOPICS[signal].name for signal in self.replay.answers]
         return [
@@ -305,7 +305,7 @@ class Replayed:
         return f"{PAGE}, "
 
     def _recorded(self) -> Recording:
-        """As much of the recorded run as was replayed."""
+        """The part of the recorded run that was replayed."""
         recording, count = self.replay.recorded.recording, len(self.outcome.recording.time)
         return Recording(
             recording.time[:count], {name: row[:count] for name, row in recording.channels.items()}

@@ -1,6 +1,6 @@
-"""What the numbers of a run depend on beside its values and files: the texts of sources, as a digest.
+"""Digest of the sources on which the numbers of a run depend beside its values and files.
 
-Those of ours are one digest for all that is driven. Those of somebody else's methods, reports and
+Those of ours are one digest for all that is driven. Those of a user's methods, reports and
 studies count where they are used, so that an edit of one law leaves the rows of the others. The
 data files of their packages, such as published.csv, count with them; those in their config folders
 are read, and counted, with what is driven.

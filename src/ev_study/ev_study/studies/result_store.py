@@ -27,7 +27,7 @@ from ev_core.compiling.user_cache import cache_folder, read_checked, write_check
 
 VARIABLE = "EV_STACK_RESULTS"  # the folder, such as one that all machines of a cluster see
 RECORDING = ".npz"
-_FOLDERS = 3  # whose recordings stay
+_FOLDERS = 3  # with recordings that stay
 _DAY = 86400.0  # [s]
 _MONTH = 30.0 * _DAY
 _DIGEST = "[0-9a-f]" * 24
@@ -54,7 +54,7 @@ class ResultStore:
         _forget_old(parent)
 
     def path(self, name: str) -> Path:
-        """Where something of a name stands, for a recording, which its writer writes by itself."""
+        """Path of a name, for a recording, which its writer writes by itself."""
         return self.folder / name
 
     def get(self, name: str) -> bytes | None:

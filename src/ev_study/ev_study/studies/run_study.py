@@ -244,7 +244,7 @@ def _drive(
 
 @dataclass(frozen=True)
 class SummedUp:
-    """What a study makes of its rows: metrics, figures, what it prints, and a table for files."""
+    """Summary of a study's rows: metrics, figures, text, and a table for files."""
 
     metrics: dict[str, Metric]
     sheets: dict[str, Sheet]

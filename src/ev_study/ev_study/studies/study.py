@@ -1,4 +1,4 @@
-"""What a study is, which ones there are, and one run among the many of a study."""
+"""Studies: their form, those that are offered, and one run among the many of a study."""
 
 from __future__ import annotations
 
@@ -50,10 +50,10 @@ class Case:
 
 @dataclass(frozen=True, slots=True)
 class CaseResult:
-    """What a study has measured on a case, or in `refused` one line on why it cannot be driven or measured.
+    """Measures of a study on a case.
 
-    `simulated_time` and `wall_time` [s] are those of driving, `notes` what its nodes noted, `spun`
-    whether the car has.
+    `refused` has a line if it cannot be driven or measured. `simulated_time` and `wall_time` [s]
+    are those of driving, `notes` what its nodes noted, `spun` whether the car has.
     """
 
     name: str

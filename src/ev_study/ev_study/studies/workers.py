@@ -4,7 +4,7 @@ How it works: a job is a function and what it is called with. `perform_jobs` giv
 the next job, and calls `done` with every result as it comes, in any order; it keeps none of them.
 
 Two pools do this. The one of this machine forks its workers when all that a job needs is compiled
-and loaded. A dask cluster on this machine would load it anew in each worker: measured with two
+and loaded. A dask cluster on this machine would load it again in each worker: measured with two
 workers, the first row comes after 8 s instead of 0.3 s, and takes twice the memory; dask is also
 optional. The pools of Python's library end as a whole with one lost worker and do not name its job.
 The other pool is for other machines, which have to compute with the same packages, sources and
@@ -51,7 +51,7 @@ class Job:
 
 @dataclass(frozen=True, slots=True)
 class Workers:
-    """Where jobs are performed: by `count` processes here, or by the workers of a dask scheduler.
+    """Processes for jobs: `count` of them here, or the workers of a dask scheduler.
 
     As many processes as there are cores without a count. The address is tcp://HOST:PORT.
     """
@@ -116,7 +116,7 @@ def _perform_here(jobs: Sequence[Job], done: Done, workers: Workers) -> None:
                 busy.remove(worker)
                 worker.end()
     finally:
-        # After an error or Ctrl-C they still have jobs, whose results nobody waits for.
+        # After an error or Ctrl-C they still have jobs with results that are not waited for.
         for worker in busy:
             worker.end()
 
