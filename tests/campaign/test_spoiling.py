@@ -15,10 +15,7 @@ WORD = 4  # bytes, to which DDS fills a payload up
     "how", sorted({*HOW} - {"nan", "long", "garbage", "big endian", "far stamp"})
 )
 def test_a_cut_message_does_not_grow_whole_on_its_way(how, length):
-    """Seed 304 of the failure campaign.
-
-    A pose without its last byte came with a zero there, as another number.
-    """
+    """A pose without its last byte is refused, not completed by a zero (campaign, seed 304)."""
     message = bytes(range(1, length + 1))
     for seed in range(50):
         cut = spoilt(message, how, random.Random(seed))

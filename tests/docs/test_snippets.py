@@ -100,7 +100,7 @@ def test_yaml_is_accepted_as_it_stands(page, text, tmp_path):
 def test_the_scenario_of_the_page_changes_the_lane_and_finds_its_car_beside_it(
     tmp_path, monkeypatch
 ):
-    """It was called "Lane change with my car" and went straight on."""
+    """The car ends in the middle of the second lane and passes the course."""
     ((_, text),) = [each for each in snippets("yaml") if "/**/scenario:" in each[1]]
     (tmp_path / "lane_change.yaml").write_text(text)
     shutil.copy(ROOT / "config" / "vehicles" / "compact_ev.yaml", tmp_path / "car.yaml")

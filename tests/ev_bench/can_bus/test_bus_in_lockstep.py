@@ -71,9 +71,10 @@ def test_the_log_of_the_bus_is_read_by_other_tools(lossy, tmp_path, suffix):
 
 
 def test_the_log_is_the_modelled_bus(lossy):
-    """Frames are as long as their bits and do not overlap; load and counters are as modelled.
+    """Frames are as long as their bits and do not overlap.
 
-    Lost frames were on the wire, too: no counter of a set-point is missing.
+    Load and counters are as modelled. Lost frames are on the wire, too: no counter of a set-point
+    is missing.
     """
     run, recording = lossy
     frames, until = logged_frames(recording, run.configurations["test_bench"])

@@ -88,8 +88,8 @@ def test_what_has_not_arrived_yet_is_taken_in_a_later_tick():
 def test_what_has_arrived_waits_until_it_is_taken_though_the_next_one_is_on_its_way():
     """A frame that came at 600 bits is read a tick later, while the next one is on the wire.
 
-    Before, that one took its place as soon as it began, and a bus with 40 % of other traffic passed
-    no set-point.
+    The next one takes its place at its end, not at its begin: else a bus with 40 % of other traffic
+    would pass no set-point.
     """
     s, heard = ChannelState(), []
     for tick in range(4):

@@ -358,10 +358,7 @@ def test_a_log_is_written(tmp_path: Path):
 
 
 def test_a_file_names_no_log_outside_the_working_directory(tmp_path: Path, monkeypatch):
-    """The command line does.
-
-    A log that was named by a file with a path to elsewhere was overwritten.
-    """
+    """Only the command line names one elsewhere: a log from a file overwrites nothing there."""
     (tmp_path / "here").mkdir()
     monkeypatch.chdir(tmp_path / "here")
     file = tmp_path / "own.yaml"

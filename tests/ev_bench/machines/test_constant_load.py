@@ -143,12 +143,10 @@ def test_behind_a_bus_load_machines_follow_it_as_well(follows, left, right):
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_behind_a_bus_a_load_machine_turns_no_faster_than_the_gateway_lets_it(sign):
-    """60 N m on 0.12 kg m^2 against bearings alone.
+    """60 N m on 0.12 kg m^2 against bearings alone: 500 rad/s^2 up to the frames' 100 rad/s.
 
-    500 rad/s^2 that end at the limit of 100 rad/s of the frames.
-
-    The torque fades below it, over a share of the machine's largest speed, and bearings take 0.2 N
-    m: the shaft comes near. Where the limit was not taken from the frames it came to 1046 rad/s.
+    The torque fades below the limit, over a share of the machine's largest speed, and bearings take
+    0.2 N m: the shaft comes near. Without the limit of the frames it would come to 1046 rad/s.
     """
     quick = {f"test_bench__{of}dc_link__precharge_resistance": 20.0 for of in ("", "load__")}
     ends = {**quick, "inverter_gateway__speed_limit": 100.0}

@@ -51,7 +51,7 @@ def test_slip_angles_are_how_far_the_wheels_move_aside_of_where_they_roll(u, v, 
 @pytest.mark.parametrize("speed", [1.0, 10.0])
 @pytest.mark.parametrize("delta", [0.3, -0.3])
 def test_rolling_round_its_centre_in_reverse_a_car_has_no_slip_angles(speed, delta):
-    """They were 1.3 rad at 10 m/s: the least speed stood for every speed in reverse."""
+    """The least speed has the sign of the motion: at -10 m/s the slip angles are zero."""
     r = -speed * math.tan(delta) / ZHILEYKIN.wheelbase
     assert axle_slip_angles(CAR, -speed, 1.35 * r, r, delta, 1.0) == pytest.approx(
         (0.0, 0.0), abs=1e-15

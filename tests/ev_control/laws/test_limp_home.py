@@ -40,10 +40,7 @@ def test_a_dead_motor_takes_its_partner_with_it(side):
     ("fault", "noise"), [(dragging, 0.0), (lambda _: 1.0, 0.0), (dead, 1.0), (dead, 10.0)]
 )
 def test_a_dead_motor_that_shows_a_little_torque_is_dead(side, asked, fault, noise):
-    """Drag or noise of either sign.
-
-    What had the other sign than its command counted as a small deviation alone.
-    """
+    """Drag or noise of either sign makes no torque of a dead motor."""
     limp = Limping(Motors(faults=only(side, fault), noise=noise))
     assert abs(limp.drive(asked, asked, 0.1)[1 - side]) <= 4.0 * noise + 1.1
     assert limp.lost()[side] == 1

@@ -74,10 +74,7 @@ def test_they_start_from_the_brake(law):
 @pytest.mark.parametrize("released", [1.0, 1.2])
 @pytest.mark.parametrize("law", SLIP_LAWS)
 def test_they_start_from_the_brake_with_more_than_the_grip(law, released, sign):
-    """Limited as soon as a wheel turns under its brake; 5.3 m and more.
-
-    Two stood still where all torque passed.
-    """
+    """Laws limit as soon as a wheel turns under its brake; 5.3 m and more."""
     assert climbed_from_the_brake(law, 3000.0, released, sign) > 4.5
 
 

@@ -96,10 +96,7 @@ def test_a_dead_motor_on_the_dry_side_spins_nothing_on_ice():
 
 
 def test_a_tripped_inverter_with_a_dragging_rotor_is_found():
-    """A dead motor shows some mN m of either sign, as real ones do.
-
-    It was not found in all 0.6 s.
-    """
+    """A dead motor shows some mN m of either sign, as real ones do, and is found in time."""
     found = {"asr.limp.watch": True}
     run = ev_stack.run("bench_fault", method={"asr": "slip_window"}, set=found, duration=1.15).runs[
         "bench_fault"

@@ -104,7 +104,7 @@ def test_the_compiled_law_is_the_plain_one_after_every_edit():
 
 @pytest.mark.slow
 def test_a_constant_of_another_module_acts_in_the_next_process(tmp_path):
-    """`consts.LIMIT` from 0.25 to 0.75: the compiled law went on with 0.25."""
+    """`consts.LIMIT` from 0.25 to 0.75 acts: the compiled law does not go on with 0.25."""
     (tmp_path / "limiting.py").write_text(
         "import consts\nfrom ev_msgs_py.compilable import compilable\n\n\n"
         "@compilable\ndef limiting(x):\n    return x * consts.LIMIT\n"
@@ -129,10 +129,7 @@ def test_one_law_with_two_classes_of_parameters_reads_each_where_it_stands():
 
 
 def test_code_that_holds_addresses_of_its_process_is_not_kept():
-    """Such as that of a C callback.
-
-    The next process jumped to where nothing was, and ended by SIGSEGV.
-    """
+    """Code with the address of a C callback would end the next process by SIGSEGV."""
     space = namespace(BEGIN)
     space["helped"] = cfunc(float64(float64))(lambda x: 2.0 * x)
     compiled, plain = answers(space)

@@ -274,7 +274,7 @@ def test_the_fingerprint_knows_no_addresses():
 
 @pytest.mark.parametrize("names", [["a", "b"], ["b", "a"]])
 def test_what_is_compiled_for_a_named_tuple_knows_its_order(names):
-    """Within another one, the code for the same names in another order was taken."""
+    """The same names in another order, within another tuple, are another type."""
     inner = namedtuple("Inner", names)
     assert compiled(_first)(namedtuple("Outer", ["inner"])(inner(a=1.0, b=2.0))) == 1.0
 
@@ -285,7 +285,7 @@ def _first(outer: Any) -> Any:
 
 
 def test_what_cannot_be_written_is_named_and_leaves_nothing(tmp_path, monkeypatch):
-    """A full disk was no more than "No space left on device", and half a file stayed for good."""
+    """The line of a full disk names the file, and no half of one stays."""
 
     def full(descriptor: int) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))

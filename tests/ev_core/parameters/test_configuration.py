@@ -243,7 +243,7 @@ def test_a_driver_that_requires_an_imposed_speed_is_refused_with_a_free_one():
     "name", ["seed", "mode", "method", "faults", "vehicle", "sensors", "control_period"]
 )
 def test_a_law_with_a_parameter_of_every_node_is_refused_when_it_is_registered(name):
-    """`seed` never reached the law, `mode` and `faults` were two in one."""
+    """The law would never get its `seed`, and `mode` and `faults` would be two in one."""
     own = make_dataclass("Own", [(name, float, parameter(1.0, unit="1", about="own"))], frozen=True)
     message = f"^asr method own: parameter {name} is refused: every node has one of this name, take another$"
     with pytest.raises(TypeError, match=message):

@@ -99,10 +99,7 @@ def test_policy_file_has_one_enclave_per_node_with_its_topics():
 
 
 def test_no_node_answers_questions_about_types(seen):
-    """A thread of the middleware that does crashed while a node was starting.
-
-    config/fastdds.xml forbids it.
-    """
+    """A thread for that can crash while a node starts; config/fastdds.xml forbids it."""
     _, _, threads = seen
     assert any(name.startswith("dds.") for name in threads)
     assert not any(name.startswith("dds.tls") for name in threads)

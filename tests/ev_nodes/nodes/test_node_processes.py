@@ -203,7 +203,7 @@ program.main()
 
 
 def test_a_stop_while_the_runner_is_loaded_is_one_line():
-    """SIGTERM was let in before it had a handler, and killed the program without a word."""
+    """SIGTERM waits until it has a handler: the program ends with its line."""
     process = start([sys.executable, "-c", STOPPED_BEFORE_ITS_TIME])
     assert process.communicate(timeout=PATIENCE)[0] == "stopped\n"
     assert process.returncode == 130
@@ -429,7 +429,7 @@ program.main()
 
 @pytest.mark.parametrize("kind", ["SIGINT", "SIGTERM"])
 def test_what_a_stop_has_left_half_made_is_not_destroyed(kind):
-    """A run that was stopped after 0.2 s ended by signal 11; seed 245 of the campaign."""
+    """A run that is stopped after 0.2 s does not end by signal 11 (campaign, seed 245)."""
     process = start([sys.executable, "-c", STOPPED_WHILE_LOADED.format(kind=kind)])
     assert process.communicate(timeout=PATIENCE)[0] == "cleaned up\nstopped\n"
     assert process.returncode == 130

@@ -72,10 +72,7 @@ def test_a_runner_that_does_not_listen_holds_nobody_up_and_loses_no_word_but_old
 
 
 def test_progress_goes_on_when_a_runner_listens_again(reports):
-    """A recorder has no other words.
-
-    Behind three seconds of Ctrl-Z its progress stood still until the end.
-    """
+    """A recorder has no other words: its progress is there behind three seconds of Ctrl-Z."""
     line = RunnerLine()
     for stamp in range(0, 3_000_000, 1000):
         line.tell(Word(PROGRESS, values={"stamp": stamp}))
@@ -87,7 +84,7 @@ def test_progress_goes_on_when_a_runner_listens_again(reports):
 
 
 def test_what_was_noted_is_said_though_the_run_is_interrupted(capsys):
-    """Once, and with what came last: notes on strangers were lost with Ctrl-C."""
+    """Ctrl-C loses no notes: each is printed once, with what came last."""
     with pytest.raises(KeyboardInterrupt), opened("/ev") as words:
         _, number = words.line("asr")
         for what in ("first", "last"):

@@ -138,7 +138,7 @@ def test_a_node_of_another_namespace_is_named(tmp_path: Path):
 
 
 def test_real_time_reports_a_stamp_of_no_step_once(tmp_path: Path):
-    """It had been counted, and nothing more, while the torque faded."""
+    """Its torque fades, so it is reported and not only counted."""
     run = shchur(0.5, **{"*__mode": "realtime"})
     late = format_of(WheelTorqueCommand).pack(TIME_OF_DAY, Frame())
     with (

@@ -208,7 +208,7 @@ def test_any_configuration_goes_on_from_any_instant_with_the_same_bits(
     ],
 )
 def test_a_state_that_does_not_fit_is_refused_and_nothing_changes(other, message):
-    """It was taken without a word, or left half of it behind in a KeyError."""
+    """One line says what differs, and no half of the state is taken over."""
     method = {"electronic_differential": "power_steering"}
     car, same = (
         ev_stack.Simulation("double_lane_change", method=method, set=NOISE, record=False)

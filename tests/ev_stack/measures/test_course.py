@@ -76,10 +76,7 @@ def test_the_body_lies_around_the_middle_of_the_car_not_around_its_centre_of_mas
 
 
 def test_a_car_that_has_left_the_road_has_not_passed_it_cleanly():
-    """No cone stands where the car is: 0 of them was "measured", as of a clean run.
-
-    It is 4 m aside at 14.8 m.
-    """
+    """A car 4 m aside at 14.8 m, where no cone stands, is not clean with 0 cones."""
     astray = driven((13.0, 0.0), (17.0, 9.0))
     assert judged(astray) == (0.0, None, "not measured: the car left the road at 2.48 s")
 
@@ -115,7 +112,7 @@ def test_a_run_that_ends_on_the_course_is_not_judged_but_one_that_has_failed_is(
 
 
 def test_a_scenario_without_a_course_gets_no_foreign_cones(tmp_path):
-    """Its title was "Double lane change, ISO 3888-1", with the cones of that."""
+    """It has its own title, and the cones of the report's scenario are not counted."""
     (tmp_path / "single_lane_change.yaml").write_text(
         "/**/scenario:\n  ros__parameters: {duration: 2.0, report: double_lane_change}\n"
         "/**/plant:\n  ros__parameters: {method: planar, initial_speed: 80 km/h}\n"

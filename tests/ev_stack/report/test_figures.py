@@ -158,10 +158,7 @@ def test_another_format_is_refused(capsys: pytest.CaptureFixture[str]):
 
 
 def test_a_law_has_one_colour_in_every_panel_figure_and_study():
-    """Panels with fewer laws, in another order, and another study.
-
-    What was named by its place was named otherwise.
-    """
+    """Fewer laws, another order and another study change no colour."""
     from ev_core.methods.register import methods_of
 
     laws = list(methods_of("electronic_differential"))

@@ -129,7 +129,7 @@ def test_an_envelope_keeps_the_extremes_of_every_stretch():
 
 @pytest.mark.parametrize("instants", range(33, 49))
 def test_an_envelope_lasts_as_long_as_its_run(instants):
-    """Up to 2 `every` - 1 samples at the end were missing, and with them what happened there."""
+    """The last samples of a run, up to 2 `every` - 1, are in it."""
     values = np.zeros(instants)
     values[-1] = 7.0
     shorter = envelope(Recording(np.arange(instants) * 0.01, {"x": values}), 8)

@@ -58,7 +58,7 @@ def test_the_angles_of_the_files_are_what_the_slow_ramp_finds(name, run, within)
 
 
 def test_a_step_ends_at_4_m_s2_with_another_car():
-    """It ended at 2.5 with the angle of the Audi. Within 2 %, as the ramp finds the Audi's."""
+    """The angle is the car's own: the ramp finds it within 2 %, as it finds the Audi's."""
     driven = ev_stack.run("step_steer", vehicle=OTHER, runs=["right"])
     assert values(driven)["lateral_acceleration"] == pytest.approx(-4.0, rel=0.02)
     scale = driven.summary().as_json()["parameters"]["steering_column"]["scale"]
@@ -152,10 +152,7 @@ def test_a_car_too_slow_for_the_ramp_has_a_note(speed, message):
 
 
 def test_another_cycle_is_no_other_car():
-    """It draws random roads for as long as it takes, where there are some.
-
-    The step was 1.8 % larger for it.
-    """
+    """A cycle needs no slow ramp: the steering angle stays that of the file."""
     scenario = load_scenario(
         "step_steer", Overrides(prepared=cycle_values("nedc")[0]), only=["left"]
     )
@@ -191,10 +188,7 @@ def test_a_run_that_tells_nothing_is_configured_once(monkeypatch):
 
 
 def test_linear_and_real_tyres_are_two_runs_with_another_car():
-    """They were one to the last digit.
-
-    What a run changes about its car is what the run is about.
-    """
+    """Changes of one run to its car stay: they are what the run is about."""
     linear, friction = load_scenario(
         "steady_circle", Overrides(vehicle=OTHER), only=["linear", "friction"]
     ).runs
@@ -256,7 +250,7 @@ def made(**channels: np.ndarray | float) -> Recording:
 
 
 def test_straight_reversing_is_no_sideslip_and_a_spin_is():
-    """Pi before; a car that slides backwards without having stood has turned around."""
+    """Straight reversing is 0; a car that slides backwards without a stop has turned by pi."""
     reverse = made(twist__longitudinal=-8.0, twist__lateral=0.0)
     assert handling.peak_sideslip(reverse) == 0.0
     turned = np.linspace(0.0, math.pi, 201)
@@ -286,7 +280,7 @@ def test_sideslip_and_curvature_on_a_circle_are_the_same_in_reverse():
 
 @pytest.mark.parametrize("period", [0.01, 0.0025])
 def test_a_circle_is_steady_a_second_after_its_steering_wheel_is_held(period):
-    """It was 100 samples, whatever they take. The wheel is held from 2 s on."""
+    """The second does not depend on the period. The wheel is held from 2 s on."""
     time = np.arange(round(6.0 / period) + 1) * period
     angle, acceleration = np.minimum(time, 2.0), 0.1 * time
     named = {motion.STEERING_WHEEL_ANGLE: angle, "imu.lateral_acceleration": acceleration}
@@ -296,7 +290,7 @@ def test_a_circle_is_steady_a_second_after_its_steering_wheel_is_held(period):
 
 
 def test_the_circle_to_the_right_is_measured():
-    """0.0 was the largest lateral acceleration; all of the left circle comes back."""
+    """All metrics are those of the circle to the left."""
     left = values(ev_stack.run("steady_circle", runs=["friction"]))
     right = values(
         ev_stack.run(
@@ -309,7 +303,7 @@ def test_the_circle_to_the_right_is_measured():
 
 
 def test_a_coast_down_from_below_100_km_h_has_no_time_from_there():
-    """9.49 s were "measured".
+    """The time is not measured.
 
     The road load holds, but is not judged: speed and duration are not the scenario's.
     """
@@ -344,7 +338,7 @@ def test_a_car_that_is_driven_does_not_coast():
     "slope", [{"plant.road.grade": [0.02]}, {"plant.road.side_slope": [-0.02]}]
 )
 def test_a_slope_is_no_road_load(slope):
-    """Up 2 % the rolling resistance was "measured" as 0.035 instead of 0.015."""
+    """Up 2 % the rolling resistance would be 0.035 instead of 0.015: nothing is measured."""
     found = values(ev_stack.run("coast_down", set=slope, duration=15.0))
     assert set(found.values()) == {None}
 
@@ -372,7 +366,7 @@ def test_launch_and_brake_in_reverse_are_measured():
 
 
 def test_time_over_the_limit_takes_the_closest_surface():
-    """A friction that is 1.0001 of the surface's was none of them: 6.02 s became 0.0."""
+    """A friction of 1.0001 of the surface's is that surface: 6.02 s, not 0."""
     slip = {f"tire_forces__slip_ratio__{wheel}": 0.5 for wheel in WHEEL_NAMES}
     slip |= {f"tire_forces__slip_angle__{wheel}": 0.0 for wheel in WHEEL_NAMES}
     friction = {f"tire_forces__friction_coefficient__{wheel}": 0.0712 for wheel in WHEEL_NAMES}

@@ -187,7 +187,7 @@ BAD = {"gain": 1.05, "noise": 0.01, "delay": 2}
 
 
 def test_metrics_under_a_broken_yaw_rate_sensor():
-    """0.0 was "measured" of a car that yaws; the peak is that of the car."""
+    """The peak is that of the car, which yaws, not the 0.0 of its sensor."""
     sound = ev_stack.run("double_lane_change").metrics["peak_yaw_rate"].value
     broken = ev_stack.run("double_lane_change", set={"plant.faults": ["constant imu.yaw_rate 0"]})
     assert sound > 0.16  # rad/s, what the line itself asks for: it bends by 1/134 m, at 22.2 m/s

@@ -203,7 +203,7 @@ def test_what_is_refused_ends_the_command_with_one_line_and_leaves_nothing(
     ],
 )
 def test_what_may_not_be_meant_is_one_note(set_, message, tmp_path, capsys):
-    """The first ended early without a word, the second drove at 288 km/h."""
+    """A run that would end early, or drive at 288 km/h, has a note."""
     words = ["shchur2019", "--offline", "--no-record", "--no-report", "--duration", "1"]
     main([*words, "--set", set_, "--out", str(tmp_path / "odd")])
     assert message in capsys.readouterr().out.splitlines()

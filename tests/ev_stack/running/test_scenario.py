@@ -305,7 +305,7 @@ ASR, LAW = "asr", "electronic_differential"
     ],
 )
 def test_what_the_command_line_says_belongs_to_the_chosen_methods(scenario, values, message):
-    """It was accepted and did nothing."""
+    """A value that would do nothing is refused."""
     assert refused(scenario(HEAD), Overrides(values=values)).startswith(message)
     set_there = {f"{node}.{key}": value for node, key, value in values if key != "method"}
     methods = {node: value for node, key, value in values if key == "method"}

@@ -174,7 +174,7 @@ def test_no_number_says_when(monkeypatch):
 
 
 def test_a_terminal_that_knows_ascii_only_is_answered(monkeypatch):
-    """A dash in the table of a study ended it in a traceback, behind the driving."""
+    """A dash in a study's table is no error there, least of all behind the driving."""
     terminal = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
     monkeypatch.setattr("sys.stdout", terminal)
     monkeypatch.setattr("ev_stack.commands.run_scenario.print_list", lambda: print("0.5 ± 0.1 –"))
@@ -210,7 +210,7 @@ def test_another_gain_than_that_of_the_source_is_not_judged():
     ],
 )
 def test_whatever_is_not_as_the_source_has_it_is_not_judged(place):
-    """An assistance of eight times was "reproduced" as if it were that of five."""
+    """An assistance of eight times is not "reproduced" as if it were that of five."""
     name, value = place.split("=")
     found = ev_stack.run("shchur2019", set={name: float(value)}).metrics
     judged = {
@@ -252,7 +252,7 @@ def test_a_copy_of_a_source_that_says_something_else_is_not_judged(tmp_path):
 
 
 def test_the_bar_shows_no_factor_before_it_knows_one(monkeypatch):
-    """The first looks of a run lie a microsecond apart: they once gave 39440 x."""
+    """The first looks lie a microsecond apart: their factor, such as 39440 x, is not shown."""
     shown = io.StringIO()
     monkeypatch.setattr("sys.stderr", shown)
     with progress_bar("run", 100.0) as progress:

@@ -65,10 +65,7 @@ def test_every_cell_has_a_graph_and_draws(board: Board):
 
 @pytest.mark.parametrize("entry", CASES)
 def test_every_law_suits_the_cars_of_all_cases(board: Board, entry: str):
-    """One of them had a differential in its front axle, which no yaw moment control drives.
-
-    Nothing was held out.
-    """
+    """No case has a differential in a driven axle, which no yaw moment control drives."""
     check_laws(with_cases(board, entry, 7), list(board.laws), [])
 
 

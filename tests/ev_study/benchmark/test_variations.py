@@ -383,10 +383,7 @@ ED = "electronic_differential"
 def test_a_variation_that_does_not_fit_ends_the_board_before_anything_is_driven(
     board: Board, path: Path, variation: Variation, line: str
 ):
-    """A factor on a number of a law was one on that of the law of the scenario.
-
-    What laws believe was overwritten.
-    """
+    """One line names the board's file, the variation and what is expected."""
     own = replace(board, variations=[variation])
     with pytest.raises(ParameterError) as refused:
         kept_cells(own, own.cells(STEP), ["pi"], {})

@@ -254,9 +254,9 @@ def test_one_load_decides_nothing_over_load_inclination_and_pressure(number, see
 
 
 def test_sweeps_of_small_angles_decide_no_friction(tmp_path, capsys):
-    """Up to 1 deg a tyre has a third of its friction: what bends the curve is assumed, its slope is found.
+    """Up to 1 deg a tyre has a third of its friction: its slope is found, its bend is assumed.
 
-    By the noise alone the friction came out at half of the true one, as identified.
+    By the noise alone the friction would come out at half of the true one.
     """
     columns = rig(30.0)
     small = {name: each[:720] for name, each in columns.items()}

@@ -87,12 +87,10 @@ def test_slip_energy_is_the_work_that_the_speeds_do_not_show(results):
 
 @pytest.mark.parametrize("finer", [2, 5])
 def test_measures_do_not_count_control_periods(finer):
-    """The same motion at 2.5 and 1 ms: commands hold, all else goes on evenly.
+    """The same motion at 2.5 and 1 ms has the same measures.
 
-    Slip energy was 2 and 5 times it.
-
-    The ripple within 2 %: a command that holds in steps of 5 ms has that ripple itself, which is
-    seen between samples.
+    Commands hold, all else goes on evenly. The ripple is met within 2 %: a command that holds in
+    steps of 5 ms has that ripple itself, which is seen between samples.
     """
     (case,) = asr_shootout.cases(
         argparse.Namespace(controls=["slip_window"], roads=["snow, then dry"])

@@ -103,7 +103,7 @@ def cases_of(name: str, *words: str) -> list[Case]:
     ],
 )
 def test_what_a_case_sets_itself_is_refused_in_one_line(words, message):
-    """Rows stood under a value, a law or a seed that none of them had."""
+    """Rows never stand under a value, a law or a seed that they do not have."""
     with pytest.raises(ParameterError) as error:
         cases_of(*words.split())
     assert str(error.value).startswith(message) and "\n" not in str(error.value)
@@ -196,10 +196,7 @@ def values_of(entry: Entry) -> Iterator[str]:
 @settings(max_examples=15)
 @given(st.data())
 def test_a_row_stands_under_what_was_driven_or_is_refused(data):
-    """Any parameter of any scenario, with another car, cycle or file.
-
-    Rows stood under angles and speeds of others.
-    """
+    """It holds for any parameter of any scenario, with another car, cycle or file."""
     scenario = data.draw(st.sampled_from(scenario_names()))
     run = load_scenario(scenario).runs[0]
     role = data.draw(st.sampled_from(sorted(run.configurations)))
@@ -220,7 +217,7 @@ def test_a_row_stands_under_what_was_driven_or_is_refused(data):
 
 
 def test_an_angle_that_a_study_sets_stays_with_another_car():
-    """The slow ramp took its place: rows of 1.0 and 2.0 were both driven with 1.612."""
+    """The slow ramp does not replace it: rows of 1.0 and 2.0 are driven with these."""
     words = ("step_steer", "--vehicle", "compact_ev")
     varied = cases_of("sweep", *words, "--vary", "steering_column.scale=1.0,2.0")
     varied += cases_of("sweep", *words, "--set", "steering_column.scale=3.0", "--seeds", "2")
@@ -234,10 +231,7 @@ def test_an_angle_that_a_study_sets_stays_with_another_car():
 
 @pytest.mark.parametrize("words", [("--cycle", "nedc"), ()])
 def test_points_under_a_file_are_refused(words, tmp_path):
-    """They did nothing: all rows were the cycle.
-
-    The scenario names the file, or the command line.
-    """
+    """They would do nothing: scenario or command line name the file of the cycle."""
     scenario = "urban_mixed" if words else str(tmp_path / "own.yaml")
     (tmp_path / "p.csv").write_text("t_s,v_mps\n0,1\n10,2\n")
     text = f"/**/driver: {{ros__parameters: {{speed_profile: {{file: {tmp_path / 'p.csv'}}}}}}}\n"

@@ -220,7 +220,7 @@ def test_a_module_that_this_python_cannot_read_counts_by_its_text(tmp_path, monk
 
 
 def test_two_files_that_change_places_are_others(tmp_path):
-    """Each text was still there, and the row of the other bus was taken again."""
+    """Each text is still there, but on the other bus: the row is another one."""
     texts = [in_config("can/ev_bench.dbc").read_text() + end for end in ("", "\n")]
     files = [tmp_path / "one.dbc", tmp_path / "two.dbc"]
     of_nodes = zip(("test_bench", "inverter_gateway"), map(str, files), strict=True)

@@ -100,7 +100,7 @@ def test_a_case_that_no_worker_survives_ends_the_study():
 
 
 def test_what_goes_wrong_in_measuring_belongs_to_its_case():
-    """One case ended the whole study, with a traceback behind hours of driving."""
+    """One case does not end the study behind hours of driving."""
 
     def measure(recording, run):
         slow = run.configurations["plant"].parameters.initial_speed == 10.0

@@ -141,10 +141,7 @@ def test_signals_stay_while_another_command_drives_the_same(tmp_path, monkeypatc
 
 @pytest.mark.slow
 def test_rows_and_signals_are_those_of_the_car_as_its_file_is_now(tmp_path, capsys):
-    """A car that the user's scenario names.
-
-    With 3000 kg instead of 1600 the rows and signals of before came back.
-    """
+    """A file changed from 1600 to 3000 kg, named by the user's scenario, is driven again."""
     car, own = (
         find_file(f"{name}.yaml").read_text()
         for name in ("vehicles/compact_ev", "scenarios/coast_down")
@@ -202,14 +199,14 @@ def test_rows_and_signals_are_those_of_the_car_as_its_file_is_now(tmp_path, caps
     ],
 )
 def test_words_without_sense_are_one_line(words, message):
-    """`0:10:1000000000` took 23 GB, `0:10:0` ended in "none of 0 runs can be driven; "."""
+    """`0:10:1000000000` and `0:10:0` are refused before they take memory or drive."""
     with pytest.raises(ParameterError) as error:
         sweep.cases(arguments("sweep", ["shchur2019", *words]))
     assert str(error.value) == message
 
 
 def test_runs_too_short_for_any_metric_have_a_line():
-    """The table had the varied values alone, and no word why. A coast-down takes 10 s to be one."""
+    """The line has the reason: a coast-down takes 10 s to be one."""
     given = arguments("sweep", ["coast_down", "--vary", "plant.initial_speed=15.00001,15.00002"])
     short = [dataclasses.replace(case, duration=0.1) for case in sweep.cases(given)]
     table = sweep.tables(given, {case.name: drive_case(case, sweep.measure) for case in short})
