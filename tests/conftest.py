@@ -82,7 +82,7 @@ def nothing_left_behind() -> Iterator[None]:
 
 @pytest.fixture(autouse=True, scope="module")
 def nothing_left_behind_by_a_module() -> Iterator[None]:
-    """Nor do the fixtures that the tests of a module share."""
+    """Fixtures that the tests of a module share leave nothing behind either."""
     yield from _unchanged("a fixture of this module")
 
 
@@ -99,7 +99,7 @@ def own_results(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.Mo
 
 @pytest.fixture(autouse=True, scope="module")
 def own_results_of_a_module(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Nor does a fixture that the tests of a module share."""
+    """Fixtures that the tests of a module share have a store of their own, too."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv(RESULTS, str(tmp_path_factory.getbasetemp() / "results" / str(next(_numbers))))
         yield

@@ -79,7 +79,7 @@ def test_the_step_is_ten_sentences_and_a_drawing_of_ten_boxes():
 
 
 def test_no_circle_leads_through_a_room_and_the_folder_that_holds_it():
-    """Also by annotations.
+    """Annotations count as well.
 
     The contract of .importlinter looks only at rooms that stand side by side.
     """

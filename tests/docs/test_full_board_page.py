@@ -56,7 +56,7 @@ def test_page_is_of_the_board_as_it_is():
 
 
 def test_page_is_of_the_laws_and_cells_of_the_board():
-    """And says of which version its numbers are."""
+    """The page names the version of its numbers."""
     hold_against(kept(), KEPT)
     text = (ROOT / PAGE).read_text(encoding="utf-8")
     assert block_names(text) == [SCORES] and built_names(text) == list(BUILT)
@@ -204,7 +204,7 @@ def test_a_part_of_the_full_board_is_refused():
 
 
 def test_a_number_that_no_run_has_is_kept_as_none(folder: Path, few: Board, tmp_path: Path):
-    """Such as the time of a car that never gets there; the file is read back as it was."""
+    """A car that never gets there has no time; the file is read back as it was."""
     runs = [
         json.loads(line)
         for line in gzip.decompress((folder / "runs.jsonl.gz").read_bytes()).splitlines()

@@ -254,7 +254,7 @@ def test_one_variable_takes_the_wheels_of_kilted(checkout):
 @pytest.mark.slow
 @pytest.mark.weekly
 def test_two_calls_at_once_set_up_once(checkout, tmp_path):
-    """Also with a Python that does not say where its pip is: then it makes .venv as it does."""
+    """The second call waits, also under a Python without ensurepip, and finds all done."""
     (tmp_path / "ensurepip.py").write_text("raise ImportError\n")
     first = checkout.start(BUILD_TIME="2", PYTHONPATH=str(tmp_path))
     while not (checkout.root / "building").exists():

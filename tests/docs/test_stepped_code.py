@@ -78,5 +78,5 @@ def test_stepped_code_takes_its_functions_from_one_module(function):
 
 
 def test_there_is_stepped_code():
-    """Else the test above would look at nothing."""
+    """The test above looks at something."""
     assert len(OURS) > 200

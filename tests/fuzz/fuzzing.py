@@ -21,7 +21,10 @@ damaged = st.tuples(st.sampled_from(sorted(DAMAGES)), seeds)
 
 
 def fuzzed(few: int, weight: float = 1.0) -> Callable[[Any], Any]:
-    """So many cases in the suite, in the long form their share; a slow test has a small weight."""
+    """Set the number of cases: so many in the suite, their share in the long form.
+
+    A slow test has a small weight.
+    """
     return settings(
         max_examples=max(round(_ASKED * weight / _WEIGHTS), 1) if _ASKED else few,
         derandomize=not _ASKED,

@@ -228,7 +228,7 @@ def test_the_load_machine_is_held_against_the_gear_ratio_that_is_driven():
 
 
 def test_a_trial_without_a_fault_fails():
-    """Else the trials would say nothing."""
+    """Trials show something only if one without a fault fails."""
     case = trial("inverter trip", 1)
     healthy = (*case.values[0][:2], "none")
     result = drive_case(case.__class__(case.name, case.scenario, (healthy, *case.values[1:]), duration=case.duration),

@@ -189,9 +189,9 @@ ACTS = st.lists(
 @settings(max_examples=50, derandomize=True, deadline=None)
 @given(st.lists(ACTS, min_size=1, max_size=8), st.floats(0.0, 0.9), st.sampled_from([0.0, 0.3]))
 def test_no_frame_is_lost_uncounted(ticks, other_load, loss):
-    """Whatever is released is taken, counted as lost, or still somewhere.
+    """Every released frame is taken, counted as lost, or still somewhere.
 
-    And each place gives its frames in order.
+    Each place gives its frames in order.
     """
     s, p = ChannelState(), BusModelParameters(other_load=other_load, loss=loss)
     released, taken = 0, [[0.0] for _ in range(PLACES)]

@@ -41,7 +41,7 @@ def test_a_fault_ends_the_torque_in_time_and_is_latched_by_name(ready, what: str
 
 
 def test_without_a_fault_the_torque_stays(ready):
-    """Else the trials would say nothing."""
+    """Trials show something only if the torque stays without a fault."""
     nothing = trials.Fault(lambda rig, name, chance: None, "Trip")
     assert trials.trial(ready, nothing, 1)[1] == "the torque stays"
 

@@ -97,7 +97,7 @@ def end(processes: list[subprocess.Popen]) -> list[str]:
 
 
 def test_a_hub_ends_without_output_however_often_it_is_stopped():
-    """However often it is interrupted, a hub ends without a line."""
+    """A hub that is interrupted several times ends without a line."""
     hub = started([sys.executable, "-m", "ev_bench.can_hub", "--port", "0"])
     hub.stdout.readline()
     hub.send_signal(signal.SIGINT)
@@ -247,7 +247,7 @@ def test_a_fault_in_mid_run_ends_the_ecu_script_by_its_name():
 
 
 def wait_for(bus: dict[str, str], holds: Callable[[dict[str, float]], bool]) -> None:
-    """Until the motion of the right drive is such."""
+    """Run until the motion of the right drive is such."""
     motion, deadline = ours()["Drive11_Motion"], time.monotonic() + PATIENCE
     ear = Channel("socketcand", bus["bus.channel_11"])
     while time.monotonic() < deadline:
@@ -263,12 +263,12 @@ def wait_for(bus: dict[str, str], holds: Callable[[dict[str, float]], bool]) -> 
 
 
 def wait_for_torque(bus: dict[str, str]) -> None:
-    """Until it gives torque."""
+    """Run until it gives torque."""
     wait_for(bus, lambda motion: motion["Torque"] > 10.0)
 
 
 def wait_for_fault(bus: dict[str, str]) -> None:
-    """Until it is in a fault."""
+    """Run until it is in a fault."""
     wait_for(bus, lambda motion: int(motion["Statusword"]) & 0x4F == 0x08)
 
 

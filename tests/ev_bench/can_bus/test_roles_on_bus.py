@@ -146,10 +146,7 @@ BUTTON = 0.25  # s, later than the fault and before the reset
 
 @pytest.mark.parametrize("waits", [7, 600])
 def test_buttons_and_faults_count_from_the_first_instant(waits):
-    """However long the nodes are on the bus before.
-
-    Nothing is pressed, and nothing is wrong, until their times.
-    """
+    """Nothing is pressed, and nothing is wrong, until their times, however long the bus runs."""
     ends = Ends(
         waits,
         (

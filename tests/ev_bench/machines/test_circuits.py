@@ -50,7 +50,7 @@ def test_torque_against_torque_accelerates_both_rotors():
 
 
 def test_the_load_machine_holds_a_speed():
-    """Then it takes what the machine gives, but for the friction of the bearings."""
+    """It takes what the machine gives, but for the friction of the bearings."""
     load = LoadCommand(Wheels.front(SPEED_MODE, SPEED_MODE), Wheels.front(200.0, 200.0), NO_WHEELS)
     shafts, electrical, temperatures, energy = run(bench(), 60.0 * GEAR, load, 120)
     assert shafts.load_speed.front_left == pytest.approx(200.0, abs=1e-3)

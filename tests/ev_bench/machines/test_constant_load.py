@@ -158,7 +158,7 @@ def test_behind_a_bus_a_load_machine_turns_no_faster_than_the_gateway_lets_it(si
 
 
 def test_by_default_they_follow_the_road():
-    """Then the shafts turn as the wheels do that roll."""
+    """The shafts turn as the rolling wheels do."""
     shafts = Shafts("speed", 300.0, 150.0, 50.0, set={"plant__load__follows": "road"})
     turns = shafts.channels["wheel_states.velocity.front_left"][-1] * GEAR
     # late by the exchange of 5 ms

@@ -33,7 +33,7 @@ def test_a_delay_of_whole_steps_shifts_everything(delay):
 
 
 def test_a_delay_between_two_steps_shares_the_step():
-    """So what a delay does is continuous in it.
+    """The effect of a delay is continuous in it.
 
     0.25 steps late means a quarter of the old value in that step.
     """

@@ -131,10 +131,7 @@ def test_free_wheels_at_one_speed_to_the_bit_are_sound_while_others_spin():
 
 @pytest.mark.parametrize("time", [0.0, 0.5 * PERIOD, PERIOD, 0.1])
 def test_a_lost_sensor_is_believed_again_after_its_recovery(time):
-    """However quickly it was lost.
-
-    Found within `time` and a period, believed after 1 s and no later.
-    """
+    """A sensor is found within `time` and a period, and believed after 1 s and no later."""
     law = control(**{"reference.trust.time": time})
     accelerate(law, 1.0)
     accelerate(

@@ -95,7 +95,7 @@ def test_a_changed_direction_restarts_the_law():
     ),
 )
 def test_no_wheel_is_asked_for_more_than_both_shares(torque, acting):
-    """Whatever acts: from its own share up to that of both wheels."""
+    """A wheel gets from its own share up to that of both wheels, whatever acts."""
     law = made()
     for left, right in acting:
         drive = refusing(law, Motion(torque=torque), left, right, 1).drive

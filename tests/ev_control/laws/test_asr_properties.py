@@ -113,7 +113,7 @@ def test_reverse_mirrors_forward_to_the_bit(name, sequence, car):
 @given(sequence=sequences)
 @pytest.mark.parametrize("name", METHODS)
 def test_braking_passes(name, sequence):
-    """Whatever was before: with a brake on and for regeneration, at speed."""
+    """The brake, and regeneration, pass at speed in any state of the law."""
     law = Control(name)
     for m in sequence:
         law.step(m)

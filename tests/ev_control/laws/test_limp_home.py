@@ -58,7 +58,7 @@ def test_the_difference_that_was_asked_for_stays_as_far_as_it_fits_the_request()
 
 @LEFT_OR_RIGHT
 def test_where_drives_steer_the_difference_is_given_whatever_its_sign_is(side):
-    """And not on the brakes, which it would work against."""
+    """The brakes get no difference, for they would work against it."""
     limp = Limping(Motors(faults=only(side, dead)), keep_difference=True)
     assert limp.drive(200.0, 250.0, 1.0)[1 - side] == (50.0, -50.0)[side]
     braked = limp.step(Wheels.front(200.0, 250.0), Wheels.all(50.0), Wheels.all(100.0))
@@ -145,7 +145,7 @@ def test_a_gear_with_losses_is_no_loss_of_a_motor(efficiency, asked, speed):
 
 @pytest.mark.parametrize("asked", [200.0, -200.0])
 def test_a_weak_motor_is_mirrored_at_the_wheel(asked):
-    """Behind gears that take a tenth, either way."""
+    """Gears that take a tenth, either way, are counted."""
     car = dataclasses.replace(CAR, motor=dataclasses.replace(CAR.motor, gear_efficiency=0.9))
     limp = Limping(Motors(car, faults=(at_half, None)))
     limp.drive(asked, asked, 1.0)

@@ -217,7 +217,7 @@ def calls_numba_later(p, request: WheelTorqueRequest) -> WheelTorqueCommand:
 def test_a_function_of_numba_can_be_called_in_plain_python_after_its_law_was_compiled(
     tmp_path, monkeypatch
 ):
-    """Also where Python has not called it before.
+    """Python need not have called it before.
 
     It is machine code of its own, not only within its caller.
     """

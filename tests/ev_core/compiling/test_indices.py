@@ -233,10 +233,7 @@ def message_of(late: str) -> str:
 
 @pytest.mark.slow
 def test_offline_it_is_one_line(late: str):
-    """Also in the middle of a run, where the law answers before the index leaves its range.
-
-    At once here.
-    """
+    """The index leaves its range at once, or in the middle of a run."""
     with pytest.raises(LawError) as raised:
         ev_stack.run("shchur2019", method={"asr": late}, set={"asr.delay": 0.2}, duration=0.1)
     assert str(raised.value) == f"at 0 s: {message_of(late)}"

@@ -91,7 +91,7 @@ def test_what_is_edited_acts_at_once(tmp_path):
 
 
 def test_it_hides_no_built_in_law_of_its_name(tmp_path):
-    """And what it imports is there for all as before."""
+    """The imports of the file are there for all as before."""
     known = methods_of("asr")
     assert (
         driven(law_file(tmp_path, "pi_slip")).hash != ev_stack.run("shchur2019", duration=1.0).hash

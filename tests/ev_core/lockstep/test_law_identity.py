@@ -131,13 +131,13 @@ def test_two_laws_of_one_name_in_a_file_are_one_line(tmp_path: Path):
 
 
 def test_all_methods_have_places_of_their_own():
-    """Else one of them could be taken for another one, edited."""
+    """One of them cannot be taken for another one, edited."""
     for methods in all_methods().values():
         assert len({each.place for each in methods.values()}) == len(methods)
 
 
 def test_a_configuration_keeps_its_law(tmp_path: Path):
-    """Under its pace, a parameter, a deep copy; with the file edited, spoiled and gone.
+    """A pace, a parameter and a deep copy keep it, with the file edited, spoiled and gone.
 
     A pickle is refused then.
     """

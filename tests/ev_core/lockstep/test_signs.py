@@ -182,7 +182,7 @@ def test_the_check_finds_it(folder, form):
 
 @pytest.mark.parametrize("form", ["compiled", "plain"])
 def test_the_state_is_that_before_the_refused_step(folder, form):
-    """So that plain Python can take the step again, and name what is wrong."""
+    """Plain Python can take the step again and name what is wrong."""
     part, here = stepped(folder, "asr", form, 0.0)
     wrong = part_of(
         configure("asr", {"method": f"{law_file(folder, 'asr')}:{form}", "here": -3.0}),

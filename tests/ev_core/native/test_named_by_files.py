@@ -63,7 +63,7 @@ def test_no_file_has_a_library_loaded(library, tmp_path, what):
 
 
 def test_the_command_line_and_python_have_it_loaded(library, tmp_path):
-    """And say then that it has no law."""
+    """Their line is that it has no law."""
     for words in (("--method", f"asr={library}"), ("--set", f"asr.method={library}")):
         with pytest.raises(
             SystemExit, match=f"^error: asr: asr method {library}: it has no ev_asr"

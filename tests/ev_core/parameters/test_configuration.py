@@ -227,7 +227,7 @@ def test_a_law_that_requires_a_column_is_refused_with_another():
 
 
 def test_a_driver_that_requires_an_imposed_speed_is_refused_with_a_free_one():
-    """Also with a plant that cannot impose one."""
+    """A plant that cannot impose one is refused as well."""
     foot = {"method": "imposed_speed"}
     check_graph(graph(driver=foot, plant={"method": "planar", "speed": "imposed"}))
     lacks = "plant method kinematic does not have it"

@@ -103,7 +103,7 @@ def outcome(make: Any) -> Any:
 @fuzzed(150, 3.0)
 @given(st.sampled_from(METHODS), st.data())
 def test_what_a_start_refuses_a_live_change_refuses_with_the_same_words(method, data):
-    """And what is taken over is the same, whichever way it came."""
+    """Accepted values are the same, whichever way they came."""
     role, name = method
     least, base = base_of(role, name)
     group = data.draw(st.sampled_from(groups_of(base)))

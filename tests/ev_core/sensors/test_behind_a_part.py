@@ -66,7 +66,7 @@ def test_a_bias_shows_in_its_own_numbers_and_nowhere_else(quantity):
 
 
 def test_ideal_sensors_are_not_there():
-    """So they cost nothing; a seed alone makes no noise."""
+    """Ideal sensors cost nothing; a seed alone makes no noise."""
     assert len(compiled_parts(configure("plant", {"seed": 3}))) == 1
     assert len(compiled_parts(configure("plant", {"sensors.wheel_speed.delay": 1}))) == 2
 

@@ -132,7 +132,7 @@ def test_all_numbers_are_lost_at_once():
 
 
 def test_a_heading_has_errors_as_an_angle():
-    """Behind the car, too, where the angle jumps by a turn."""
+    """The angle may jump by a turn, behind the car."""
     heading = np.linspace(-3.0, 3.0, 50)
     pose = np.array([np.sin(heading / 2), np.cos(heading / 2)]).T
     got = shown(pose, name="body_heading", bias=0.5, delay=3)
@@ -187,7 +187,7 @@ def test_compiled_sensors_show_the_same_bits(seed):
 
 
 def test_a_restarted_row_shows_the_same_again():
-    """And a view of memory, as nodes have it, is as good as a list."""
+    """A view of memory, as nodes have it, is as good as a list."""
     row = SensorRow(sensors({"wheel_speed": EVERYTHING, "imu_yaw_rate": EVERYTHING}), 3)
     runs = []
     for kind in (list, memoryview):

@@ -98,7 +98,7 @@ def test_without_a_seed_own_ones_are_as_they_are():
 
 
 def test_a_node_shows_the_seed_that_it_was_given():
-    """Else a change of another parameter would mix it twice."""
+    """A mixed seed would be mixed twice by a change of another parameter."""
     plant = configure("plant", {"method": "planar", "road.pattern": "random", "seed": 5})
     again = plant.changed({"step": 5e-4})
     assert plant.values()["road.seed"] == again.values()["road.seed"] == 1

@@ -84,7 +84,7 @@ def test_the_same_export_gives_the_same_files(folder, tmp_path):
 @pytest.mark.parametrize("target", targets.TARGETS.values(), ids=lambda target: target.name)
 @pytest.mark.parametrize("way", ["README.md", "CMakeLists.txt"])
 def test_both_printed_ways_of_building_work_for_every_target(target, way, tmp_path):
-    """And what they build runs where there is an emulator: it creates the law without complaint."""
+    """Programs run where there is an emulator: they create the law without complaint."""
     if lacking := [each for each in (target.compiler, "cmake") if not shutil.which(each)]:
         pytest.skip(f"{lacking[0]} is not installed")
     perform([*LAW, "--target", target.name, "--out", str(tmp_path)])
@@ -141,7 +141,7 @@ def test_a_law_that_needs_a_heap_is_refused(tmp_path):
 
 
 def test_no_compiled_function_of_ours_makes_a_list():
-    """So that every law and every plant can be exported.
+    """Every law and every plant can be exported.
 
     The text is read, for to compile all of them takes minutes.
     """

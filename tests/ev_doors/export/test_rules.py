@@ -74,10 +74,7 @@ def _made_beforehand(configuration: Configuration) -> list[float]:
 @given(st.data())
 @settings(max_examples=200, deadline=None)
 def test_what_an_export_lets_change_is_part_of_nothing_that_is_made_beforehand(data):
-    """Else setting it would change nothing.
-
-    The constants in the export are those of its first value.
-    """
+    """Setting it changes something. The constants in the export are those of its first value."""
     role, method = data.draw(
         st.sampled_from([each for each in sorted(methods()) if tunables(*each)])
     )

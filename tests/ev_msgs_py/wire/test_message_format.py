@@ -324,7 +324,7 @@ def test_missing_and_repeated_joints_are_refused(names):
 @pytest.mark.parametrize("order", [[0, 1], [1, 0]])
 @pytest.mark.parametrize("count", [0, 1, 3])
 def test_missing_and_additional_numbers_are_refused(order, count):
-    """Also where the joints stand in another order."""
+    """Joints in another order are refused in the same words."""
     message = column_message()
     message.name = [message.name[i] for i in order]
     message.velocity = [0.0] * count

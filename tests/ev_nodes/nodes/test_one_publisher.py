@@ -65,7 +65,7 @@ def judge_of(graph: Graph, reported: Reported | None = None) -> OnePublisher:
 
 
 def test_the_node_of_the_role_is_admitted_and_another_one_is_named(wall):
-    """Once for each look into the graph."""
+    """The other one is named once for each look into the graph."""
     reported = Reported()
     judge = judge_of(Graph(ours="plant", another="stranger"), reported)
     assert judge.admits(OURS)

@@ -107,7 +107,7 @@ def test_a_driver_that_wants_to_stand_stands_up_to_the_steepest_slope_that_frict
 
 @pytest.mark.parametrize("name", CARS)
 def test_the_brakes_of_a_car_take_what_holds_it(name):
-    """Else every run in which it stands would note commands that are out of range."""
+    """A run in which the car stands notes no command out of range."""
     vehicle = car_named(name)
     _, brake = follow_speed(
         FEET, namespace(car_numbers(vehicle)), SpeedControlState(), 0.01, 0.0, 0.0

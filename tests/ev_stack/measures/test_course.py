@@ -22,7 +22,7 @@ ROAD = {"driver": {"path.x": [-10.0, 50.0], "path.y": [0.0, 0.0], "path.width": 
 
 
 def driven(*points: tuple[float, float], end: float = 40.0) -> Recording:
-    """Along x at 10 m/s, aside from point to point."""
+    """Motion along x at 10 m/s, aside from point to point."""
     x = np.linspace(-10.0, end, 501)
     zero = np.zeros(501)
     channels = {

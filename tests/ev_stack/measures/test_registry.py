@@ -33,7 +33,7 @@ OF_A_CAR = [name for name in METRICS if name not in (*OF_A_BUS, *OF_SOME)]
 
 @cache
 def result() -> Result:
-    """Through the first bends of a lane change, measured by a noisy yaw rate sensor."""
+    """A run through the first bends of a lane change, with a noisy yaw rate sensor."""
     noise = {"plant.sensors.imu_yaw_rate.noise": 0.01}
     return ev_stack.run("double_lane_change", metrics=OF_A_CAR, duration=3.0, set=noise, seed=1)
 
@@ -129,7 +129,7 @@ def test_a_bus_has_its_metrics():
 
 
 def test_a_batch_has_the_metrics_of_its_runs_to_the_bit():
-    """Also where sensors show another motion."""
+    """Sensors that show another motion change nothing."""
     noise = {"plant.sensors.imu_yaw_rate.noise": 0.01}
     found = ev_stack.batch(
         "double_lane_change", {"*.seed": [0, 1]}, metrics=OF_A_CAR, duration=3.0, set=noise

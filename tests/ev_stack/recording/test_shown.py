@@ -53,7 +53,7 @@ def take(recorder: RunRecorder, index: int, step: int, value: float, run: int = 
 
 
 def shown_in(bag: Path) -> list[tuple[int, str]]:
-    """When what was shown, in the order of time."""
+    """Shown views by time."""
     with AnyReader([bag]) as reader:
         wanted = [each for each in reader.connections if each.topic in ("/lasts", "/moves")]
         return [(at, bytes(data).decode()) for _, at, data in reader.messages(wanted)]

@@ -126,7 +126,7 @@ def small_recording() -> Recording:
 
 
 def test_hash_changes_with_one_bit_of_one_sample():
-    """Also with the last bit of the mantissa and with the sign of a zero."""
+    """The last bit of the mantissa and the sign of a zero count."""
     recording = small_recording()
     flipped = {signal_hash(recording)}
     for name in ("twist.longitudinal", "imu.yaw_rate"):
@@ -497,7 +497,7 @@ def test_speed_is_that_along_the_path():
     ],
 )
 def test_every_axis_has_a_quantity_and_a_unit(tmp_path, scenario, runs, names):
-    """Also where channels or whole runs are missing; the panel then says what is not there."""
+    """A panel without its channels, or whole runs, shows what is missing."""
     from ev_stack.figures.saving import save_figures
     from ev_stack.figures.sheets import drawn
 

@@ -71,7 +71,7 @@ def assert_stopped(done: subprocess.CompletedProcess[str]) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("way", CALLS)
 def test_a_call_from_python_raises_keyboard_interrupt(way: str, tmp_path: Path):
-    """So a notebook goes on, with its variables."""
+    """A notebook goes on, with its variables."""
     done = ended(way, tmp_path, signal.SIGINT)
     assert done.stderr.splitlines()[-1] == "KeyboardInterrupt", done.stderr
 

@@ -87,7 +87,7 @@ def offline(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_every_way_of_running_gives_the_same_signals(
     way: tuple[str, ...], loop: str, offline: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    """Also bit by bit, so that a hash that forgets a channel would be noticed."""
+    """Signals agree bit by bit: a hash that forgets a channel would be noticed."""
     monkeypatch.setitem(ENVIRONMENT, VARIABLE, loop)
     run("shchur2019", "--duration", 3, "--no-report", *way, "--out", tmp_path)
     assert summary(tmp_path)["signal_hash"] == summary(offline)["signal_hash"]

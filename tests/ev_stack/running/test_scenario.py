@@ -93,7 +93,7 @@ def test_every_scenario_loads_and_says_what_it_is(name):
 
 
 def test_one_run_lives_in_ev_and_several_below(scenario):
-    """Such as /ev/first/driver, so that a section can mean the driver of one run."""
+    """A section can mean the driver of one run, /ev/first/driver."""
     (alone,) = load_scenario(scenario(HEAD)).runs
     assert (alone.name, alone.namespace, alone.duration, alone.period) == (
         "test",
@@ -429,7 +429,7 @@ def test_a_scenario_and_a_vehicle_may_be_any_file(scenario, tmp_path):
 
 
 def test_a_vehicle_that_does_not_say_everything_about_itself_is_refused(scenario, tmp_path):
-    """Else it would silently be filled up from another car."""
+    """It is not silently filled up from another car."""
     path = own_car(
         tmp_path, lambda text: text.replace("mass: 1400.0", "").replace("resistance: 0.1 ", "#")
     )
@@ -469,7 +469,7 @@ def test_points_that_a_file_gives_are_refused_wherever_the_file_is_named(
 
 
 def test_a_file_goes_before_points_that_were_given_before_it(scenario, tmp_path):
-    """So `--cycle` drives another cycle where the scenario lists its own."""
+    """`--cycle` drives another cycle where the scenario lists its own."""
     (tmp_path / "profile.csv").write_text(PROFILE)
     name = scenario(
         HEAD + section("/**/driver", "{speed_profile: {time: [0.0, 5.0], speed: [3.0, 4.0]}}")
