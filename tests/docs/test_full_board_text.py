@@ -101,54 +101,62 @@ BEST = kept()["best of each run"]
 RUNS = len(kept()["cells"]) * kept()["draws"]
 CLAIMS: list[Callable[[], str]] = [
     lambda: (
-        f"`equal_torque`, 1 by definition, loses {lost('equal_torque'):.1f} % of the runs, and only "
-        f"`load_proportional` loses clearly more ({lost('load_proportional'):.1f} %)"
+        f"`equal_torque`, 1 by definition, loses {lost('equal_torque'):.1f} % of the runs, and only"
+        f" `load_proportional` loses clearly more ({lost('load_proportional'):.1f} %)"
     ),
     lambda: (
-        f"`all_known_neutral` ({score('all_known_neutral', 'handling'):.3f}) and `stability_by_drives` "
-        f"({score('stability_by_drives', 'handling'):.3f}), which are tied"
+        f"`all_known_neutral` ({score('all_known_neutral', 'handling'):.3f}) and"
+        f" `stability_by_drives` ({score('stability_by_drives', 'handling'):.3f}), which are tied"
     ),
     lambda: (
-        f"`stability_by_drives` ({score('stability_by_drives', 'worst tenth'):.3f}) and `pi_with_abs` "
-        f"({score('pi_with_abs', 'energy'):.3f}), both with the friction brakes"
+        f"`stability_by_drives` ({score('stability_by_drives', 'worst tenth'):.3f}) and"
+        f" `pi_with_abs` ({score('pi_with_abs', 'energy'):.3f}), both with the friction brakes"
     ),
     lambda: (
-        f"by sensors ({score('pi_least_loss', 'worst tenth'):.3f}, {score('pi_least_loss', 'energy'):.3f})"
+        f"by sensors ({score('pi_least_loss', 'worst tenth'):.3f},"
+        f" {score('pi_least_loss', 'energy'):.3f})"
     ),
     lambda: (
-        f"it does not bound the others ({at('compact_ev:rear', 'all_known_neutral', 'handling'):.2f})"
+        "it does not bound the others"
+        f" ({at('compact_ev:rear', 'all_known_neutral', 'handling'):.2f})"
     ),
     lambda: (
-        f"understeer ({score('lqr_all_known', 'worst tenth'):.3f}, {score('lqr_all_known', 'energy'):.3f})"
+        f"understeer ({score('lqr_all_known', 'worst tenth'):.3f},"
+        f" {score('lqr_all_known', 'energy'):.3f})"
     ),
     lambda: (
-        f"worst tenth {BEST['worst tenth']:.3f}, no car lost, handling {BEST['handling']:.3f} or, by another "
-        f"choice, energy {BEST['energy']:.3f}"
+        f"worst tenth {BEST['worst tenth']:.3f}, no car lost, handling {BEST['handling']:.3f} or,"
+        f" by another choice, energy {BEST['energy']:.3f}"
     ),
     lambda: (
-        f"In {len(won_elsewhere())} of {len(kept()['cells'])} another law without brakes and traction control"
+        f"In {len(won_elsewhere())} of {len(kept()['cells'])} another law without brakes and"
+        " traction control"
     ),
     lambda: (
-        f"{sum('launch' in each or 'acceleration' in each for each in won_elsewhere())} of these are 75 m"
+        f"{sum('launch' in each or 'acceleration' in each for each in won_elsewhere())} of these"
+        " are 75 m"
     ),
     lambda: (
-        f"loses {round(lost('stability_by_drives') * RUNS / 100)} of {RUNS // 1000} {RUNS % 1000} runs"
+        f"loses {round(lost('stability_by_drives') * RUNS / 100)} of {RUNS // 1000} {RUNS % 1000}"
+        " runs"
     ),
     lambda: (
-        f"{span(map(lost, BY_SENSORS), 1)} % of the runs are unstable with it, {lost('equal_torque'):.1f} % "
-        f"with equal torques, but the middle of handling is "
-        f"{span((100.0 * score(law, 'handling') - 100.0 for law in BY_SENSORS), 0)} % worse"
+        f"{span(map(lost, BY_SENSORS), 1)} % of the runs are unstable with it,"
+        f" {lost('equal_torque'):.1f} % with equal torques, but the middle of handling is"
+        f" {span((100.0 * score(law, 'handling') - 100.0 for law in BY_SENSORS), 0)} % worse"
     ),
     lambda: (
-        f"`pi_neutral` costs {span((at(car, 'pi_neutral', 'handling') for car in FOUR_MOTORS), 2)} with four "
-        f"motors, `pi` {span((at(car, 'pi', 'handling') for car in FOUR_MOTORS), 2)}. With the rear drive it costs "
-        f"{at('compact_ev:rear', 'pi_neutral', 'handling'):.2f} and loses "
-        f"{percent(at('compact_ev:rear', 'pi_neutral', 'unstable'), 0)} % of the runs, `pi` "
-        f"{at('compact_ev:rear', 'pi', 'handling'):.2f} and {percent(at('compact_ev:rear', 'pi', 'unstable'), 0)} %"
+        f"`pi_neutral` costs {span((at(car, 'pi_neutral', 'handling') for car in FOUR_MOTORS), 2)}"
+        f" with four motors, `pi` {span((at(car, 'pi', 'handling') for car in FOUR_MOTORS), 2)}."
+        f" With the rear drive it costs {at('compact_ev:rear', 'pi_neutral', 'handling'):.2f} and"
+        f" loses {percent(at('compact_ev:rear', 'pi_neutral', 'unstable'), 0)} % of the runs, `pi`"
+        f" {at('compact_ev:rear', 'pi', 'handling'):.2f} and"
+        f" {percent(at('compact_ev:rear', 'pi', 'unstable'), 0)} %"
     ),
     lambda: (
-        f"{span((100.0 * at(RAMP, law, 'unstable') for law in YAW_RATE), 0)} % of the runs are lost with `pi`, `lqr`, "
-        f"`predictive` and the sliding modes, {percent(at(RAMP, 'equal_torque', 'unstable'))} % with equal torques"
+        f"{span((100.0 * at(RAMP, law, 'unstable') for law in YAW_RATE), 0)} % of the runs are lost"
+        " with `pi`, `lqr`, `predictive` and the sliding modes,"
+        f" {percent(at(RAMP, 'equal_torque', 'unstable'))} % with equal torques"
     ),
     lambda: (
         f"`lqr` and `predictive` cost {at('racing_car:all', 'lqr', 'handling'):.2f} and "
@@ -158,27 +166,29 @@ CLAIMS: list[Callable[[], str]] = [
         f"{at('racing_car:all:lap:dry', 'equal_torque', 'lap_time'):.0f} s"
     ),
     lambda: (
-        f"`pi` loses {percent(varied(BELIEVED, 'pi'))} points more of the runs than with 0.5 to 0.83, `lqr` "
-        f"{percent(varied(BELIEVED, 'lqr'))} and `all_known_neutral` {percent(varied(BELIEVED, 'all_known_neutral'))}."
+        f"`pi` loses {percent(varied(BELIEVED, 'pi'))} points more of the runs than with 0.5 to"
+        f" 0.83, `lqr` {percent(varied(BELIEVED, 'lqr'))} and `all_known_neutral`"
+        f" {percent(varied(BELIEVED, 'all_known_neutral'))}."
     ),
     lambda: (
-        f"The mean of handling is {span((varied(BELIEVED, law, 'handling') for law in PAYING), 2)} higher with laws of a "
-        "yaw rate by sensors (but `stability_by_drives`), that of energy "
-        f"{varied(BELIEVED, 'lqr_all_known', 'energy'):.2f} "
-        f"and {varied(BELIEVED, 'all_known_neutral', 'energy'):.2f} with the laws that know all"
+        f"The mean of handling is {span((varied(BELIEVED, law, 'handling') for law in PAYING), 2)}"
+        " higher with laws of a yaw rate by sensors (but `stability_by_drives`), that of energy"
+        f" {varied(BELIEVED, 'lqr_all_known', 'energy'):.2f} and"
+        f" {varied(BELIEVED, 'all_known_neutral', 'energy'):.2f} with the laws that know all"
     ),
     lambda: (
-        f"over all cells `lqr` and `predictive` lose {percent(varied(DELAY, 'lqr'))} and "
-        f"{percent(varied(DELAY, 'predictive'))} points more with a delay of two periods, and handling costs "
-        f"{varied(DELAY, 'lqr', 'handling'):.2f} and "
-        f"{varied(DELAY, 'predictive', 'handling'):.2f} more; `lqr_least_squares` pays "
-        f"{varied(DELAY, 'lqr_least_squares', 'handling'):.2f}"
+        f"over all cells `lqr` and `predictive` lose {percent(varied(DELAY, 'lqr'))} and"
+        f" {percent(varied(DELAY, 'predictive'))} points more with a delay of two periods, and"
+        f" handling costs {varied(DELAY, 'lqr', 'handling'):.2f} and"
+        f" {varied(DELAY, 'predictive', 'handling'):.2f} more; `lqr_least_squares` pays"
+        f" {varied(DELAY, 'lqr_least_squares', 'handling'):.2f}"
     ),
     lambda: (
-        "the noise of the yaw rate costs laws of a yaw rate by sensors "
-        f"{span((varied(NOISE, law, 'handling') for law in PAYING), 2)} of handling (but `stability_by_drives`), "
-        f"that of the acceleration at most {most(NOISE_OF_ACCELERATION, kept()['laws']):.2f}, that of the wheel speeds "
-        f"{varied(NOISE_OF_WHEELS, 'traction_feedback_linearisation', 'handling'):.2f}"
+        "the noise of the yaw rate costs laws of a yaw rate by sensors"
+        f" {span((varied(NOISE, law, 'handling') for law in PAYING), 2)} of handling (but"
+        " `stability_by_drives`), that of the acceleration at most"
+        f" {most(NOISE_OF_ACCELERATION, kept()['laws']):.2f}, that of the wheel speeds"
+        f" {varied(NOISE_OF_WHEELS, 'traction_feedback_linearisation', 'handling'):.2f}"
     ),
     lambda: (
         f"differ from {min(varied(PERIOD, law, 'handling') for law in kept()['laws']):.2f} "
@@ -194,12 +204,15 @@ CLAIMS: list[Callable[[], str]] = [
         f"{varied(FAULT, 'stability_by_drives', 'handling'):.2f} with `stability_by_drives`"
     ),
     lambda: (
-        f"(dry: {at('layout_1_8_c:all:double_lane_change:dry', 'pi_neutral', 'entry_speed'):.1f} m/s for "
-        f"{at('layout_1_8_c:all:double_lane_change:dry', 'equal_torque', 'entry_speed'):.1f} with `layout_1_8_c`)"
+        f"(dry: {at('layout_1_8_c:all:double_lane_change:dry', 'pi_neutral', 'entry_speed'):.1f}"
+        " m/s for"
+        f" {at('layout_1_8_c:all:double_lane_change:dry', 'equal_torque', 'entry_speed'):.1f} with"
+        " `layout_1_8_c`)"
     ),
     lambda: f"takes {span((*lap('load_proportional'),), 0)} % off the time on all five cars",
     lambda: (
-        f"`pi` takes {span(lap('pi', CARS[1:]), 0)} % off on four, and is {-lap('pi')[0]:.0f} % slower"
+        f"`pi` takes {span(lap('pi', CARS[1:]), 0)} % off on four, and is {-lap('pi')[0]:.0f} %"
+        " slower"
     ),
     lambda: f"`stability_by_drives` {span(lap('stability_by_drives'), 0)} %",
 ]
