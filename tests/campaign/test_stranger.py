@@ -1,4 +1,4 @@
-"""Every act of the campaign's foreign process is declared and comes up; no process and no graph is needed."""
+"""Every act of the campaign's foreign process is declared and comes up, without a graph."""
 
 from __future__ import annotations
 

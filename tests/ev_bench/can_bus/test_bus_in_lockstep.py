@@ -176,7 +176,7 @@ def test_a_run_without_enabled_drives_has_a_note(rate, waits):
 
 
 def test_both_ends_of_the_bus_have_one_database(tmp_path):
-    """With frames of twice the step at one end a drive gives half the torque, below what is implausible."""
+    """Frames of twice the step at one end would give half the torque."""
     other = tmp_path / "coarse.dbc"
     fine = " SG_ Torque : 24|16@1- (0.03125,0)"
     text = find_file(EV_BENCH).read_text(encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Publishers that are admitted on a topic, by what the graph knows and a clock that the test turns."""
+"""Publishers admitted on a topic, by what the graph knows and a clock that the test turns."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ def test_a_restarted_node_takes_the_place_of_the_one_that_has_left(wall):
 
 
 def test_a_publisher_whose_node_is_not_known_yet_is_admitted_when_it_is(wall):
-    """The middleware names the node of a publisher some milliseconds after the publisher, as a rule."""
+    """The node of a publisher becomes known some milliseconds after it, as a rule."""
     reported, graph = Reported(), Graph(ours="_NODE_NAME_UNKNOWN_")
     judge = judge_of(graph, reported)
     for _ in range(29):
@@ -207,7 +207,7 @@ def test_a_master_that_was_started_again_before_time_went_on_is_named(wall):
 
 
 def test_a_message_without_an_identity_is_of_no_other_publisher(wall):
-    """Executors of rclpy pass on none: what is read with one before or afterwards has the same publisher."""
+    """Executors of rclpy pass on none: such messages have the publisher of those with one."""
     successors: list[bytes] = []
     judge = judge_of(Graph(ours="plant"))
     judge.succeeded = successors.append

@@ -1,4 +1,4 @@
-"""Two nodes of one name, and two graphs in one domain and namespace: the numbers are right, or a line names the cause."""
+"""Two nodes of one name, or two graphs of one namespace: right numbers, or a named cause."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def test_numbers_of_a_wrong_node_that_was_there_first_are_never_without_a_line(t
 
 
 def test_two_graphs_of_one_namespace_name_each_other_and_give_no_number(tmp_path: Path):
-    """No node takes messages of two: both graphs stand, until the one that is left gives the right numbers."""
+    """No node takes messages of two: both graphs stand until one is left, with right numbers."""
     run = shchur(0.3)
     with graph(run, tmp_path / "first") as nodes, another_process(nodes) as elsewhere:
         second = Graph(elsewhere, run, tmp_path / "second")

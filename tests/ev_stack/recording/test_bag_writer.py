@@ -1,4 +1,4 @@
-"""A bag is readable after an end in good order, and up to the last second after a kill or on a full disk."""
+"""A bag is readable after a good end, and to the last second after a kill or on a full disk."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def read_counters(directory: Path) -> list[int]:
 
 
 def scanned(file: Path) -> Iterator[tuple[int, bytes]]:
-    """Time and data of the messages of a file, read as `mcap recover` does: from the begin, without an index."""
+    """Time and data of a file's messages, read as `mcap recover` does, without an index."""
     with file.open("rb") as content:
         try:
             for record in StreamReader(content).records:
@@ -94,7 +94,7 @@ def assert_killed(child: int) -> None:
 
 
 def test_messages_come_back_bit_for_bit(tmp_path: Path):
-    """Several chunks (1 MiB each) and several flushes; data of every kind, also such as would not compress."""
+    """Several chunks (1 MiB each) and flushes, data of every kind, also incompressible ones."""
     noise = random.Random(1)
     messages = [(stamp, noise.randbytes(noise.randrange(4, 2000))) for stamp in range(3000)]
     now = 0.0
@@ -124,7 +124,7 @@ def test_messages_come_back_bit_for_bit(tmp_path: Path):
 def test_a_file_that_is_cut_off_anywhere_holds_whole_messages_in_order(
     tmp_path_factory, sizes, period, data
 ):
-    """A kill may come at any byte; what is scanned is a beginning of what was written, and all of it at the end."""
+    """A kill may come at any byte: what is scanned is a beginning of what was written."""
     directory = tmp_path_factory.mktemp("cut") / "bag"
     now = 0.0
     messages = [(n, int64_message(n) + bytes(size)) for n, size in enumerate(sizes)]
@@ -230,7 +230,7 @@ def test_a_kill_keeps_everything_that_was_flushed(tmp_path: Path):
 
 @pytest.fixture
 def largest_file():
-    """A function that limits the size of files, which tears a write in the middle as a full disk would."""
+    """Limit the size of files: a write is torn in the middle, as on a full disk."""
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     yield lambda size: resource.setrlimit(
         resource.RLIMIT_FSIZE, (soft if size is None else size, hard)

@@ -171,7 +171,7 @@ with output_folder(None, "a") as folder:
 
 @pytest.mark.parametrize("moment", ["block", "symlink", "replace"])
 def test_a_run_that_is_killed_leaves_the_link_of_the_run_before(here: Path, moment: str):
-    """Also between making the link and giving it its name; the next run is not held up by what is left."""
+    """A kill between making the link and naming it does not hold up the next run."""
     first = write("first")
     code = subprocess.run([sys.executable, "-c", KILLED, moment]).returncode
     assert code == -signal.SIGKILL

@@ -1,4 +1,4 @@
-"""scripts/run.sh as a user calls it: the same numbers in every way of running, clean ends, one line for bad input."""
+"""scripts/run.sh: the same numbers in every way of running, clean ends, one line for bad input."""
 
 from __future__ import annotations
 

@@ -82,7 +82,7 @@ def test_a_row_of_other_units_is_refused_and_one_of_its_own_is_read(tmp_path):
 
 @pytest.mark.parametrize(("column", "name"), [(0, "speed_rpm"), (1, "torque_nm")])
 def test_a_map_at_one_speed_or_torque_is_refused(tmp_path, column, name):
-    """A loss by the square of the speed would else take those that are constant, and count for all speeds."""
+    """A loss by the square of the speed would take the constant ones, for all speeds."""
     path = write(tmp_path)
     header, *lines = path.read_text().splitlines()
     rows = np.array([list(map(float, line.split(","))) for line in lines if line != ",,"])

@@ -231,7 +231,7 @@ def assumed_by(folder: Path) -> dict[str, float]:
 @settings(max_examples=8, deadline=None)
 @given(number=st.integers(0, 5), seed=st.integers(0, 9))
 def test_one_load_decides_nothing_over_load_inclination_and_pressure(number, seed):
-    """These coefficients stay at their starts to a tenth of their range, whichever load and noise it is.
+    """These coefficients stay at their starts to a tenth of their range, at any load and noise.
 
     Without a prior the noise decided them: friction that rose by 0.7 from one nominal load to twice
     that, and was written as identified. What one load shows is found.

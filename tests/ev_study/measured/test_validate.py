@@ -1,4 +1,4 @@
-"""scripts/run.sh validate: a car against the record that it has made itself, and against that of another one."""
+"""scripts/run.sh validate: a car against its own record, and against that of another one."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ def differences(recorded: Recorded, out: Path, role: str, vehicle: str | None = 
 
 
 def realtime_bag(of: Recording, folder: Path, lost: dict[str, int]) -> Path:
-    """A folder with a bag as the recorder writes it in real time; `lost`: of which topics one instant is missing.
+    """A folder with a bag of a recorder in real time; `lost`: topics without one instant.
 
     All of it is 20 ms late, the driver 2 ms after the plant, and so on.
     """
@@ -64,7 +64,7 @@ def realtime_bag(of: Recording, folder: Path, lost: dict[str, int]) -> Path:
 
 
 def foreign_bag(of: Recording, folder: Path, stamps: list[int], names: dict[str, str]) -> Path:
-    """A bag of another recorder, with a part of the graph: by full name the topic, a message for each stamp [ns]."""
+    """A bag of another recorder with a part of the graph: topics by full name, stamps [ns]."""
     with BagWriter(folder / "bag") as bag:
         for full, name in names.items():
             topic = next(topic for topic in TOPICS.values() if topic.name == name)

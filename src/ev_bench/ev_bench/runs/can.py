@@ -58,7 +58,7 @@ def _refuse_another_bus(of_bench: BusInterface, bus: BusInterface) -> None:
         if value not in (field.default, given):
             raise RunFailed(
                 f"test_bench.bus.{field.name}: {quoted(value)} is refused, expected "
-                f"{quoted(given)}, as of inverter_gateway, whose bus both have"
+                f"{quoted(given)}, as of inverter_gateway: both have its bus"
             )
 
 

@@ -65,7 +65,7 @@ class OnePublisher:
     """Admits the messages of one publisher: of the node with this name, in the namespace of the node that reads.
 
     Messages of every other publisher on the topic are counted in `refused`, and its node is
-    reported. Two nodes with the expected name cannot be told apart: neither is admitted, unless one
+    reported. Two nodes with the expected name cannot be distinguished: neither is admitted, unless one
     has been already, and the run may not be reproducible. When the admitted publisher leaves the
     graph, another one, such as that of a restarted node, may take its place; `succeeded` is called
     with its identity then.

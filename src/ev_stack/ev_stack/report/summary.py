@@ -26,7 +26,7 @@ _OF_THE_CAR = "vehicle."
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """A parameter whose `value` stands in the place of `instead_of`, with the cause `by`.
+    """A parameter with `value` in the place of `instead_of`, and the cause `by`.
 
     `instead_of` is the value of the scenario's own file where the command line is the cause, else
     the default.

@@ -10,7 +10,7 @@ simulates nothing.
    of his course may set start and duration; then all other nodes.
 4. What does nothing is refused where a command gives it and noted where a file does (`unused`).
 
-A run whose steering angles are those of another car only states that it needs a slow ramp
+A run with the steering angles of another car only states that it needs a slow ramp
 (`Run.slow_ramp`): `ev_stack.running.steering_angles` drives it.
 """
 

@@ -43,12 +43,15 @@ class Sources:
         return found
 
     def place(self, role: str, name: str) -> int:
-        """The number of the place whose value counts; -1 if none gives one."""
+        """The number of the place with the value that counts; -1 if none gives one."""
         places = [number for number, values in enumerate(self.given[role]) if name in values]
         return places[-1] if places else -1
 
     def origin(self, role: str, name: str) -> str:
-        """The file whose value counts, in brackets; empty for the command line, which is seen."""
+        """The file with the value that counts, in brackets.
+
+        Empty for the command line, which is seen.
+        """
         place = self.place(role, name)
         return f" ({self.files[place].path})" if 0 <= place < len(self.files) else ""
 

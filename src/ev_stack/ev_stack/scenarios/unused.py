@@ -64,7 +64,7 @@ def unused_in_files(
 ) -> list[str]:
     """A note for each file on what it sets and no run uses.
 
-    Roles whose method the command line has `switched` are left out: the file was written for
+    Roles with a method `switched` by the command line are left out: the file was written for
     another method.
     """
     notes = []

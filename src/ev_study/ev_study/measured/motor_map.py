@@ -94,7 +94,7 @@ def fit_motor(file: Path) -> MotorFit:
         if high < _LEAST_RANGE * low:
             raise ParameterError(
                 f"{file}: {name} is {low:g} to {high:g}, expected {_LEAST_RANGE:g} times as much "
-                "as the least or more: in less no loss can be told from the others"
+                "as the least or more: in less no loss can be distinguished"
             )
     power = speed * torque
     weight = efficiency**2 / power  # a watt of loss in the efficiency

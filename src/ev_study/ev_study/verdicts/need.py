@@ -145,7 +145,7 @@ def key_of(study: str, case: Case) -> Key:
     """Return the key of what a study measures on a case; of its signals without a study.
 
     Where the case may name a file, its name is not enough: then the run is made, and the texts of
-    all files count that it reads. Else these stand in the config folders, whose texts count for
+    all files count that it reads. Else these stand in the config folders: their texts count for
     all.
     """
     key = Key(case_key(case), {})
