@@ -1,4 +1,4 @@
-"""A board as its file declares it: cars, roads, manoeuvres, variations and laws, and the cells that they make."""
+"""A board as its file declares it: cars, roads, manoeuvres, variations, laws, and their cells."""
 
 from __future__ import annotations
 
@@ -23,11 +23,14 @@ from ev_study.benchmark.records import is_of, mapping, record, refuse_unknown
 
 COSTS = ("handling", "energy")
 SIDES = ("left", "right")
-ROLE, FURTHER = "electronic_differential", ("asr",)  # roles that a law of a board plays
+ROLE = "electronic_differential"  # that every law of a board plays
+FURTHER = ("asr",)  # roles that it may play as well
 CASES = ("training", "validation", "held_out")
 _ALIKE = ("method", "reference", "allocation", "estimation", "asr.method")  # in the closed division
-# variations that are no parameters
-FRICTION, TOLD_FRICTION, MOTOR_FAULT = "friction", "told_friction", "motor_fault"
+# Variations that are no parameters.
+FRICTION = "friction"
+TOLD_FRICTION = "told_friction"
+MOTOR_FAULT = "motor_fault"
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,52 +126,62 @@ class Board:
     name: str = ""
 
     def cells(self, pattern: str = "*") -> list[Cell]:
-        """Its cells, those of which an id fits a pattern as of file names; ParameterError if none does."""
-        every = [
-            Cell(self.name, self.version, car, name, road)
-            for car in self.cars
-            for name, manoeuvre in self.manoeuvres.items()
-            if car not in manoeuvre.without
-            for road in manoeuvre.roads
-        ]
-        found = [
-            each for each in every if any(fnmatchcase(each.id(cost), pattern) for cost in COSTS)
-        ]
+        """Return the cells of which an id fits a pattern as of file names.
+
+        ParameterError if none does.
+        """
+        every = []
+        for car in self.cars:
+            for name, manoeuvre in self.manoeuvres.items():
+                if car not in manoeuvre.without:
+                    for road in manoeuvre.roads:
+                        every.append(Cell(self.name, self.version, car, name, road))
+        found = []
+        for cell in every:
+            if any(fnmatchcase(cell.id(cost), pattern) for cost in COSTS):
+                found.append(cell)
         if not found:
             raise unknown_name("cell", pattern, [each.id(cost) for each in every for cost in COSTS])
         return found
 
 
 def read_board(name: str) -> Board:
-    """The board of a name in config/benchmarks, or of a path; ParameterError, in one line, for what is wrong in it."""
+    """Return the board of a name in config/benchmarks, or of a path.
+
+    ParameterError, in one line, for what is wrong in it.
+    """
     path = configured_file("benchmark", name)
     try:
         content = read_yaml(read_data(path, TEXT).decode())
     except OSError as error:
         raise ParameterError(f"{path}: {error.strerror}") from None
     except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise ParameterError(
-            f"{path}: not readable as YAML: {' '.join(str(error).split())}"
-        ) from None
+        why = " ".join(str(error).split())
+        raise ParameterError(f"{path}: not readable as YAML: {why}") from None
     try:
-        whole = marked("", dict(mapping("a board", content)), path)
-        common = {"recorded": whole.pop("recorded", [])}
-        for entry, of, more in (("manoeuvres", Manoeuvre, common), ("roads", Road, {})):
-            what, stated = entry.removesuffix("s"), mapping(entry, whole.get(entry))
-            full = {
-                name: {**more, **mapping(f"{what} {name}", each)} for name, each in stated.items()
-            }
-            whole[entry] = {name: record(of, f"{what} {name}", each) for name, each in full.items()}
-        whole["variations"] = _variations(whole)
-        for entry in CASES:
-            if entry in whole:
-                stated = dict(mapping(entry, whole[entry]))
-                whole[entry] = record(Cases, entry, stated | {"variations": _variations(stated)})
-        board = record(Board, "a board", whole | {"name": name})
+        board = _board(name, marked("", dict(mapping("a board", content)), path))
         _refuse(board, path)
     except ParameterError as error:
         raise ParameterError(f"{path}: {error}") from None
     return board
+
+
+def _board(name: str, whole: dict[str, Any]) -> Board:
+    """Return the board that the content of a file states; its records are made before."""
+    recorded = whole.pop("recorded", [])
+    manoeuvres = {}
+    for each, stated in mapping("manoeuvres", whole.get("manoeuvres")).items():
+        what = f"manoeuvre {each}"
+        manoeuvres[each] = record(Manoeuvre, what, {"recorded": recorded, **mapping(what, stated)})
+    roads = {}
+    for each, stated in mapping("roads", whole.get("roads")).items():
+        roads[each] = record(Road, f"road {each}", stated)
+    whole |= {"manoeuvres": manoeuvres, "roads": roads, "variations": _variations(whole)}
+    for entry in CASES:
+        if entry in whole:
+            stated = dict(mapping(entry, whole[entry]))
+            whole[entry] = record(Cases, entry, stated | {"variations": _variations(stated)})
+    return record(Board, "a board", whole | {"name": name})
 
 
 def _variations(of: Mapping[str, Any]) -> list[Variation]:
@@ -185,91 +198,95 @@ def by_role(law: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     return found
 
 
+def _expect(is_so: bool, otherwise: str) -> None:
+    if not is_so:
+        raise ParameterError(otherwise)
+
+
 def _refuse(board: Board, path: Path) -> None:
     """ParameterError for names that nothing declares, and for bounds that are none."""
-    if not 1 <= board.draws <= 100_000:
-        raise ParameterError(f"draws is {board.draws}, expected 1 to 100000")
-    if board.seed < 0 or not 0.0 < board.unstable <= 1.57:  # beyond it a car slides backwards
-        raise ParameterError(
-            f"seed is {board.seed}, unstable {board.unstable}, expected 0 or more, above 0 to 1.57"
-        )
-    refuse_unknown("reference", [board.reference], board.laws)
-    kept = {name: cases for name in CASES if (cases := getattr(board, name))}
-    cars = [*board.cars, *(car for cases in kept.values() for car in cases.cars)]
+    _expect(1 <= board.draws <= 100_000, f"draws is {board.draws}, expected 1 to 100000")
+    _expect(
+        board.seed >= 0 and 0.0 < board.unstable <= 1.57,  # beyond it a car slides backwards
+        f"seed is {board.seed}, unstable {board.unstable}, expected 0 or more, above 0 to 1.57",
+    )
+    cars = list(board.cars)
+    variations = list(board.variations)
+    for name in CASES:
+        cases: Cases | None = getattr(board, name)
+        if cases is not None:
+            cars += cases.cars
+            variations += cases.variations
+            for bounds in (cases.friction, cases.stiffness):
+                _expect(
+                    _rise(bounds) and bounds[0] > 0.0 and bounds[1] <= 2.0,
+                    f"{name} has the bounds {bounds}, expected two numbers that rise, above 0 to 2",
+                )
     for car in cars:
         configured_file("vehicle", TextOfFile.of(car.partition(":")[0], path))
     refuse_unknown("layout", [car.partition(":")[2] for car in cars], board.layouts)
-    for name, cases in kept.items():
-        for bounds in (cases.friction, cases.stiffness):
-            if len(bounds) != 2 or not 0.0 < bounds[0] <= bounds[1] <= 2.0:
-                raise ParameterError(
-                    f"{name} has the bounds {bounds}, expected two numbers that rise, above 0 to 2"
-                )
     for name, road in board.roads.items():
-        if not len(road.left) == len(road.right) == len(road.length) + 1:
-            raise ParameterError(
-                f"road {name} needs as many surfaces left as right, and a length for all but the last"
-            )
+        _expect(
+            len(road.left) == len(road.right) == len(road.length) + 1,
+            f"road {name} needs as many surfaces left as right, and a length for all but the last",
+        )
         refuse_unknown(f"surface of {name}", [*road.left, *road.right], SURFACES)
     for name, manoeuvre in board.manoeuvres.items():
-        refuse_unknown(
-            f"road of {name}",
-            [*manoeuvre.roads, *filter(None, [manoeuvre.steering_on])],
-            board.roads,
-        )
+        roads = [*manoeuvre.roads, manoeuvre.steering_on]
+        refuse_unknown(f"road of {name}", filter(None, roads), board.roads)
         refuse_unknown(f"car of {name}", manoeuvre.without, cars)
         _refuse_search(name, manoeuvre)
         _refuse_metrics(board.scales, name, manoeuvre)
-    for variation in [
-        *board.variations,
-        *(each for cases in kept.values() for each in cases.variations),
-    ]:
+    for variation in variations:
         _refuse_variation(variation)
+    _refuse_laws(board)
+
+
+def _refuse_laws(board: Board) -> None:
+    refuse_unknown("reference", [board.reference], board.laws)
     for name, values in board.laws.items():
         for role, stated in by_role(mapping(f"law {name}", values)).items():
-            if "method" not in stated:
-                raise ParameterError(f"law {name} lacks {'' if role == ROLE else f'{role}.'}method")
+            place = "" if role == ROLE else f"{role}."
+            _expect("method" in stated, f"law {name} lacks {place}method")
     refuse_unknown("law of tuned", list(board.tuned), board.laws)
     for name, patterns in board.tuned.items():
-        if not (isinstance(patterns, list) and all(is_of(each, "str") for each in patterns)):
-            raise ParameterError(
-                f"tuned has {name} with {quoted(str(patterns))}, expected a list of texts"
-            )
+        _expect(
+            isinstance(patterns, list) and all(is_of(each, "str") for each in patterns),
+            f"tuned has {name} with {quoted(str(patterns))}, expected a list of texts",
+        )
     refuse_unknown("law of closed", board.closed, board.laws)
     alike = {tuple(board.laws[name].get(part) for part in _ALIKE) for name in board.closed}
-    if len(alike) > 1:
-        raise ParameterError(
-            f"closed has laws that differ in one of {', '.join(_ALIKE)}, expected equal ones"
-        )
+    _expect(
+        len(alike) <= 1,
+        f"closed has laws that differ in one of {', '.join(_ALIKE)}, expected equal ones",
+    )
 
 
 def _refuse_variation(variation: Variation) -> None:
-    bounds, subject = (
-        [*variation.factor, *variation.value, *variation.count],
-        f"variation of {variation.parameter}",
+    what = f"variation of {variation.parameter}"
+    bounds = [*variation.factor, *variation.value, *variation.count]
+    _expect(
+        not bounds if variation.choice else _rise(bounds),
+        f"{what} has the bounds {bounds}, expected two that rise, "
+        "of one of factor, value, count, or a choice",
     )
-    if bounds if variation.choice else not _rise(bounds):
-        raise ParameterError(
-            f"{subject} has the bounds {bounds}, expected two that rise, of one of factor, value, count, or a choice"
-        )
     if variation.parameter == MOTOR_FAULT:
-        shares, begin = variation.value, variation.begin
-        if not (
-            _rise(shares)
-            and shares[0] >= 0.0
-            and shares[1] <= 1.0
-            and _rise(begin)
-            and begin[0] >= 0.0
-        ):
-            raise ParameterError(
-                f"{subject} needs value and begin, expected two shares within 0 to 1 and two times"
-            )
-        if not 0.0 <= variation.probability <= 1.0:
-            raise ParameterError(
-                f"{subject} has the probability {variation.probability}, expected 0 to 1"
-            )
-    elif variation.begin or variation.probability != 1.0:
-        raise ParameterError(f"{subject} has begin or probability, allowed for {MOTOR_FAULT} alone")
+        shares = variation.value
+        begin = variation.begin
+        within = _rise(shares) and shares[0] >= 0.0 and shares[1] <= 1.0
+        _expect(
+            within and _rise(begin) and begin[0] >= 0.0,
+            f"{what} needs value and begin, expected two shares within 0 to 1 and two times",
+        )
+        _expect(
+            0.0 <= variation.probability <= 1.0,
+            f"{what} has the probability {variation.probability}, expected 0 to 1",
+        )
+    else:
+        _expect(
+            not variation.begin and variation.probability == 1.0,
+            f"{what} has begin or probability, allowed for {MOTOR_FAULT} alone",
+        )
 
 
 def _rise(bounds: Sequence[float]) -> bool:
@@ -277,36 +294,46 @@ def _rise(bounds: Sequence[float]) -> bool:
 
 
 def _refuse_metrics(scales: Mapping[str, float], name: str, manoeuvre: Manoeuvre) -> None:
-    if not (manoeuvre.demand or manoeuvre.searched):
-        raise ParameterError(
-            f"{name} lacks demand, expected are metrics of what the driver asks for, better the more"
-        )
-    counted, demanded = named_metrics(manoeuvre.metrics(*COSTS)), named_metrics(manoeuvre.demand)
+    _expect(
+        bool(manoeuvre.demand or manoeuvre.searched),
+        f"{name} lacks demand, expected are metrics of what the driver asks for, better the more",
+    )
+    counted = named_metrics(manoeuvre.metrics(*COSTS))
+    demanded = named_metrics(manoeuvre.demand)
     for metric, each in counted.items():
-        if metric in METRICS and not each.better:
-            raise ParameterError(f"metric {metric} of {name} is better neither low nor high")
+        _expect(
+            metric not in METRICS or bool(each.better),
+            f"metric {metric} of {name} is better neither low nor high",
+        )
     for metric, each in demanded.items():
-        if each.better == LOWER or (metric in counted and each.better != HIGHER):
-            raise ParameterError(
-                f"demand of {name} is {metric}, which is better low, expected is better the more"
-            )
+        is_low = each.better == LOWER or (metric in counted and each.better != HIGHER)
+        _expect(
+            not is_low,
+            f"demand of {name} is {metric}, which is better low, expected is better the more",
+        )
     for metric in named_metrics(manoeuvre.measured):
-        scale = scales.get(metric)
-        if metric in {**counted, **demanded} and not (is_of(scale, "float") and scale > 0.0):
-            raise ParameterError(f"scales lacks a number above 0 for {metric} of {name}")
+        if metric in counted or metric in demanded:
+            scale = scales.get(metric)
+            _expect(
+                is_of(scale, "float") and scale > 0.0,
+                f"scales lacks a number above 0 for {metric} of {name}",
+            )
 
 
 def _refuse_search(name: str, manoeuvre: Manoeuvre) -> None:
-    if manoeuvre.entry_speed and manoeuvre.speed_scale:
-        raise ParameterError(f"{name} has entry_speed and speed_scale, expected one of them")
-    what, bounds = "speed_scale" if manoeuvre.speed_scale else "entry_speed", manoeuvre.searched
-    if bounds and not (
-        len(bounds) == 2 and 0.0 < bounds[0] < bounds[1] and 1 <= manoeuvre.halvings <= 30
-    ):
-        raise ParameterError(
-            f"{what} of {name} is {bounds}, expected two numbers that rise, and 1 to 30 halvings"
+    _expect(
+        not (manoeuvre.entry_speed and manoeuvre.speed_scale),
+        f"{name} has entry_speed and speed_scale, expected one of them",
+    )
+    what = "speed_scale" if manoeuvre.speed_scale else "entry_speed"
+    bounds = manoeuvre.searched
+    if bounds:
+        is_range = len(bounds) == 2 and 0.0 < bounds[0] < bounds[1]
+        _expect(
+            is_range and 1 <= manoeuvre.halvings <= 30,
+            f"{what} of {name} is {bounds}, expected two numbers that rise, and 1 to 30 halvings",
         )
-    if not manoeuvre.entry_speed and ENTRY_SPEED in manoeuvre.measured:
-        raise ParameterError(
-            f"entry_speed of {name} is measured, allowed with the bounds entry_speed: [LOW, HIGH]"
-        )
+    _expect(
+        bool(manoeuvre.entry_speed) or ENTRY_SPEED not in manoeuvre.measured,
+        f"entry_speed of {name} is measured, allowed with the bounds entry_speed: [LOW, HIGH]",
+    )

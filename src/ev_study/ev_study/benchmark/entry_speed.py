@@ -93,14 +93,19 @@ def drive(
 
     Where a speed is looked for a run ends before its duration once it is known whether it is clean.
     """
+    metrics = list(manoeuvre.measured)
+    ending = None
+    if manoeuvre.searched:
+        metrics.append(clean(board, run))
+        ending = _ending(board, manoeuvre, run)
     found = batch_by_period(
         run.configurations,
         manoeuvre.duration,
         vary,
-        metrics=[*manoeuvre.measured, *([clean(board, run)] if manoeuvre.searched else [])],
+        metrics=metrics,
         threads=threads,
         hashes=True,
-        ending=_ending(board, manoeuvre, run) if manoeuvre.searched else None,
+        ending=ending,
     )
     return {**found.metrics, HASH: np.array(found.hashes, object), END: found.ends}
 
@@ -144,41 +149,40 @@ def at_highest_clean(
     if not manoeuvre.searched:
         return {}, drive(board, manoeuvre, run, vary, threads)
     lowest, highest = manoeuvre.searched
-    count, tries = 2**manoeuvre.halvings, np.zeros(board.draws)
+    count = 2**manoeuvre.halvings
+    tries = np.zeros(board.draws)
     best: Driven = {}
 
-    def speed(places: np.ndarray) -> np.ndarray:
+    def speeds(places: np.ndarray) -> np.ndarray:
         return lowest + (highest - lowest) * places / count
+
+    def driven_at(places: np.ndarray, columns: Mapping[str, Sequence[Any]]) -> Driven:
+        at = {**columns, **searched_at(manoeuvre, speeds(places))}
+        return drive(board, manoeuvre, run, at, threads)
 
     def is_clean_at(draws: np.ndarray, places: np.ndarray) -> np.ndarray:
         columns = {name: [column[draw] for draw in draws.tolist()] for name, column in vary.items()}
-        found = drive(
-            board, manoeuvre, run, columns | searched_at(manoeuvre, speed(places)), threads
-        )
+        found = driven_at(places, columns)
         is_clean: np.ndarray = found[CLEAN] == 1.0
         tries[draws] += 1.0
+        # At the lowest place a run counts in any case: there is no slower one.
         taken = is_clean | (places == 0)
         for name, of in found.items():
             best.setdefault(name, np.empty(board.draws, of.dtype))[draws[taken]] = of[taken]
         return is_clean
 
     def is_nominal_clean_at(_: np.ndarray, places: np.ndarray) -> np.ndarray:
-        is_clean: np.ndarray = (
-            drive(board, manoeuvre, run, searched_at(manoeuvre, speed(places)), threads)[CLEAN]
-            == 1.0
-        )
+        is_clean: np.ndarray = driven_at(places, {})[CLEAN] == 1.0
         return is_clean
 
-    nominal = speed(last_true(count, np.array([count // 2]), is_nominal_clean_at))
-    start = (
-        (nominal * np.sqrt(_friction_factors(board, run, vary)) - lowest)
-        / (highest - lowest)
-        * count
-    )
+    nominal = speeds(last_true(count, np.array([count // 2]), is_nominal_clean_at))
+    expected = nominal * np.sqrt(_friction_factors(board, run, vary))
+    start = (expected - lowest) / (highest - lowest) * count
     places = last_true(count, np.rint(start).astype(int), is_clean_at)
-    if (never := np.flatnonzero(places == 0)).size:
+    never = np.flatnonzero(places == 0)
+    if never.size:
         is_clean_at(never, places[never])
-    return searched_at(manoeuvre, speed(places)), {**best, DRIVEN: tries}
+    return searched_at(manoeuvre, speeds(places)), {**best, DRIVEN: tries}
 
 
 def _friction_factors(board: Board, run: Run, vary: Mapping[str, Sequence[Any]]) -> np.ndarray:
@@ -186,10 +190,8 @@ def _friction_factors(board: Board, run: Run, vary: Mapping[str, Sequence[Any]])
     columns = vary.get(f"{MASTER}.{_FRICTION}")
     if columns is None:
         return np.ones(board.draws)
-    return (
-        np.array([column[0] for column in columns])
-        / run.configurations[MASTER].values()[_FRICTION][0]
-    )
+    without = run.configurations[MASTER].values()[_FRICTION][0]
+    return np.array([column[0] for column in columns]) / without
 
 
 def last_true(
@@ -201,14 +203,17 @@ def last_true(
     a place and false behind it, near `start`: from there on in growing steps, and then by halves
     (Bentley & Yao 1976, Inf. Process. Lett. 5, 82-87).
     """
-    low, high = np.zeros(len(start), int), np.full(len(start), count)
-    at, step = np.clip(start, 1, count - 1), _FIRST_STEP
+    low = np.zeros(len(start), int)
+    high = np.full(len(start), count)
+    at = np.clip(start, 1, count - 1)
+    step = _FIRST_STEP
     while (asked := np.flatnonzero(high - low > 1)).size:
         found = is_true(asked, at[asked])
-        low[asked], high[asked] = (
-            np.where(found, at[asked], low[asked]),
-            np.where(found, high[asked], at[asked]),
-        )
-        at = np.where(high == count, low + step, np.where(low == 0, high - step, (low + high) // 2))
-        at, step = np.clip(at, low + 1, high - 1), 2 * step
+        low[asked] = np.where(found, at[asked], low[asked])
+        high[asked] = np.where(found, high[asked], at[asked])
+        # Up or down as long as one end is that of all places, then the middle.
+        down_or_middle = np.where(low == 0, high - step, (low + high) // 2)
+        at = np.where(high == count, low + step, down_or_middle)
+        at = np.clip(at, low + 1, high - 1)
+        step *= 2
     return low
