@@ -29,7 +29,6 @@ from ev_nodes.stepping.ros_domain import given_domain
 from ev_nodes.stepping.spinning import spin
 from ev_nodes.stepping.stepped_node import SteppedNode
 from ev_nodes.stepping.stop_request import KEPT, StopRequest, end, turn_deaf
-from ev_nodes.stepping.time_of_day import refuse_late_time_of_day, too_late
 
 
 def security_is_asked_for(environment: Mapping[str, str]) -> bool:
@@ -147,7 +146,6 @@ def run_node(name: str, make: Callable[[], Any]) -> None:
                     f"unknown argument {quoted(others[0])}; options of a node follow --ros-args"
                 )
             refuse_weak_security(os.environ)
-            refuse_late_time_of_day()
             rclpy.init(
                 domain_id=given_domain(os.environ), signal_handler_options=SignalHandlerOptions.NO
             )
@@ -211,13 +209,8 @@ def leave_graph(node: Node) -> None:
 
 
 def one_line(error: Exception) -> str:
-    """The text of an error without line breaks and without the places in ROS's own source code.
-
-    It adds the cause where the middleware cannot send because of the time of day.
-    """
+    """The text of an error without line breaks and without the places in ROS's own source code."""
     if isinstance(error, rclpy_implementation.UnknownROSArgsError):
         return f"unknown ROS arguments {error}"
     cause = error.__context__ or error if isinstance(error, UnsupportedTypeSupport) else error
-    text = " ".join(re.sub(r", at /\S+:\d+", "", str(cause)).split())
-    trouble = too_late() if isinstance(error, rclpy_implementation.RCLError) else None
-    return shown(text if trouble is None else f"{text}; {trouble}", LINE)
+    return shown(" ".join(re.sub(r", at /\S+:\d+", "", str(cause)).split()), LINE)

@@ -133,7 +133,7 @@ def spin(nodes: Sequence[Spinnable], finished: Callable[[], bool]) -> None:
     alone = len(in_order) == 1
     next_look, next_sweep, came = 0.0, 0.0, True
     _take_over(in_order, True)
-    with Alarm(in_order[0], executor.wake) as alarm:
+    with Alarm(context, executor.wake) as alarm:
         with (
             context.handle
         ):  # the wait set is made once, because making it takes as long as waiting

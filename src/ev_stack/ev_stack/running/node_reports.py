@@ -26,7 +26,6 @@ from ev_nodes.stepping.runner_line import (
     ListeningEnd,
     Word,
 )
-from ev_nodes.stepping.time_of_day import Alarm, refuse_late_time_of_day
 from ev_stack.recording.outcome import Outcome, RunFailed, announce
 from ev_stack.recording.recording import Recording
 
@@ -48,8 +47,7 @@ def observing(namespace: str, domain: int, name: str) -> Iterator[Node]:
             )
         except RuntimeError as error:
             raise RunFailed(one_line(error)) from None
-        with Alarm(observer):
-            yield observer
+        yield observer
         observer.destroy_node()
     except rclpy_implementation.RCLError as error:
         raise RunFailed(one_line(error)) from None
@@ -58,10 +56,9 @@ def observing(namespace: str, domain: int, name: str) -> Iterator[Node]:
 
 
 def refuse_unready() -> None:
-    """RunFailed where ROS 2 would leave security away in silence, or could send nothing at this time of day."""
+    """RunFailed where ROS 2 would leave security away in silence."""
     try:
         refuse_weak_security(os.environ)
-        refuse_late_time_of_day()
     except RuntimeError as error:
         raise RunFailed(one_line(error)) from None
 
