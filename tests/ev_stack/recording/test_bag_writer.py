@@ -197,6 +197,17 @@ def test_messages_are_on_the_disk_when_the_period_is_over(tmp_path: Path):
         assert scanned_counters(directory) == list(range(12))
 
 
+def test_a_closed_bag_may_be_flushed_and_closed_again(tmp_path: Path):
+    """A recorder looks at the time once more behind its last message."""
+    now = 0.0
+    with BagWriter(tmp_path / "bag", flush_period=0.5, clock=lambda: now) as bag:
+        write_counters(bag, add_two_topics(bag), range(10))
+        bag.close()
+        now = 1.0
+        bag.flush_where_due()
+    assert read_counters(tmp_path / "bag") == list(range(10))
+
+
 def test_a_kill_keeps_everything_that_was_flushed(tmp_path: Path):
     """Children write and flush as fast as they can, so that most kills fall into a flush."""
     delays = random.Random(2)

@@ -99,10 +99,10 @@ class BagWriter:
         `write` calls this, and a writer that may fall silent does so as well.
         """
         now = self._clock()
-        if now < self._next_flush:
+        storage = self._writer.storage
+        if now < self._next_flush or storage is None:  # None: the bag is closed
             return
         self._next_flush = now + self._flush_period
-        storage = self._writer.storage
         if storage.chunk.bio.tell():
             storage.close_chunk()
         storage.bio.flush()
