@@ -26,6 +26,7 @@ from ev_msgs_py.can.drive_states import (
     REMOTE,
     SHUTDOWN,
     STATE_BITS,
+    STATE_NAMES,
     SWITCH_ON_COMMAND,
     SWITCH_ON_DISABLED,
     SWITCHED_ON,
@@ -256,6 +257,15 @@ def test_beside_a_drive_that_is_in_a_fault_from_before_the_other_one_stays_off(f
     gateway.cycle(12)  # a reset takes two times 5 ms
     assert gateway.station.enable(DRIVES) == ""
     assert [drive.enable for drive in drives] == [True, True]
+
+
+@given(*2 * [st.sampled_from(range(len(STATE_NAMES)))])
+def test_both_drives_are_enabled_or_none_in_whatever_states_they_are_found(right, left):
+    """As long as both follow their controlwords."""
+    gateway = FedGateway(auto_enable=True)
+    gateway.state |= {"Drive11": right, "Drive12": left}
+    gateway.cycle(20)
+    assert gateway.station.s.drive_11.enable is gateway.station.s.drive_12.enable
 
 
 @pytest.mark.parametrize("press", [GatewayStation.disable, GatewayStation.reset])
