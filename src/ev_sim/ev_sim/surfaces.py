@@ -22,7 +22,7 @@ from ev_sim.tyres.mf_tyre import MfTyre, at_load, is_plain
 
 REFERENCE = "dry_asphalt"
 PATTERNS = ("constant", "segments", "checkerboard", "random")
-_FAR = 1e9  # [m], the last segment lies there for ever
+_FAR = 1e9  # [m], the last segment has no end
 
 
 @inlined

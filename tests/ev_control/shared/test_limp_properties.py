@@ -215,7 +215,7 @@ def test_a_lost_motor_does_not_turn_the_car(asked, more, fault, speed, side):
 
     What acts on left and right differs by what was asked, and by what is allowed and half as much.
 
-    Allowed are 20 N m and a fifth; of a deviation half as large again as that 0.02 s/0.5 and the
+    The allowance is 20 N m and a fifth; of a deviation half as large again as that 0.02 s/0.5 and the
     lag are enough. Speeds are those at which 0.7 of the power that a motor takes or gives is enough
     for it: beyond them less may be a limit.
     """

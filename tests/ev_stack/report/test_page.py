@@ -1,6 +1,6 @@
 """report.html without a browser.
 
-What is packed comes back, what stands there is complete, closed and well ordered.
+What is packed comes back, its content is complete, closed and well ordered.
 """
 
 from __future__ import annotations

@@ -100,7 +100,7 @@ def test_the_cursor_of_one_plot_is_that_of_all_and_of_the_cars(browser: Browser)
     time, torque = browser.run(f"legendOf('{TORQUE}')")
     assert float(time.split()[0]) == pytest.approx(now, abs=0.01)
     assert float(torque) == pytest.approx(5.0 * float(time.split()[0]), rel=1e-4)
-    # The other run stands beside with the same ordinate
+    # The other run is drawn beside it with the same ordinate
     limits = browser.run(
         f"[...plots.values()].filter((plot) => plot.curves[0].channel === '{TORQUE}')"
         ".map((plot) => [plot.chart.scales.y.min, plot.chart.scales.y.max])"

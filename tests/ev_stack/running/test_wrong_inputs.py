@@ -100,7 +100,7 @@ def test_what_a_file_says_wrong_is_found_in_the_file(tmp_path):
         ),
         (
             "{seed: 1, method: pulse, seed: 2}",
-            f"error: {path}: not readable as YAML in line 2: seed stands there twice",
+            f"error: {path}: not readable as YAML in line 2: seed is listed twice",
         ),
     ):
         path.write_text(f"/**/driver:\n  ros__parameters: {text}\n")
@@ -281,6 +281,6 @@ def test_files_of_vehicles_refuse_what_no_car_is(tmp_path):
     path = tmp_path / "car.yaml"
     path.write_text("/**:\n  ros__parameters: {vehicle: {mass: 1.0e3, mass: 2.0e3}}\n")
     with pytest.raises(
-        ParameterError, match=rf"^{path}: not readable as YAML in line 2: mass stands there twice$"
+        ParameterError, match=rf"^{path}: not readable as YAML in line 2: mass is listed twice$"
     ):
         ev_stack.run("shchur2019", vehicle=path)

@@ -322,7 +322,7 @@ def test_a_law_file_stands_beside_methods(tmp_path, capsys):
 
 
 def test_a_law_file_is_swept(tmp_path, capsys):
-    """Its path stands beside a method; a second call takes the kept rows."""
+    """Its path is varied beside a method; a second call takes the kept rows."""
     words = [
         "sweep",
         "step_steer",

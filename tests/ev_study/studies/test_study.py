@@ -222,7 +222,7 @@ def test_a_file_that_is_another_one_for_a_worker_is_refused(tmp_path, monkeypatc
 
 @pytest.mark.weekly
 def test_workers_with_another_map_of_the_same_name(tmp_path, monkeypatch):
-    """They work in another folder; the map stands beside the car that names it.
+    """They work in another folder; the map is in the folder of the car that names it.
 
     With the same one they drive.
     """

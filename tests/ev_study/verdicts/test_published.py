@@ -217,7 +217,7 @@ def test_a_mistake_is_one_line(listed, tmp_path: Path, changed: dict[str, str], 
 @pytest.mark.parametrize(
     ("rows", "line"),
     [
-        ([GOOD, GOOD], "line 3, own.a: the id stands there twice, expected once"),
+        ([GOOD, GOOD], "line 3, own.a: the id is listed twice, expected once"),
         (
             [GOOD, {**GOOD, "id": ""}],
             "line 3, own.a: a row without id has kind, where, quantity, printed, expected",

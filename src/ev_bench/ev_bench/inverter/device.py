@@ -361,7 +361,7 @@ class CircuitParameters:
 
 @dataclass(frozen=True, slots=True)
 class InjectedFaults:
-    """Faults that are put into the inverters, as long as they stand here."""
+    """Faults that are put into the inverters, as long as they are set."""
 
     drive_11: tuple[str, ...] = setting((), choices=tuple(INJECTIONS), about="into the right drive")
     drive_12: tuple[str, ...] = setting((), choices=tuple(INJECTIONS), about="into the left drive")

@@ -125,7 +125,7 @@ def database_of(content: bytes) -> Database:
     except (Error, UnicodeDecodeError) as error:
         what = re.sub(
             r'(column \d+): ".*', r"\1", str(error), flags=re.DOTALL
-        )  # it goes on with what stands there
+        )  # it goes on with what it has
         raise ParameterError(" ".join(what.split())) from None
     for what in ("name", "identifier"):
         seen = [getattr(layout, what) for layout in layouts]

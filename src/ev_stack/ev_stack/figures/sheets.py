@@ -23,7 +23,7 @@ else:
 
 STYLE = "ev_stack.figures.journal"
 COLUMN, WIDE, TALLEST = 3.5, 7.2, 9.0  # of a column and a page, and the height of a page [inch]
-_NARROWEST = 2.3  # of a panel that stands beside others [inch]
+_NARROWEST = 2.3  # of a panel beside others [inch]
 _HIGH, _FLAT = 1.15, 0.3  # of the axes of a panel [inch], and of one that is alone, over its width
 _TICKS = 5.0  # of an ordinate, at most [1/inch]
 # of axes: ordinate, title, abscissa with its label [inch]

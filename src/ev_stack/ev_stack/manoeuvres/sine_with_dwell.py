@@ -4,7 +4,7 @@ Run `slowly_increasing_steer` gives the steering-wheel angle A at 0.3 g; the oth
 dwell, to the left or to the right first, for the regulation asks for both. A sine is what was
 driven, whatever the run is called. The beginning of steer is where the angle passes 5 deg, as the
 regulation has it, its completion the first instant at zero after the sine. From the last instant at
-zero before the sine the displacement is less: that reading stands beside it.
+zero before the sine the displacement is less: that reading is reported as well.
 """
 
 from __future__ import annotations

@@ -34,7 +34,7 @@ class _Loader(yaml.CSafeLoader):
         for key, _ in node.value:
             if key.value in seen:
                 raise yaml.MarkedYAMLError(
-                    problem=f"{named(key.value)} stands there twice", problem_mark=key.start_mark
+                    problem=f"{named(key.value)} is listed twice", problem_mark=key.start_mark
                 )
             seen.add(key.value)
         return super().construct_mapping(node, deep)

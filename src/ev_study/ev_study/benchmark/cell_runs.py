@@ -29,7 +29,7 @@ from ev_study.benchmark.entry_speed import CLEAN, DRIVEN, searched_at
 TYRES = ("single_track", "known.observer", "observer")
 SCALE_OF_ANGLES = f"{COLUMN}.{SCALE}"
 SEEDS = f"{EVERY_ROLE}.seed"
-# What stands beside the metrics in the record of a run (ranking/result.py) or in what is driven
+# Fields beside the metrics in the record of a run (ranking/result.py) or in what is driven
 # (entry_speed.py).
 FIELDS = (
     "cell",

@@ -121,7 +121,7 @@ def _texts_of(module: str) -> str:
 def _data_of(package: str) -> Iterator[tuple[str, Path]]:
     """The files of a package that are no code, but for its config folder, by their names below it."""
     file = _file(package)
-    if file is None or file.name != "__init__.py":  # a module alone may lie beside anything
+    if file is None or file.name != "__init__.py":  # a module alone may have any neighbours
         return
     for path in file.parent.rglob("*"):
         name = path.relative_to(file.parent)

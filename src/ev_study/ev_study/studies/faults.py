@@ -113,7 +113,7 @@ def values_of(road: str, law: str, asr: str, fault: str) -> tuple[tuple[str, str
 def laws() -> list[str]:
     """All electronic differentials of the package that brings the node.
 
-    Two of them stand there with another column as well.
+    Two of them are listed with another column as well.
     """
     return [*own_methods(ROLE), f"equal_torque{POWERED}", DRAWN + POWERED]
 

@@ -170,7 +170,7 @@ class Check:
         )
 
 
-SHOWN = "shown"  # in place of a value: the number stands beside and is not judged
+SHOWN = "shown"  # in place of a value: the number is shown and not judged
 
 
 def check_of(row: Mapping[str, str], measures: Measures, needs: tuple[Need, ...]) -> Check:

@@ -186,7 +186,7 @@ def _rows_by_id(source: str) -> dict[str, list[_Row]]:
         id = row["id"] or id
         row["place"] = f"{path}, line {line}, {id or 'no id'}"
         if row["id"] in found:
-            raise ParameterError(f"{row['place']}: the id stands there twice, expected once")
+            raise ParameterError(f"{row['place']}: the id is listed twice, expected once")
         if row["id"]:
             found[id] = []
         elif not id or any(row[name] for name in _CELLS_OF_ID):
