@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from hypothesis.extra.numpy import array_shapes, arrays
 
 from ev_core.lockstep import finding
 from ev_core.methods import offered as entry_points
@@ -272,6 +273,41 @@ def test_a_row_comes_back_to_the_bit_under_any_name():
     other = with_duration(0.2)
     assert kept(store, other).get(other.name) is None
     assert kept(store, study="compare").get("first") is None
+
+
+ARRAYS = arrays(
+    st.sampled_from([np.float64, np.float32, np.int64, np.bool_, np.dtype("<U3")]),
+    array_shapes(min_dims=1, max_dims=3, min_side=0, max_side=3),
+)
+PLAIN = st.none() | st.booleans() | st.integers() | st.floats() | st.text()
+NAMES = st.sampled_from(["array", "tuple", "type", "shape"]) | st.text().filter(
+    lambda name: "\0" not in name
+)
+MEASURED = st.recursive(
+    PLAIN | ARRAYS,
+    lambda of: st.lists(of) | st.lists(of).map(tuple) | st.dictionaries(NAMES, of),
+    max_leaves=8,
+)
+
+
+@given(st.dictionaries(NAMES, MEASURED))
+def test_whatever_is_measured_comes_back_to_the_bit(measured):
+    """Names of metrics are those of users: `tuple` alone, or `array` beside `type`, as well."""
+    content = kept_rows.as_json(CaseResult("first", measured))
+    assert identical(kept_rows.row_of(CaseResult, content).measured, measured)
+
+
+def identical(one: object, other: object) -> bool:
+    """Return True for equal types, and equal bits of numbers: 0.0 is not -0.0, NaN is NaN."""
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, np.ndarray):
+        return (one.dtype, one.shape, one.tobytes()) == (other.dtype, other.shape, other.tobytes())
+    if isinstance(one, dict):
+        return one.keys() == other.keys() and all(identical(one[key], other[key]) for key in one)
+    if isinstance(one, list | tuple):
+        return len(one) == len(other) and all(map(identical, one, other))
+    return repr(one) == repr(other)
 
 
 def test_versions_are_of_all_that_computes():

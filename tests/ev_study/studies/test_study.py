@@ -15,6 +15,8 @@ from pathlib import Path
 import pytest
 from helpers.patience import PATIENCE
 from helpers.schedulers import free_port, process, scheduler_with_two_workers, wait_for_listener
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from ev_core.parameters.data_file import files_in_config
 from ev_stack.recording.outcome import RunFailed
@@ -23,7 +25,13 @@ from ev_study.studies.digests import digest_of
 from ev_study.studies.driving import drive_cases
 from ev_study.studies.run_study import arguments
 from ev_study.studies.study import Case, drive_case
-from ev_study.studies.workers import Workers, refuse_other_files, refuse_others
+from ev_study.studies.workers import (
+    Job,
+    Workers,
+    perform_jobs,
+    refuse_other_files,
+    refuse_others,
+)
 
 pytestmark = pytest.mark.slow
 
@@ -88,6 +96,19 @@ def test_a_worker_that_dies_costs_no_results(driven_here, tmp_path, monkeypatch)
     assert (tmp_path / "died").exists()
     assert signals(results) == driven_here
     assert sorted(heard) == [(number, case.name) for number, case in enumerate(CASES)]
+
+
+@settings(max_examples=5, deadline=None)
+@given(st.integers(0, 7), st.integers(1, 3))
+def test_each_job_gives_its_result_once_whatever_the_number_of_workers(count, workers):
+    jobs = [Job(f"job {number}", divmod, (number, 3)) for number in range(count)]
+    found = []
+
+    def done(number, result):
+        found.append((number, result))
+
+    perform_jobs("jobs", jobs, done, Workers(workers))
+    assert sorted(found) == [(number, divmod(number, 3)) for number in range(count)]
 
 
 def dies(recording, run) -> dict[str, float]:

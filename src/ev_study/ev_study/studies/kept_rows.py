@@ -154,7 +154,9 @@ class MeasureAndSave:
         return self.measure(recording, run)
 
 
-_ARRAY, _TUPLE = "array", "tuple"  # what JSON does not know, as objects with one of these keys
+# What JSON does not know is an object with one of these keys, which no metric can have as its name.
+_ARRAY = "\0array"
+_TUPLE = "\0tuple"
 
 
 def as_json(row: Any) -> bytes:
@@ -170,7 +172,7 @@ def row_of(kind: type[Row], content: bytes) -> Row:
 
 def _encoded(value: Any) -> Any:
     if isinstance(value, np.ndarray):
-        return {_ARRAY: value.tolist(), "type": value.dtype.str}
+        return {_ARRAY: value.ravel().tolist(), "type": value.dtype.str, "shape": value.shape}
     if isinstance(value, np.generic):
         return value.item()
     if isinstance(value, tuple):
@@ -184,8 +186,8 @@ def _encoded(value: Any) -> Any:
 
 def _decoded(fields: dict[str, Any]) -> Any:
     """Return an object of JSON, or what `as_json` has made one of."""
-    if fields.keys() == {_ARRAY, "type"}:
-        return np.array(fields[_ARRAY], fields["type"])
-    if fields.keys() == {_TUPLE}:
+    if _ARRAY in fields:
+        return np.array(fields[_ARRAY], fields["type"]).reshape(fields["shape"])
+    if _TUPLE in fields:
         return tuple(fields[_TUPLE])
     return fields
