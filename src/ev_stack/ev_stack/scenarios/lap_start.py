@@ -18,7 +18,7 @@ _BEYOND = 150.0  # [m] behind the last lap, in which the driver `lap` comes to r
 
 
 class LapStart(NamedTuple):
-    """Parameters of the plant that put the car on the racing line, and the duration of the run [s]."""
+    """Parameters of the plant that put the car on the racing line; duration of the run [s]."""
 
     values: dict[str, Any]
     duration: float

@@ -19,7 +19,7 @@ _DEEPEST = 100  # brackets in brackets: the parser in C would overflow its stack
 
 
 class _Loader(yaml.CSafeLoader):
-    """YAML 1.1 takes 1e-3 and 1.0e3 for texts, ROS and YAML 1.2 do not; and a key stands once, as YAML has it."""
+    """YAML as ROS reads it: 1e-3 is a number, a text in YAML 1.1; a key stands once."""
 
     def construct_yaml_int(self, node: yaml.ScalarNode) -> Any:
         """A number; 1:30 is none to ROS, and to the base of sixty a long one takes hours."""
@@ -52,7 +52,7 @@ _Loader.add_constructor("tag:yaml.org,2002:float", _Loader.construct_yaml_float)
 
 
 def named(key: object) -> str:
-    """A key as an error may show it: what is no name may be a line of a file that is none of ours."""
+    """A key as an error may show it: what is no name may be a line of another file."""
     return str(key) if re.fullmatch(r"[\w/*. -]{1,80}", str(key)) else "a key that is no name"
 
 
@@ -108,17 +108,15 @@ class ParameterFile:
             raise ParameterError(f"{path}: not readable as YAML{where}{what}") from None
         if not isinstance(content, dict):
             raise ParameterError(
-                f"{path}: a ROS parameter file has sections such as '/**/driver:', this one has none"
+                f"{path}: a ROS parameter file has sections such as '/**/driver:', "
+                "this one has none"
             )
         self.sections = dict(self._sections(content))
 
     def _sections(self, content: Mapping[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
         for pattern, section in content.items():
-            if (
-                not isinstance(section, dict)
-                or list(section) != [_SECTION]
-                or not isinstance(section[_SECTION], dict)
-            ):
+            is_alone = isinstance(section, dict) and list(section) == [_SECTION]
+            if not (is_alone and isinstance(section[_SECTION], dict)):
                 shown = repr(named(pattern))
                 raise ParameterError(
                     f"{self.path}: section {shown} does not hold '{_SECTION}:' with parameters"
@@ -133,18 +131,15 @@ class ParameterFile:
     def without(self, prefix: str, patterns: Collection[str]) -> ParameterFile:
         """Copy of the file without the parameters with this prefix in these sections."""
         made = copy(self)
-        made.sections = {
-            pattern: {
-                n: value
-                for n, value in section.items()
-                if pattern not in patterns or not n.startswith(prefix)
-            }
-            for pattern, section in self.sections.items()
-        }
+        made.sections = dict(self.sections)
+        for pattern in patterns:
+            section = self.sections[pattern].items()
+            kept = {name: value for name, value in section if not name.startswith(prefix)}
+            made.sections[pattern] = kept
         return made
 
     def values_for(self, node: str, by_name: bool = False) -> dict[str, Any]:
-        """Dotted parameter names and values for a node by its full name; later sections go before earlier ones.
+        """Dotted names and values for a node by its full name; of several the last one counts.
 
         With `by_name` only sections count that name the node, not those for all nodes.
         """
@@ -168,12 +163,11 @@ def marked(name: str, value: Any, file: Path) -> Any:
     if not isinstance(value, str):
         return value
     beside = file.parent.absolute() / value
-    # is refused where it is read, by the name that stands in the file
-    leads_out = ".." in beside.parts
-    is_there = (
-        _ARE_FILES.fullmatch(name) and beside.suffix and not leads_out and os.path.isfile(beside)
-    )
-    return TextOfFile.of(str(beside) if is_there else value, file)
+    # What leads out of the folder is refused where it is read, by the name in the file.
+    may_be_file = _ARE_FILES.fullmatch(name) and beside.suffix and ".." not in beside.parts
+    if may_be_file and os.path.isfile(beside):
+        value = str(beside)
+    return TextOfFile.of(value, file)
 
 
 def flattened(values: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:

@@ -52,11 +52,6 @@ class Overrides:
         """Values that are prepared, and those that go before them."""
         return (*self.prepared, *self.values)
 
-    @property
-    def may_change_the_car(self) -> bool:
-        """False if the car, its road and its speed are certainly those of the scenario's file."""
-        return any((self.vehicle, self.files, self.all_values))
-
 
 @dataclass(frozen=True)
 class Run:

@@ -93,7 +93,8 @@ def load_scenario(
         given = Sources(namespace, files, overrides)
         run = _configured_run(run_name, given, duration, about)
         run = replace(run, report=report, metrics=about.metrics, course=about.course)
-        if overrides.may_change_the_car and _needs_ramp(run, given, about, own):
+        may_be_another_car = overrides.vehicle or overrides.files or overrides.all_values
+        if may_be_another_car and _needs_ramp(run, given, about, own):
             run = replace(run, slow_ramp=about.slow_ramp)
         runs.append(run)
         sources.append(given)
