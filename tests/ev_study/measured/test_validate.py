@@ -10,6 +10,7 @@ import pytest
 from measured.made_records import CAR, PERIOD, columns_of, driven, write
 
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_msgs_py.refusal import ParameterError
 from ev_stack.commands.run_scenario import main
 from ev_stack.recording.offline import run_offline
 from ev_stack.scenarios.scenario import Overrides
@@ -105,6 +106,15 @@ def test_a_value_that_a_replay_has_from_the_record_is_refused(tmp_path, imposed,
     ):
         main(["identify", str(path), "--vehicle", CAR, "--window", "2", "--free", "plant.initial_speed",
               "--out", str(tmp_path / "out")])  # fmt: skip
+
+
+def test_numbers_of_a_tyre_beside_its_file_are_refused_in_a_replay():
+    """The file has them: the replay would be that of the file, whatever is set."""
+    tyre = graph("compact_ev", PERIOD)["plant"].common.vehicle.tyre
+    values = [("*", "vehicle.tyre.rear_mf", [2.0 * each for each in tyre.rear_mf])]
+    message = "^plant: parameter vehicle.tyre.rear_mf is refused: vehicle.tyre.rear_file"
+    with pytest.raises(ParameterError, match=message):
+        graph("compact_ev", PERIOD, Overrides(values=values))
 
 
 @pytest.mark.parametrize("gap", [(8.0, 8.0), (4.0, 4.6), (4.0, 6.0)])

@@ -20,11 +20,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from ev_core.lockstep.configuration import Configuration, chosen_method, configure
+from ev_core.lockstep.configuration import Configuration, chosen_method
 from ev_core.lockstep.graph import check_graph
 from ev_core.methods.former_names import note_on, with_present_name
 from ev_core.methods.hooks import SAME
-from ev_core.methods.law_error import LawError
 from ev_core.parameters.section import matches
 from ev_msgs_py.contract.roles import MASTER, ROLES
 from ev_msgs_py.refusal import ParameterError, quoted, shown, unknown_name
@@ -185,7 +184,8 @@ def _configured_run(name: str, given: Sources, duration: float, about: ScenarioP
     configurations: dict[str, Configuration] = {}
     # The driver first: laps of his course set where the car starts and how long the run is.
     for role in sorted(played, key=_DRIVER.__ne__):
-        configurations[role] = _configured(role, values[role], given)
+        extra = MasterParameters if role == MASTER else None
+        configurations[role] = given.configured(role, values[role], extra)
         start = lap_start(configurations[role]) if role == _DRIVER else None
         if start is not None:
             duration = duration or start.duration
@@ -236,16 +236,3 @@ def _choose_methods(values: Values) -> None:
 def _is_played(role: str, values: Values) -> bool:
     """True if a parameter chooses the method of a role, or another method requires it."""
     return "method" in values[role] or not ROLES[role].optional
-
-
-def _configured(role: str, values: Mapping[str, Any], given: Sources) -> Configuration:
-    """One node; a refusal names it, and the file that gives the value."""
-    try:
-        configuration = configure(role, values, MasterParameters if role == MASTER else None)
-        given.refuse_beside_files(configuration)
-    except LawError:  # its line names the role, and its cause is kept
-        raise
-    except ParameterError as error:
-        origin = given.origin(role, error.parameter)
-        raise ParameterError(f"{role}: {error}{origin}") from None
-    return configuration

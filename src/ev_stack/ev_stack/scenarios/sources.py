@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ev_core.lockstep.configuration import Configuration
+from ev_core.lockstep.configuration import Configuration, configure
+from ev_core.methods.law_error import LawError
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.scenarios.parameter_file import ParameterFile
@@ -47,15 +48,23 @@ class Sources:
         places = [number for number, values in enumerate(self.given[role]) if name in values]
         return places[-1] if places else -1
 
-    def origin(self, role: str, name: str) -> str:
-        """The file with the value that counts, in brackets.
+    def configured(
+        self, role: str, values: Mapping[str, Any], extra: type | None = None
+    ) -> Configuration:
+        """Configure a node; a refusal names it, and the file that gives the value that counts."""
+        try:
+            configuration = configure(role, values, extra)
+            self._refuse_beside_files(configuration)
+        except LawError:  # its line names the role, and its cause is kept
+            raise
+        except ParameterError as error:
+            place = self.place(role, error.parameter)
+            # A value of the command line has been seen.
+            origin = f" ({self.files[place].path})" if 0 <= place < len(self.files) else ""
+            raise ParameterError(f"{role}: {error}{origin}") from None
+        return configuration
 
-        Empty for the command line, which is seen.
-        """
-        place = self.place(role, name)
-        return f" ({self.files[place].path})" if 0 <= place < len(self.files) else ""
-
-    def refuse_beside_files(self, configuration: Configuration) -> None:
+    def _refuse_beside_files(self, configuration: Configuration) -> None:
         """ParameterError for a value after or beside a file that has it: it would do nothing."""
         role, names = configuration.role, configuration.from_files
         command_line = len(self.files)

@@ -82,9 +82,9 @@ class Replay:
             if role == self.role:
                 configurations[role] = self.configuration
             elif any(map(self.recorded.has, ROLES[role].writes)):
-                configurations[role] = _configured(
-                    role, {**common, "method": str(signals)}, self.duration
-                )
+                values = {**common, "method": str(signals)}
+                values, extra = _with_duration(role, values, self.duration)
+                configurations[role] = configure(role, values, extra)
         if MASTER not in configurations:
             topics = ", ".join(TOPICS[signal].name for signal in ROLES[MASTER].writes)
             raise ParameterError(
@@ -116,11 +116,13 @@ class Replay:
         )
 
 
-def _configured(role: str, values: Mapping[str, Any], duration: float) -> Configuration:
-    """The master has the duration besides."""
+def _with_duration(
+    role: str, values: Mapping[str, Any], duration: float
+) -> tuple[Mapping[str, Any], type | None]:
+    """Values of a role, and what else it has: the master has the duration besides."""
     if role == MASTER:
-        return configure(role, {**values, "duration": duration}, MasterParameters)
-    return configure(role, values)
+        return {**values, "duration": duration}, MasterParameters
+    return values, None
 
 
 def replay_of(recorded: Recorded, role: str, method: str, overrides: Overrides) -> Replay:
@@ -150,11 +152,7 @@ def replay_of(recorded: Recorded, role: str, method: str, overrides: Overrides) 
         raise ParameterError(
             f"duration: {duration!r} is refused, expected more than 0 and up to {recorded.duration}"
         )
-    try:
-        configuration = _configured(role, values, duration)
-    except ParameterError as error:
-        origin = sources.origin(role, error.parameter)
-        raise ParameterError(f"{role}: {error}{origin}") from None
+    configuration = sources.configured(role, *_with_duration(role, values, duration))
     _refuse_missing(recorded, configuration)
     _refuse_not_finite(recorded, configuration)
     refuse_unused([key for _, key, _ in overrides.values], [configuration])

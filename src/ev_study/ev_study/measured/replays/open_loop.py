@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ev_core.lockstep.configuration import Configuration, configure
+from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.graph import check_graph
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError
@@ -160,11 +160,7 @@ def graph(
         if role == "electronic_differential" and imposed == "torques":
             values["method"] = _TORQUES
         values |= sources.values(role)
-        try:
-            configurations[role] = configure(role, values)
-        except ParameterError as error:
-            origin = sources.origin(role, error.parameter)
-            raise ParameterError(f"{role}: {error}{origin}") from None
+        configurations[role] = sources.configured(role, values)
     check_graph(configurations)
     own_period = configurations["plant"].common.control_period
     if own_period != period:
