@@ -26,8 +26,6 @@ from ev_stack.measures.metric import Metric
 from ev_stack.recording.recording import atomic_file
 from ev_stack.report.latex import DIGITS, latex_table
 
-TABLES = tuple(f"table.{kind}" for kind in ("csv", "md", "tex", "parquet"))
-
 
 def write_tables(
     folder: Path,
