@@ -55,7 +55,7 @@ def test_an_output_folder_that_is_none_is_refused(out: str, capsys: pytest.Captu
 
 @pytest.mark.parametrize(
     "words",
-    [["sweep", "--seeds", "0"], ["benchmark", "--draws", "0"], ["tune", "off", "--draws", "0"]],
+    [["sweep", "--seeds", "0"], ["benchmark", "--cells", "none"], ["tune", "none"]],
 )
 def test_commands_of_many_runs_show_how_python_came_to_an_error(words, capsys):
     """`--traceback` works as for a scenario."""
