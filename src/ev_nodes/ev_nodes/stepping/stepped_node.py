@@ -199,7 +199,7 @@ class SteppedNode(Spinnable, Node):
         limit, ordinary = self.free_until(), self._ordinary
         if limit < 0 or ordinary is None:
             return None
-        came = ordinary.take(until, patience, limit, guard)
+        came: bool | None = ordinary.take(until, patience, limit, guard)
         if came and ordinary.taken:
             self.went_on(ordinary.spoke)
         return came
