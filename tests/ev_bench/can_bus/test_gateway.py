@@ -261,7 +261,7 @@ def test_beside_a_drive_that_is_in_a_fault_from_before_the_other_one_stays_off(f
 
 @given(*2 * [st.sampled_from(range(len(STATE_NAMES)))])
 def test_both_drives_are_enabled_or_none_in_whatever_states_they_are_found(right, left):
-    """As long as both follow their controlwords."""
+    """Both have to follow their controlwords."""
     gateway = FedGateway(auto_enable=True)
     gateway.state |= {"Drive11": right, "Drive12": left}
     gateway.cycle(20)

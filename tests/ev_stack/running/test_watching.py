@@ -37,7 +37,7 @@ def watcher_of(
     answer_timeout: float = 2.0,
     patient: bool = False,
 ) -> RunWatcher:
-    """A watcher of nodes whose processes live."""
+    """A watcher of nodes with living processes."""
     plant = SimpleNamespace(extra=SimpleNamespace(answer_timeout=answer_timeout))
     run = SimpleNamespace(
         duration=2.0, period=PERIOD, realtime=realtime, configurations={"plant": plant}
@@ -228,7 +228,7 @@ def test_a_run_of_our_own_nodes_that_takes_no_step_ends_in_one_line(now):
 
 @pytest.mark.parametrize("how", ["nodes of others", "rests", "has begun"])
 def test_a_run_that_may_still_go_on_is_not_given_up(how, now):
-    """A node of others may load for long, or stand at a breakpoint; a service may have stopped time."""
+    """A node of others may load for long or be debugged; a service may have stopped time."""
     reports = NodeReports("/ev")
     watcher = watcher_of(reports, patient=how == "nodes of others")
     reports.rests = how == "rests"

@@ -125,7 +125,7 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
 
 @contextmanager
 def _line(reports: NodeReports, node: str) -> Iterator[None]:
-    """What is made in the block finds the line of a node in the environment, as a process would."""
+    """Put the line of a node into the environment for the block, as a process would find it."""
     os.environ[RUNNER_LINE], _ = reports.line(node)
     try:
         yield
