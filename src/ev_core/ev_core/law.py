@@ -1,14 +1,19 @@
-"""All that the author of a law needs, by one import: `from ev_core.law import method, parameter, compilable, ...`.
+"""All that the author of a law needs, by one import.
 
-- to declare a method: `method`; its parameters: `parameter`, `setting`, `group`, `ParameterError`; a `Choice`
-- state, records of numbers: `entry`, `per_wheel`, `series`, `part`, `each_wheel`, and `row` of `Place` and
-  `wheel_places`; within a step: `working_memory` of a `memory_type`
+`from ev_core.law import method, parameter, compilable, ...`.
+
+- to declare a method: `method`, `SAME`; its parameters: `parameter`, `setting`, `group`,
+  `ParameterError`; a `Choice`
+- state, records of numbers: `entry`, `per_wheel`, `series`, `part`, `each_wheel`, and `row` of
+  `Place` and `wheel_places`; within a step: `working_memory` of a `memory_type`
 - marks of what may run compiled: `compilable`, `inlined`
-- the vehicle: `Car` for the numbers that a law reads, `Vehicle` for the description, `GRAVITY`, `speed_along_path`,
-  `turning_length`
-- what the vehicle must have (`needs=`): `any_driven`, `each_driven`, `equal_motors`, `driven`, `only_driven`,
-  `FRONT_WHEELS_DRIVEN`, `REAR_WHEELS_DRIVEN`, `ALL_WHEELS_DRIVEN`, and `Need` for one of your own
-- one value per wheel: `Wheels`, `NO_WHEELS`, `WHEEL_NAMES` and the places `FRONT_LEFT` to `REAR_RIGHT`
+- the vehicle: `Car` for the numbers that a law reads, `Vehicle` for the description, `GRAVITY`,
+  `speed_along_path`, `turning_length`
+- what the vehicle must have (`needs=`): `any_driven`, `each_driven`, `equal_motors`, `driven`,
+  `only_driven`, `FRONT_WHEELS_DRIVEN`, `REAR_WHEELS_DRIVEN`, `ALL_WHEELS_DRIVEN`, and `Need` for
+  one of your own
+- one value per wheel: `Wheels`, `NO_WHEELS`, `WHEEL_NAMES` and the places `FRONT_LEFT` to
+  `REAR_RIGHT`
 - signals, from `DriverCommand` to `BenchEnergy` (docs/topics.md), and `Instant`, the time of a step
 - elementary functions, from `sin` to `hypot` (docs/elementary_functions.md)
 

@@ -235,12 +235,12 @@ def test_the_command_line_shows_the_rest_on_demand(
         "--offline",
         "--method",
         f"asr={law_file(tmp_path, first_wheel('helper(fl)'))}",
-        "--out",
-        str(tmp_path / "out"),
     ]
     for more, rest in (([], False), (["--traceback"], True)):
+        # A folder of results has to be new.
+        out = ["--out", str(tmp_path / f"out{len(more)}")]
         with pytest.raises(SystemExit, match="helper is not marked @compilable"):
-            run_scenario([*words, *more])
+            run_scenario([*words, *out, *more])
         assert ("TypingError" in capsys.readouterr().err) == rest
 
 

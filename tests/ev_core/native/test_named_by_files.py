@@ -56,9 +56,10 @@ def test_no_file_has_a_library_loaded(library, tmp_path, what):
         elif what == "parameters":
             load_scenario("double_lane_change", Overrides(files=[file]))
         else:
-            ev_stack.run("double_lane_change", duration=0.1).save(tmp_path)
-            file.rename(tmp_path / "parameters.yaml")
-            replay_of(find_recorded(tmp_path), "asr", "", Overrides())
+            folder = tmp_path / "results"
+            ev_stack.run("double_lane_change", duration=0.1).save(folder)
+            file.rename(folder / "parameters.yaml")
+            replay_of(find_recorded(folder), "asr", "", Overrides())
     assert not (tmp_path / "ran").exists()
 
 

@@ -1,1 +1,4 @@
-"""Holding a method against the contract: pure, deterministic, finite, the same bits compiled and interpreted."""
+"""Holding a method against the contract.
+
+It has to be pure, deterministic and finite, with the same bits compiled and interpreted.
+"""

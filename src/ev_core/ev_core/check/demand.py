@@ -1,7 +1,7 @@
-"""Check that a law obeys the driver: its torques depend on the drive and on the brake that it is asked for.
+"""Check that a law obeys the driver.
 
-A law that drops one of them is no torque vectoring: on a benchmark it would save the energy of the
-torque that it does not give.
+Its torques depend on the drive and on the brake that it is asked for. A law that drops one of them
+is no torque vectoring: on a benchmark it would save the energy of the torque that it does not give.
 """
 
 import numpy as np
@@ -11,14 +11,17 @@ from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.signals import DriverCommand, WheelTorqueRequest
 
-# by role the signal with its demand
+# By role the signal with its demand.
 _ASKS = {"electronic_differential": DriverCommand, "asr": WheelTorqueRequest}
 _PEDALS = ("drive", "brake")
 _TORQUE = 300.0  # N m, of all wheels or of each
 
 
 def ignored_demand(subject: Subject, seed: int) -> str:
-    """Name a pedal that changes no torque with the other one free; empty if both do, or if the role has none."""
+    """Name a pedal that changes no torque with the other one free.
+
+    Empty if both do, or if the role has none.
+    """
     asks = _ASKS.get(subject.configuration.role)
     if asks is None:
         return ""
@@ -30,7 +33,8 @@ def ignored_demand(subject: Subject, seed: int) -> str:
         pressed = free.copy()
         pressed[:, _places(asks, pedal)] = _TORQUE
         if np.array_equal(outputs(subject.part(), pressed), unpressed):
-            return f"{asks.__name__}.{pedal} has no effect: the same torques with {_TORQUE:.0f} N m as without"
+            alike = f"the same torques with {_TORQUE:.0f} N m as without"
+            return f"{asks.__name__}.{pedal} has no effect: {alike}"
     return ""
 
 

@@ -36,16 +36,16 @@ def check_method(
     mirrored: bool = True,
     whole: bool = True,
 ) -> Reached:
-    """Hold a registered method, with these parameter values, against the contract; ContractError lists the findings.
+    """Hold a registered method, with these parameter values, against the contract.
 
-    It has to be exact (`inexact`), pure and deterministic, finite or refused, and the same to the
-    bit after it was saved and loaded, after a parameter was set to its own value, and compiled if
-    it is marked so. Its torques have to depend on what the driver drives and brakes
-    (`ignored_demand`). No index of a law may leave its row where one parameter is at an end of its
-    range (`out_of_range`). If it claims mirror symmetry it is held to that, unless `mirrored` is
-    false, for values that are an exception. For each seed it is stepped so many times with what
-    `inputs` makes: random numbers and launches, by default. The answer says how often its lines
-    were reached in plain Python; a function of its module that was never called is a finding,
+    ContractError lists the findings. It has to be exact (`inexact`), pure and deterministic, finite
+    or refused, and the same to the bit after it was saved and loaded, after a parameter was set to
+    its own value, and compiled if it is marked so. Its torques have to depend on what the driver
+    drives and brakes (`ignored_demand`). No index of a law may leave its row where one parameter is
+    at an end of its range (`out_of_range`). If it claims mirror symmetry it is held to that, unless
+    `mirrored` is false, for values that are an exception. For each seed it is stepped so many times
+    with what `inputs` makes: random numbers and launches, by default. The answer says how often its
+    lines were reached in plain Python; a function of its module that was never called is a finding,
     unless `whole` is false, for values that leave some out.
     """
     configuration = configure(role, {"method": name, **(values or {})})
@@ -64,10 +64,9 @@ def check_configuration(
     mirrored: bool = True,
     whole: bool = False,
 ) -> Reached:
-    """Hold a method that is configured already, such as that of a scenario, against the contract."""
-    found = list(
-        _findings(configuration, seeds, steps, inputs, mirrored and configuration.method.mirrored)
-    )
+    """Hold a configured method, such as that of a scenario, against the contract."""
+    mirrored = mirrored and configuration.method.mirrored
+    found = list(_findings(configuration, seeds, steps, inputs, mirrored))
     lines = Reached({}, {})
     if not found:
         lines = reached(Subject(configuration, _is_heavy(configuration), steps, inputs), seeds)
@@ -95,12 +94,13 @@ def _findings(
         yield found_inexact
     law = configuration.method.law
     can_compile = law is not None and law.is_compilable
+    # A heavy law would take minutes in plain Python.
     forms = (False, True) if can_compile and not _is_heavy(configuration) else (can_compile,)
     for compiled in forms:
         subject = Subject(configuration, compiled, steps, inputs)
         found = list(_of(subject, seeds, mirrored))
         yield from found
-        # findings of plain Python need not be repeated, and compiled code would fail less gently
+        # Findings of plain Python need not be repeated, and compiled code would fail less gently.
         if found:
             return
     if law is not None and not _is_heavy(configuration):

@@ -23,16 +23,20 @@ _SIDES = {"left": "right", "right": "left"}
 
 
 def asymmetry(subject: Subject, seed: int) -> str:
-    """First difference between the mirror image of a run and the run of the mirror image; empty if none."""
+    """First difference between the mirror image of a run and the run of the mirror image.
+
+    Empty if none.
+    """
     other = replace(subject, configuration=mirrored_configuration(subject.configuration))
     frames = subject.frames(seed)
-    image, of_image = (
-        mirrored(outputs(subject.part(), frames)),
-        outputs(other.part(), mirrored(frames)),
-    )
-    if not (found := difference(subject, image, of_image + 0.0)):
+    image = mirrored(outputs(subject.part(), frames))
+    of_image = outputs(other.part(), mirrored(frames))
+    # Zero has no sign here: adding 0 makes -0 to 0.
+    found = difference(subject, image, of_image + 0.0)
+    if not found:
         return ""
-    return f"left and right are not alike: the mirror image and the run of the mirror image differ, {found}"
+    what = "the mirror image and the run of the mirror image differ"
+    return f"left and right are not alike: {what}, {found}"
 
 
 def mirrored(frames: np.ndarray) -> np.ndarray:
@@ -65,16 +69,20 @@ def _order(kind: type) -> Sequence[int]:
 
 def _exchanged(row: Sequence[Any]) -> list[Any]:
     """A row of values by wheel, once or several times, with left and right exchanged."""
+    # Left and right stand beside each other, on even and odd places.
     return [row[i ^ 1] for i in range(len(row))]
 
 
 def mirrored_configuration(configuration: Configuration) -> Configuration:
     """The configuration of the mirror image: its vehicle, its parameters."""
     known = {entry.name: entry for entry in configuration.entries()}
-    values = {_among(known, name): _mirrored_value(entry) for name, entry in known.items()}
-    return configuration.changed(
-        {name: value for name, value in values.items() if value != known[name].default}
-    )
+    changed: dict[str, Any] = {}
+    for name, entry in known.items():
+        other = _among(known, name)
+        value = _mirrored_value(entry)
+        if value != known[other].default:
+            changed[other] = value
+    return configuration.changed(changed)
 
 
 def _among(known: Collection[str], name: str) -> str:
@@ -93,13 +101,11 @@ def _mirrored_value(entry: Entry) -> Any:
         return tuple(-element for element in value) if entry.is_array else -value
     if spec.per_wheel:
         return tuple(_exchanged(value))
-    # of wheels and sides; those of signals act behind the part that is checked
+    # Those of wheels and sides; those of signals act behind the part that is checked.
     if entry.name == "faults":
         return tuple(map(_other_side, value))
-    if entry.type is str:
-        return (
-            tuple(_among(spec.choices, each) for each in value)
-            if entry.is_array
-            else _among(spec.choices, value)
-        )
-    return value
+    if entry.type is not str:
+        return value
+    if entry.is_array:
+        return tuple(_among(spec.choices, each) for each in value)
+    return _among(spec.choices, value)

@@ -1,4 +1,7 @@
-"""Parameters at the ends of their ranges: an index that is right for the defaults may leave its row there."""
+"""Parameters at the ends of their ranges.
+
+An index that is right for the defaults may leave its row there.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,10 @@ _STEPS = 20  # with each end: a wrong index shows in the first of them
 
 
 def out_of_range(configuration: Configuration, seed: int, inputs: MakesInputs) -> str:
-    """The first index out of range with one parameter of a law at an end of its range; empty if there is none."""
+    """The first index out of range with one parameter of a law at an end of its range.
+
+    Empty if there is none.
+    """
     for entry in entries(configuration.parameters):
         if entry.type not in (int, float) or entry.is_array:
             continue
@@ -22,12 +28,11 @@ def out_of_range(configuration: Configuration, seed: int, inputs: MakesInputs) -
             if end is None or not math.isfinite(end):
                 continue
             try:
-                there = Subject(
-                    configuration.changed({entry.name: entry.type(end)}), False, _STEPS, inputs
-                )
+                changed = configuration.changed({entry.name: entry.type(end)})
+                there = Subject(changed, False, _STEPS, inputs)
                 outputs(there.part(), there.frames(seed))
-            # also of values that do not go with the others
             except (ParameterError, SignalError) as error:
+                # Other refusals are right: a value at an end need not go with the others.
                 if isinstance(error.__cause__, IndexError):
                     return f"with {entry.name} at {end:g}, {error}"
     return ""

@@ -38,7 +38,7 @@ _ROUNDED = {
 
 @dataclass(frozen=True)
 class Reached:
-    """Number of calls of each function of a law's own module, and of times that each line was reached.
+    """Counts of calls of the functions in a law's own module, and of each line.
 
     Both are empty where plain Python was not stepped, or a debugger is at work.
     """
@@ -52,7 +52,7 @@ class Reached:
         return tuple(name for name, count in self.calls.items() if not count)
 
     def __str__(self) -> str:
-        """A line for each function and, line by line of the file, how often what is rarest was reached."""
+        """A line for each function, and for each file its rarest lines."""
         called = [f"{name}: called {count} times" for name, count in self.calls.items()]
         return "\n".join((*called, *self._seldom()))
 
@@ -68,18 +68,20 @@ class Reached:
 
 def reached(subject: Subject, seeds: Sequence[int]) -> Reached:
     """Step a method with all these seeds, and count the lines of it that they reach."""
-    codes = {
-        function.__code__: _named(function) for function in _functions(subject.configuration.method)
-    }
-    calls, lines = dict.fromkeys(codes.values(), 0), Counter[_Line]()
+    # A debugger or a measurement of coverage traces already, and Python has one trace alone.
     if subject.compiled or sys.gettrace() is not None:
         return Reached({}, {})
+    functions = _functions(subject.configuration.method)
+    codes = {function.__code__: _named(function) for function in functions}
+    calls = dict.fromkeys(codes.values(), 0)
+    lines = Counter[_Line]()
     with _counting(codes, calls, lines):
         for seed in seeds:
             outputs(subject.part(), subject.frames(seed))
     counts: dict[tuple[str, int], int] = {}
     for code in codes:
         for _, _, line in code.co_lines():
+            # The first line is the definition itself.
             if line is not None and line > code.co_firstlineno:
                 counts[Path(code.co_filename).name, line] = lines[code, line]
     return Reached(calls, counts)
@@ -109,61 +111,64 @@ def _counting(
 
 def _functions(method: Method) -> list[FunctionType]:
     """Functions of the module of a law or class that its steps may call."""
-    law, factory = method.law, method.factory
+    law = method.law
+    roots: list[Any] = []
     if law is not None:
-        roots = [law.function, *([law.outputs] if law.outputs else [])]
-    elif isinstance(factory, type):
-        found = {name: getattr(factory, name) for name in dir(factory) if not name.startswith("__")}
-        roots = [
-            each
-            for name, each in found.items()
-            if isinstance(each, FunctionType) and name not in _BESIDES
-        ]
+        roots = [law.function] if law.outputs is None else [law.function, law.outputs]
+    elif isinstance(method.factory, type):
+        for name in dir(method.factory):
+            each = getattr(method.factory, name)
+            is_hook = isinstance(each, FunctionType) and not name.startswith("__")
+            if is_hook and name not in _BESIDES:
+                roots.append(each)
     else:
         return []  # a library, a recording
-    return [
-        each for each in Reach(*roots).functions.values() if each.__module__ == roots[0].__module__
-    ]
+    module = roots[0].__module__
+    return [each for each in Reach(*roots).functions.values() if each.__module__ == module]
 
 
 def _named(function: FunctionType) -> str:
-    return f"{function.__qualname__} ({Path(function.__code__.co_filename).name}:{function.__code__.co_firstlineno})"
+    code = function.__code__
+    return f"{function.__qualname__} ({Path(code.co_filename).name}:{code.co_firstlineno})"
 
 
 def inexact(method: Method) -> str:
-    """The first function that C libraries round differently in what a method reaches, and where; empty if none."""
+    """The first function that C libraries round differently in what a method reaches, and where.
+
+    Empty if none.
+    """
     law = method.law
     roots: list[Any] = []
     if law is not None:
         roots = [law.function, law.outputs]
-    for kind in getattr(method.factory, "__mro__", ()) if law is None else ():
-        roots += vars(kind).values()
-    for function in Reach(
-        *(each for each in roots if isinstance(each, FunctionType))
-    ).functions.values():
+    else:
+        for kind in getattr(method.factory, "__mro__", ()):
+            roots += vars(kind).values()
+    functions = [each for each in roots if isinstance(each, FunctionType)]
+    for function in Reach(*functions).functions.values():
         for line, name in _used(function):
-            file = function.__code__.co_filename
-            return f"{file}, line {line}: {name} is rounded otherwise elsewhere, take it from ev_core.elementary"
+            at = f"{function.__code__.co_filename}, line {line}"
+            return f"{at}: {name} is rounded otherwise elsewhere, take it from ev_core.elementary"
     return ""
 
 
 def _used(function: FunctionType) -> Iterator[tuple[int, str]]:
     """Line and name of each function in `_ROUNDED` that a function takes from math or numpy."""
-    line, module = 0, None
+    line = 0
+    module = None
     for each in dis.get_instructions(function):
-        line = each.positions.lineno or line if each.positions else line
+        if each.positions and each.positions.lineno:
+            line = each.positions.lineno
         if each.opname == "LOAD_GLOBAL":
             found = function.__globals__.get(each.argval)
-            # an array is equal to nothing as a whole
+            # By identity, for an array is equal to nothing as a whole.
             module = found if found is math or found is np else None
             own = getattr(found, "__name__", "")
-            if own in _ROUNDED and (
-                isinstance(found, np.ufunc) or getattr(found, "__module__", "") == "math"
-            ):
+            is_of_math = getattr(found, "__module__", "") == "math"
+            if own in _ROUNDED and (is_of_math or isinstance(found, np.ufunc)):
                 yield line, own
-        elif (
-            module is not None
-            and each.opname in ("LOAD_ATTR", "LOAD_METHOD")
-            and each.argval in _ROUNDED
-        ):
+            continue
+        # The name behind the module, as in math.sin.
+        is_name = each.opname in ("LOAD_ATTR", "LOAD_METHOD")
+        if module is not None and is_name and each.argval in _ROUNDED:
             yield line, f"{module.__name__}.{each.argval}"

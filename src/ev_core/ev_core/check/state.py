@@ -1,9 +1,10 @@
-"""Checks of state and numbers: a method is pure, finite, with a complete declared state and the same bits compiled.
+"""Checks of state and numbers.
 
-The same inputs give the same outputs, also stopped, saved and loaded. A step gives numbers, or is
-refused; NaN neither leaves a method nor stays in it, and a quantity without direction is never
-negative. A law stepped twice with the same signals, compiled and in plain Python, gives every
-number with the same bits. Each check returns its finding in words, empty if there is none.
+A method is pure, finite, with a complete declared state and the same bits compiled. The same inputs
+give the same outputs, also stopped, saved and loaded. A step gives numbers, or is refused; NaN
+neither leaves a method nor stays in it, and a quantity without direction is never negative. A law
+stepped twice with the same signals, compiled and in plain Python, gives every number with the same
+bits. Each check returns its finding in words, empty if there is none.
 """
 
 import copy
@@ -62,13 +63,18 @@ def lost_state(subject: Subject, seed: int) -> str:
     steady, stopped = subject.part(), subject.part()
     outputs(steady, frames[:stop])
     outputs(stopped, frames[:stop])
-    saved, fresh = copy.deepcopy(stopped.state), subject.part()
-    outputs(stopped, frames[stop:])  # its further steps must not change the saved state
+    saved = copy.deepcopy(stopped.state)
+    fresh = subject.part()
+    # Further steps of the one that was saved must not change the saved state.
+    outputs(stopped, frames[stop:])
     fresh.state = saved
     found = difference(subject, outputs(steady, frames[stop:]), outputs(fresh, frames[stop:]))
     if not found:
         return ""
-    return f"the state does not hold all that lasts: loaded after {stop} steps it goes on otherwise, {found}"
+    return (
+        f"the state does not hold all that lasts: loaded after {stop} steps it goes on otherwise, "
+        f"{found}"
+    )
 
 
 def lost_by_live_change(subject: Subject, seed: int) -> str:
@@ -86,11 +92,9 @@ def lost_by_live_change(subject: Subject, seed: int) -> str:
     made = Subject(changed, subject.compiled, subject.steps).part()
     hand_over(part, made)
     found = difference(subject, outputs(steady, frames[stop:]), outputs(made, frames[stop:]))
-    return (
-        f"parameters set to their own values after {stop} steps change the run, {found}"
-        if found
-        else ""
-    )
+    if not found:
+        return ""
+    return f"parameters set to their own values after {stop} steps change the run, {found}"
 
 
 def unnamed_state(subject: Subject) -> str:
@@ -99,8 +103,10 @@ def unnamed_state(subject: Subject) -> str:
     if law is not None:
         twice = sorted(name for name, count in Counter(law.names()).items() if count > 1)
         return f"several numbers of the state are called {', '.join(twice)}" if twice else ""
+    if state is None:
+        return ""
     try:
-        [float(number) for number in (() if state is None else state)]
+        [float(number) for number in state]
     except (TypeError, ValueError):
         return f"the state is {type(state).__name__}, it has to be None or a row of numbers"
     return ""
@@ -131,11 +137,11 @@ def resized_by_live_change(subject: Subject) -> str:
     configuration = subject.configuration
     size = np.size(subject.part().state)
     for entry in entries(configuration.parameters):
+        # What is read only cannot change in a run, so it may set the length of the state.
         for value in () if entry.spec.read_only else _other_values(entry):
             try:
-                other = Subject(
-                    configuration.changed({entry.name: value}), subject.compiled, subject.steps
-                ).part()
+                changed = configuration.changed({entry.name: value})
+                other = Subject(changed, subject.compiled, subject.steps).part()
             except LawError as error:
                 return f"with {entry.name} = {value}: {error}"
             except ValueError:  # a value that does not go with the others
@@ -150,14 +156,17 @@ def _other_values(entry: Entry) -> tuple[Any, ...]:
     """The ends of the range of a number, or all choices of a text."""
     if entry.is_array or entry.type is bool:
         return ()
-    ends = tuple(end for end in (entry.spec.low, entry.spec.high) if end is not None)
-    return entry.spec.choices or tuple(entry.type(end) for end in ends)
+    if entry.spec.choices:
+        return entry.spec.choices
+    ends = (entry.spec.low, entry.spec.high)
+    return tuple(entry.type(end) for end in ends if end is not None)
 
 
 def not_refused(subject: Subject, seed: int) -> str:
-    """The first step with absurd inputs, up to the largest floats, that is neither finite nor refused.
+    """The first step with absurd inputs that is neither finite nor refused.
 
-    A refusal ends a run, so the next step is that of a new object, which has not seen them.
+    Inputs go up to the largest floats. A refusal ends a run, so the next step is that of a new
+    object, which has not seen them.
     """
     extreme = Subject(subject.configuration, subject.compiled, subject.steps, ExtremeInputs)
     part = subject.part()
@@ -170,13 +179,16 @@ def not_refused(subject: Subject, seed: int) -> str:
             part = subject.part()
         except Exception as error:  # as above
             return f"absurd inputs, step {step}: {_one_line(error)}; a refusal is a ValueError"
-    return (
-        "absurd inputs leave NaN in the state, though none was refused" if _holds_nan(part) else ""
-    )
+    if _holds_nan(part):
+        return "absurd inputs leave NaN in the state, though none was refused"
+    return ""
 
 
 def _negative(subject: Subject, numbers: np.ndarray) -> str:
-    """The first number that is negative and must not be, such as a brake torque; empty if there is none."""
+    """The first number that is negative and must not be, such as a brake torque.
+
+    Empty if there is none.
+    """
     for kind in subject.configuration.method.writes:
         shape = shape_of(kind)
         for channel, value in zip(shape.channels, numbers[frame.PLACES[kind]], strict=True):
@@ -193,11 +205,10 @@ def _holds_nan(part: Part) -> bool:
 
 
 def _one_line(error: Exception) -> str:
-    return (
-        str(error)
-        if isinstance(error, SignalError | LawError)
-        else f"{type(error).__name__}: {error}"
-    )
+    # Errors of our own are whole sentences, those of Python need the name of their kind.
+    if isinstance(error, SignalError | LawError):
+        return str(error)
+    return f"{type(error).__name__}: {error}"
 
 
 def differing_bits(
@@ -207,18 +218,18 @@ def differing_bits(
     method, common = configuration.method, configuration.common
     settings = (configuration.parameters, common.vehicle, common.control_period)
     try:
-        compiled, plain = (
-            CompiledPart(method, *settings),
-            PythonPart(method, create(method, *settings)),
-        )
+        compiled = CompiledPart(method, *settings)
     except NeedsPython:  # it prints, and so it runs in plain Python alone
         return ""
-    count = len(plain.state)  # compiled, a law without a state has one number in its memory
+    plain = PythonPart(method, create(method, *settings))
+    # Compiled, a law without a state has one number in its memory.
+    count = len(plain.state)
     subject = Subject(configuration, True, steps, inputs)
-    ones, others = (
-        np.array(
-            [np.append(stepped(part, here), part.state[:count]) for here in subject.frames(seed)]
-        )
-        for part in (compiled, plain)
-    )
-    return difference(subject, ones, others)
+    found: list[np.ndarray] = []
+    for part in (compiled, plain):
+        rows: list[np.ndarray] = []
+        for here in subject.frames(seed):
+            output = stepped(part, here)
+            rows.append(np.append(output, part.state[:count]))
+        found.append(np.array(rows))
+    return difference(subject, *found)

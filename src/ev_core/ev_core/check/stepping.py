@@ -50,7 +50,10 @@ _ABSURD = 0.3  # probability that a number is absurd
 
 
 class Launch:
-    """Signals of one launch of `steps` steps; wheels slip at random rates, and what they give is that of a tyre."""
+    """Signals of one launch of `steps` steps.
+
+    Wheels slip at random rates, and what they give is that of a tyre.
+    """
 
     def __init__(self, chance: random.Random, period: float) -> None:
         r = self._random = chance
@@ -159,7 +162,10 @@ class RandomInputs:
 
 
 class ExtremeInputs(RandomInputs):
-    """Random signals without launches, with numbers that no car has: tiny ones, and up to the largest of a message."""
+    """Random signals without launches, with numbers that no car has.
+
+    They are tiny, or up to the largest of a message.
+    """
 
     launches = False
 
@@ -237,9 +243,9 @@ def outputs(part: Part, frames: np.ndarray) -> np.ndarray:
 
 
 def difference(subject: Subject, one: np.ndarray, other: np.ndarray) -> str:
-    """The first place where two runs differ in their bits, with both values; empty if there is none.
+    """The first place where two runs differ in their bits, with both values.
 
-    The numbers of a state follow those of a frame.
+    Empty if there is none. The numbers of a state follow those of a frame.
     """
     found = np.argwhere(one.view(np.int64) != other.view(np.int64))
     if not len(found):
@@ -254,4 +260,7 @@ def difference(subject: Subject, one: np.ndarray, other: np.ndarray) -> str:
         if place >= frame.SIZE
         else "what it does not write"
     )
-    return f"step {step}: {written.get(place, otherwise)} is {one[step, place]!s} and {other[step, place]!s}"
+    return (
+        f"step {step}: {written.get(place, otherwise)} is {one[step, place]!s} and "
+        f"{other[step, place]!s}"
+    )

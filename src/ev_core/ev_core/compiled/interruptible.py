@@ -1,4 +1,6 @@
-"""Calls of compiled code that may never return, such as a law with an endless loop: Ctrl-C ends the wait for them.
+"""Calls of compiled code that may never return, such as a law with an endless loop.
+
+Ctrl-C ends the wait for them.
 
 How it works: Python handles signals in its main thread alone, and there only between two of its own
 steps. So another thread makes the call, and the main thread waits for it. Where the handler of a
@@ -37,7 +39,10 @@ class _Caller:
         start_new_thread(self._make_calls, ())
 
     def begin(self, call: Callable[[], Any], works_on: Any) -> None:
-        """Let it make a call; the memory `works_on` lasts as long as the call, also when its caller has given up."""
+        """Let it make a call.
+
+        The memory `works_on` lasts as long as the call, also when its caller has given up.
+        """
         self._given = call, works_on
         self._asked.release()
 
@@ -45,11 +50,14 @@ class _Caller:
         while True:
             self._asked.acquire()
             assert self._given is not None
-            (call, works_on), self._given, self.error = self._given, None, None
+            call, works_on = self._given
+            self._given = None
+            self.error = None
             try:
                 self.result = call()
             except BaseException as error:  # raised in the thread that waits
                 self.error = error
+            # The memory goes with the call, not with the next one.
             del call, works_on
             self.done.release()
 
@@ -59,10 +67,11 @@ os.register_at_fork(after_in_child=_idle.clear)  # their threads are not there
 
 
 def interruptible(call: Callable[[], Any], works_on: Any = None) -> Any:
-    """Return the result of a call, or raise its error; KeyboardInterrupt where a signal ends the wait.
+    """Return the result of a call, or raise its error.
 
-    `works_on` holds the memory on which compiled code works by its address: a call that is given up
-    goes on. Other threads than the main one, which get no signals, make the call themselves.
+    KeyboardInterrupt where a signal ends the wait. `works_on` holds the memory on which compiled
+    code works by its address: a call that is given up goes on. Other threads than the main one,
+    which get no signals, make the call themselves.
     """
     if threading.current_thread() is not threading.main_thread():
         return call()
@@ -71,6 +80,7 @@ def interruptible(call: Callable[[], Any], works_on: Any = None) -> Any:
     try:
         _wait(caller)
     except BaseException:
+        # Most calls end in a moment. One that does not is given up, with its thread.
         if caller.done.acquire(timeout=_GRACE):
             _idle.append(caller)
         raise
@@ -83,7 +93,10 @@ def interruptible(call: Callable[[], Any], works_on: Any = None) -> Any:
 
 
 def _wait(caller: _Caller) -> None:
-    """Wait until a call has returned; KeyboardInterrupt if it goes on for longer than a request to stop can wait."""
+    """Wait until a call has returned.
+
+    KeyboardInterrupt if it goes on for longer than a request to stop can wait.
+    """
     asked = 0.0
     while not caller.done.acquire(timeout=_LOOK):
         asked = asked + _LOOK if any(is_asked() for is_asked in REQUESTS) else 0.0

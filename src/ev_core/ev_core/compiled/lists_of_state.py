@@ -1,4 +1,4 @@
-"""Lists and records of the state where the text of a law means something else in plain Python than compiled.
+"""Lists and records of the state that mean something else in plain Python than compiled.
 
 In plain Python an assignment binds one list or record to two names, a slice is a list of its own,
 and + and * join and repeat lists. Compiled all of them are numbers in a row: an assignment copies
@@ -28,7 +28,7 @@ Found = tuple[ast.AST, str]  # where a text is wrong, and what
 def wrong_lists(
     functions: Iterable[Any], state: Any, tree_of: Callable[[FunctionType], ast.AST]
 ) -> dict[FunctionType, list[Found]]:
-    """Mistakes by function, of those that have a state as `s`, or that these hand parts of it to."""
+    """Mistakes by function, of those with a state as `s`, or with parts of one."""
     followed = _Followed(tree_of)
     for function in functions:
         followed.through(function, {"s": state})
@@ -50,7 +50,10 @@ class _Followed:
         self.found: dict[FunctionType, dict[ast.AST, Found]] = {}
 
     def through(self, function: FunctionType, known: dict[str, Any]) -> Any:
-        """The part of a state that a function returns for these parts by name; None if it returns no part."""
+        """The part of a state that a function returns for these parts by name.
+
+        None if it returns no part.
+        """
         key = (function, *((name, _kind(each)) for name, each in sorted(known.items())))
         if key not in self._given:
             self._given[key] = None  # a function that calls itself is refused as such
@@ -65,35 +68,42 @@ class _Followed:
 
 
 class _Text(ast.NodeVisitor):
-    """One function, statement by statement; `known` are its names with their parts of a state, None for others."""
+    """One function, statement by statement.
+
+    `known` are its names with their parts of a state, None for others.
+    """
 
     def __init__(self, followed: _Followed, function: FunctionType, known: dict[str, Any]) -> None:
-        self._followed, self._known = followed, known
-        self._outside = (
-            function.__globals__,
-            dict(zip(function.__code__.co_freevars, function.__closure__ or (), strict=False)),
-        )
+        self._followed = followed
+        self._known = known
+        cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=False)
+        self._outside = (function.__globals__, dict(cells))
         self.gives: Any = None
         self.found: dict[ast.AST, Found] = {}
         self._copied: set[ast.AST] = set()  # slices that are copied, or read, at once
 
-    def _say(self, node: ast.AST, what: str) -> None:
+    def _note(self, node: ast.AST, what: str) -> None:
+        # The first mistake at a place is the nearest to its cause.
         self.found.setdefault(node, (node, what))
 
     def visit_Return(self, node: ast.Return) -> None:
         self.generic_visit(node)
         given = None if node.value is None else self._part(node.value)
         if isinstance(given, _Slice) and node.value not in self.found:
-            self._say(node, "a slice is given back, in plain Python that is a copy")
+            self._note(node, "a slice is given back, in plain Python that is a copy")
             given = None
         self.gives = self.gives if given is None else given
 
     def visit_Assign(self, node: ast.Assign) -> None:
-        pairs = [pair for target in node.targets for pair in _pairs(target, node.value)]
+        pairs: list[tuple[ast.expr, ast.expr]] = []
+        for target in node.targets:
+            pairs += _pairs(target, node.value)
         wrong = [what for place, value in pairs if (what := self._shared(place, value))]
         if wrong:
-            self._say(node, wrong[0])
-        if wrong or (len(pairs) == 1 and _whole(pairs[0][0]) is not pairs[0][0]):
+            self._note(node, wrong[0])
+        # A slice on the left takes the numbers of the right side at once.
+        is_into_slice = len(pairs) == 1 and _whole(pairs[0][0]) is not pairs[0][0]
+        if wrong or is_into_slice:
             self._copied.add(node.value)
         self.generic_visit(node)
         found = self._part(node.value)
@@ -109,6 +119,8 @@ class _Text(ast.NodeVisitor):
         self._bind(node.target, self._part(node.value))
 
     def visit_For(self, node: ast.For) -> None:
+        # A loop over a slice only reads it, unless its body changes what the slice is a copy of;
+        # the second look may know better than the first one.
         self._copied.add(node.iter)
         if any(self._changes(each) for part in node.body for each in ast.walk(part)):
             self._copied.remove(node.iter)
@@ -119,17 +131,11 @@ class _Text(ast.NodeVisitor):
             self.visit(each)
 
     def visit_BinOp(self, node: ast.BinOp | ast.AugAssign) -> None:
-        both = (
-            (node.target, node.value)
-            if isinstance(node, ast.AugAssign)
-            else (node.left, node.right)
-        )
+        both = (node.left, node.right) if isinstance(node, ast.BinOp) else (node.target, node.value)
         if any(isinstance(self._part(_whole(each)), list) for each in both):
             self._copied.update(both)
-            self._say(
-                node,
-                f"{ast.unparse(node)} joins lists in plain Python, write a loop over their numbers",
-            )
+            text = ast.unparse(node)
+            self._note(node, f"{text} joins lists in plain Python, write a loop over their numbers")
         self.generic_visit(node)
 
     visit_AugAssign = visit_BinOp
@@ -138,18 +144,15 @@ class _Text(ast.NodeVisitor):
         both = (node.left, *node.comparators)
         if any(isinstance(self._part(_whole(each)), list) for each in both):
             self._copied.update(both)
-            self._say(
-                node,
-                f"{ast.unparse(node)} compares lists as a whole, write a loop over their numbers",
-            )
+            text = ast.unparse(node)
+            self._note(node, f"{text} compares lists as a whole, write a loop over their numbers")
         self.generic_visit(node)
 
     def visit_If(self, node: ast.If | ast.While | ast.IfExp) -> None:
         if isinstance(self._part(_whole(node.test)), list):
             self._copied.add(node.test)
-            self._say(
-                node.test, f"{ast.unparse(node.test)} is a list, write what is asked of its numbers"
-            )
+            text = ast.unparse(node.test)
+            self._note(node.test, f"{text} is a list, write what is asked of its numbers")
         self.generic_visit(node)
 
     visit_While = visit_IfExp = visit_If
@@ -157,12 +160,10 @@ class _Text(ast.NodeVisitor):
     def visit_Call(self, node: ast.Call) -> None:
         if isinstance(node.func, ast.Name) and node.func.id in _ONLY_READING:
             self._copied.update(node.args)
-        given = [
-            each
-            for each in (*node.args, *(each.value for each in node.keywords))
-            if _leads_on(self._part(each))
-        ]
-        # and nothing else that it may change
+        arguments = (*node.args, *(each.value for each in node.keywords))
+        given = [each for each in arguments if _leads_on(self._part(each))]
+        # A function of the law's own that is handed this part alone, and so changes nothing else of
+        # the state: its own text shows whether a copy makes a difference.
         if len(given) == 1 and isinstance(self._part(node.func), FunctionType):
             self._copied.update(given)
         self.generic_visit(node)
@@ -170,22 +171,15 @@ class _Text(ast.NodeVisitor):
 
     def visit_Subscript(self, node: ast.Subscript) -> None:
         if isinstance(node.ctx, ast.Store) and isinstance(self._part(node.value), _Slice):
-            self._say(
-                node,
-                f"{ast.unparse(node)} is written, in plain Python a slice that is handed over is a copy",
-            )
-        if (
-            isinstance(node.slice, ast.Slice)
-            and isinstance(node.ctx, ast.Load)
-            and node not in self._copied
-        ):
+            text = ast.unparse(node)
+            why = "in plain Python a slice that is handed over is a copy"
+            self._note(node, f"{text} is written, {why}")
+        is_read_slice = isinstance(node.slice, ast.Slice) and isinstance(node.ctx, ast.Load)
+        if is_read_slice and node not in self._copied:
             of = self._part(node.value)
             if isinstance(of, list) and not _is_record(of[0]):
-                text = ast.unparse(node)
-                self._say(
-                    node,
-                    f"{text} is a list of its own in plain Python, read its numbers one by one",
-                )
+                why = "a list of its own in plain Python, read its numbers one by one"
+                self._note(node, f"{ast.unparse(node)} is {why}")
         elif isinstance(node.value, ast.Subscript):
             self._copied.add(node.value)
         self.generic_visit(node)
@@ -201,36 +195,44 @@ class _Text(ast.NodeVisitor):
             self._known[target.id] = found
         elif isinstance(target, ast.Tuple | ast.List):
             for place, each in enumerate(target.elts):
-                of = (
-                    found[min(place, len(found) - 1)]
-                    if isinstance(found, tuple | list) and found
-                    else None
-                )
+                of = None
+                if isinstance(found, tuple | list) and found:
+                    # A list has one element here that stands for all.
+                    of = found[min(place, len(found) - 1)]
                 self._bind(each, of)
 
     def _shared(self, place: ast.expr, value: ast.expr) -> str:
-        """Mistake in an assignment to a place of the state that holds several numbers; empty if there is none."""
-        to, of = ast.unparse(place), ast.unparse(value)
+        """Mistake in an assignment to a place of the state that holds several numbers.
+
+        Empty if there is none.
+        """
+        to = ast.unparse(place)
+        of = ast.unparse(value)
         whole = self._part(_whole(place))
-        if isinstance(place, ast.Name) or not _is_shared(whole):  # a local name may refer to it
+        # A local name may refer to a part of the state.
+        if isinstance(place, ast.Name) or not _is_shared(whole):
             return ""
         if not isinstance(whole, list) or _is_record(whole[0]):
             return f"{to} = {of} may make them one record, copy its entries one by one"
-        if _whole(place) is not place:  # a slice, which copies
+        # A slice on the left copies.
+        if _whole(place) is not place:
             return ""
         return f"{to} = {of} may make them one list, numbers are copied by {to}[:] = {of}"
 
     def _part(self, node: ast.expr) -> Any:
-        """Value of an expression such as s.ring or s.wheels[i].ring in a state; None if it is not of the state."""
+        """Value of an expression such as s.ring or s.wheels[i].ring in a state.
+
+        None if it is not of the state.
+        """
         match node:
             case ast.Name(id=name):
                 return self._known[name] if name in self._known else self._outside_of(name)
             case ast.Attribute(value=of, attr=name):
                 whole = self._part(of)
                 found = getattr(whole, name, None)
-                return (
-                    found if _is_record(whole) or isinstance(whole, tuple) else self._reached(found)
-                )
+                if _is_record(whole) or isinstance(whole, tuple):
+                    return found
+                return self._reached(found)
             case ast.Subscript(value=of, slice=place):
                 return _item(self._part(of), place)
             case ast.NamedExpr(value=value):
@@ -241,7 +243,8 @@ class _Text(ast.NodeVisitor):
             case ast.Tuple(elts=parts):
                 return tuple(map(self._part, parts))
             case ast.List(elts=parts):
-                return [found] if parts and (found := self._part(parts[0])) is not None else None
+                found = self._part(parts[0]) if parts else None
+                return None if found is None else [found]
             case ast.Call():
                 return self._given_by(node)
         return None
@@ -251,7 +254,10 @@ class _Text(ast.NodeVisitor):
         return self._reached(inner[name].cell_contents if name in inner else own.get(name))
 
     def _reached(self, found: Any) -> Any:
-        """A module, function or named tuple from outside of the function, by which it may handle a state; else None."""
+        """A module, function or named tuple from outside of the function; else None.
+
+        By such it may handle a state.
+        """
         if isinstance(found, FunctionType):
             return found if found in self._followed.marked else None
         return found if isinstance(found, ModuleType) or _is_named_tuple(found) else None
@@ -276,9 +282,9 @@ class _Text(ast.NodeVisitor):
             known = inspect.signature(function).bind(*given, **by_name).arguments
         except TypeError:  # Python reports this call itself
             return None
-        return (
-            self._followed.through(function, known) if any(map(_leads_on, known.values())) else None
-        )
+        if any(map(_leads_on, known.values())):
+            return self._followed.through(function, known)
+        return None
 
 
 def _is_named_tuple(found: Any) -> bool:
@@ -287,12 +293,16 @@ def _is_named_tuple(found: Any) -> bool:
 
 def _leads_on(found: Any) -> bool:
     """Return whether a value holds parts of a state."""
-    return _is_shared(found) or (any(map(_leads_on, found)) if isinstance(found, tuple) else False)
+    if isinstance(found, tuple):
+        return any(map(_leads_on, found))
+    return _is_shared(found)
 
 
 def _item(of: Any, place: ast.expr) -> Any:
+    """The element, or the slice, of a part of a state; None if that is none."""
     if isinstance(place, ast.Slice):
-        return _Slice(of) if isinstance(of, list) and of and not _is_record(of[0]) else of
+        is_of_numbers = isinstance(of, list) and of and not _is_record(of[0])
+        return _Slice(of) if is_of_numbers else of
     if isinstance(of, tuple) and isinstance(place, ast.Constant) and isinstance(place.value, int):
         return of[place.value] if -len(of) <= place.value < len(of) else None
     return of[0] if isinstance(of, list | tuple) and of else None
@@ -313,7 +323,9 @@ def _kind(found: Any) -> Any:
             return (type(found), *map(_kind, found[:1]))
         case tuple():
             return (type(found), *map(_kind, found))
-    return type(found) if _is_record(found) else found if callable(found) else None
+    if _is_record(found):
+        return type(found)
+    return found if callable(found) else None
 
 
 def _pairs(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, ast.expr]]:
@@ -326,8 +338,6 @@ def _pairs(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, ast.expr]]
 
 def _whole(value: ast.expr) -> ast.expr:
     """The list of which an expression is a slice; the expression itself if it is no slice."""
-    return (
-        value.value
-        if isinstance(value, ast.Subscript) and isinstance(value.slice, ast.Slice)
-        else value
-    )
+    if isinstance(value, ast.Subscript) and isinstance(value.slice, ast.Slice):
+        return value.value
+    return value

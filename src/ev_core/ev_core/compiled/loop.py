@@ -60,13 +60,18 @@ def _drive_instant(
     parts: Parts,
     stopped: np.ndarray,
 ) -> int:
-    """Let parts, from the first of `which` up to the second, answer in frame `here`, or integrate to frame `there`."""
+    """Let parts answer in frame `here`, or integrate to frame `there`.
+
+    `which` are the first of them, and the first behind them.
+    """
     width = frames.shape[1] * 8
     base, bits = frames.ctypes.data, frames.view(np.int64)
     for i in range(which[0], which[1]):
         row = parts.rows[i]
+        # A part that answers writes into the frame that it reads.
         at = here if i < parts.answering else there
         status = call(row[0], base + here * width, base + at * width, row[1], row[2])
+        # Noted at each part: a look whether it is needed would cost more.
         stopped[0], stopped[1] = at, i
         if status != 0:
             return FAILED
@@ -80,6 +85,7 @@ def _drive_instants(
     frames: np.ndarray, first: int, last: int, final: bool, parts: Parts, stopped: np.ndarray
 ) -> int:
     for n in range(first, last + int(final)):
+        # At the last instant of all nothing is left to integrate to.
         end = parts.answering if n == last else len(parts.rows)
         status = _drive_instant(frames, n, n + 1, (0, end), parts, stopped)
         if status != FINISHED:
@@ -116,6 +122,7 @@ def _drive_through(
         end = parts.answering if n == last else len(parts.rows)
         status = _drive_instant(frames, here, there, (begin, end), parts, stopped)
         if status != FINISHED:
+            # The caller needs the instant, and which of the two frames it is in.
             stopped[2] = stopped[0]
             stopped[0] = n if stopped[2] == here else n + 1
             return status
@@ -168,7 +175,8 @@ def step(frames, width, times, first, last, parts, count, answering, stopped):
 ''',
     {"drive": _drive_through, "Parts": Parts},
 )
-LOOPS = (_INSTANTS, _THROUGH)  # that are to be compiled before something is driven
+# To be compiled before something is driven.
+LOOPS = (_INSTANTS, _THROUGH)
 
 
 @cache
@@ -188,16 +196,22 @@ def _through() -> Any:
 def run_instants(
     frames: np.ndarray, first: int, last: int, final: bool, parts: Parts, stopped: np.ndarray
 ) -> int:
-    """Let the parts answer at the instants first..last-1 and integrate from each of them to the next one.
+    """Let the parts answer at the instants first..last-1, and integrate from each to the next.
 
     `frames` of shape (instants, frame size) begin at the first instant; at a `final` last one all
     answer, too. All arrays are contiguous, those of integers int64. Returns FINISHED; or NOT_FINITE
     or FAILED, with instant and part in `stopped`, and then nothing behind that has been done.
     """
-    at, rows, stop = frames.ctypes.data, parts.rows.ctypes.data, stopped.ctypes.data
-    run = _instants()
-    status: int = run(
-        at, *frames.shape, first, last, final, rows, len(parts.rows), parts.answering, stop
+    status: int = _instants()(
+        frames.ctypes.data,
+        *frames.shape,
+        first,
+        last,
+        final,
+        parts.rows.ctypes.data,
+        len(parts.rows),
+        parts.answering,
+        stopped.ctypes.data,
     )
     return status
 
@@ -205,15 +219,23 @@ def run_instants(
 def run_through(
     frames: np.ndarray, times: np.ndarray, first: int, last: int, parts: Parts, stopped: np.ndarray
 ) -> int:
-    """Drive a run on two frames, in turn that of the instant and the next one; all answer at `last`, as `run_instants`.
+    """Drive a run on two frames, in turn that of the instant and the next one.
 
-    `first` is 0, the start, or the `last` one of the call before. `times` are those of the instants
-    from the start on [s]. The third number in `stopped` is the index of the frame.
+    All answer at `last`, as `run_instants`. `first` is 0, the start, or the `last` one of the call
+    before. `times` are those of the instants from the start on [s]. The third number in `stopped`
+    is the index of the frame.
     """
-    at, clock = frames.ctypes.data, times.ctypes.data
-    rows, stop = parts.rows.ctypes.data, stopped.ctypes.data
-    run, count = _through(), len(parts.rows)
-    status: int = run(at, frames.shape[1], clock, first, last, rows, count, parts.answering, stop)
+    status: int = _through()(
+        frames.ctypes.data,
+        frames.shape[1],
+        times.ctypes.data,
+        first,
+        last,
+        parts.rows.ctypes.data,
+        len(parts.rows),
+        parts.answering,
+        stopped.ctypes.data,
+    )
     return status
 
 
@@ -229,7 +251,10 @@ def step({arguments}):
 
 
 def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The function, compiled and kept on disk; it takes numbers, arrays, named tuples and what `one_record` makes."""
+    """The function, compiled and kept on disk.
+
+    It takes numbers, arrays, named tuples and what `one_record` makes.
+    """
     arguments = ", ".join(inspect.signature(function).parameters)
     text = _TEXT.format(function=function.__qualname__, arguments=arguments)
     step: Callable[..., Any] = compiled_function(function.__name__, text, {"function": function})

@@ -44,7 +44,8 @@ _CALLED = re.compile(
     r"resolving callee type: Function\(<(?:built-in function|function|ufunc|class) '?([\w.]+)"
 )
 _CAUSE = re.compile(
-    r"(?:Failed in nopython mode pipeline.*\n\s*|raised a specific error:\n\s*\w+: (?!Failed))(\S.*)"
+    r"(?:Failed in nopython mode pipeline.*\n\s*"
+    r"|raised a specific error:\n\s*\w+: (?!Failed))(\S.*)"
 )
 # Calls by which an author looks at a law; the compiler knows print, but its code cannot be called
 # without Python.
@@ -89,60 +90,66 @@ def mistake(
 
 
 def wrong_answer(method: Method, parameters: Any, vehicle: Any, period: float) -> str:
-    """One line about a law if its first step in plain Python gives another answer than its role writes; else empty."""
+    """One line about the first step of a law, if its answer is another than its role writes.
+
+    Plain Python takes the step. Empty where the answer is right.
+    """
     law = law_of(method)
+    if law.heavy:
+        return ""  # a step in plain Python would take too long
     try:
         with _unseen():
-            found = (
-                None
-                if law.heavy
-                else _of_answer(method, LawObject(law, parameters, vehicle, period))
-            )
+            found = _of_answer(method, LawObject(law, parameters, vehicle, period))
     except (TypeError, NameError) as error:  # of the text, whatever the inputs are
         found = _raised(error)
-    # a step with inputs out of nowhere: what else it raises need not be a mistake
     except Exception:
+        # Its inputs came out of nowhere: whatever else it raises need not be a mistake.
         return ""
     return line_about(method, *found) if found else ""
 
 
 def needs_python(method: Method, functions: Iterable[FunctionType], error: BaseException) -> str:
-    """One line about a law that cannot be compiled because it prints or the like; empty if that is not why."""
+    """One line about a law that cannot be compiled because it prints or the like.
+
+    Empty if that is not why.
+    """
     takes = isinstance(error, TakesInterpreter)
     at = None if takes else _of_compiler(law_of(method), error)[:2]
     for function in functions:
         file, begin = beginning(function)
         for node in ast.walk(_tree(function)):
-            if (
-                isinstance(node, ast.Call)
-                and isinstance(node.func, ast.Name)
-                and node.func.id in _DEBUGGING
-            ):
-                lines = range(begin + node.lineno - 1, begin + (node.end_lineno or 0))
-                if takes or at in [(file, line) for line in lines]:
-                    return line_about(method, file, lines[0], f"{node.func.id} {_IN_PYTHON}")
-    return (
-        line_about(method, *beginning(law_of(method).function), f"it {_IN_PYTHON}") if takes else ""
-    )
+            match node:
+                case ast.Call(func=ast.Name(id=name)) if name in _DEBUGGING:
+                    first = begin + node.lineno - 1
+                    last = begin + (node.end_lineno or 0)
+                    # The compiler names any line of a call that is written over several.
+                    if takes or at in [(file, line) for line in range(first, last)]:
+                        return line_about(method, file, first, f"{name} {_IN_PYTHON}")
+    if not takes:
+        return ""
+    return line_about(method, *beginning(law_of(method).function), f"it {_IN_PYTHON}")
 
 
 def wrong_text(method: Method, functions: Iterable[FunctionType]) -> str:
-    """One line about the first of these functions that would do something else compiled; empty if there is none."""
+    """One line about the first of these functions that would do something else compiled.
+
+    Empty if there is none.
+    """
     law = law_of(method)
-    marked, own = (
-        set(FUNCTIONS),
-        [each for each in (law.function, law.outputs) if each in FUNCTIONS],
-    )
+    marked = set(FUNCTIONS)
+    own = [each for each in (law.function, law.outputs) if each in FUNCTIONS]
     of_state = wrong_lists(own, law.state(), _tree)
-    for function in filter(marked.__contains__, functions):
-        found = _wrong(
-            function, tuple(inspect.signature(function).parameters) if function in own else ()
-        )
-        for node, what in (
-            *found,
-            *of_state.get(function, ()),
-            *unassigned(_tree(function), function),
-        ):
+    for function in functions:
+        # Others are numba's own, or made by it of other texts.
+        if function not in marked:
+            continue
+        arguments: tuple[str, ...] = ()
+        if function in own:
+            arguments = tuple(inspect.signature(function).parameters)
+        found = [*_wrong(function, arguments), *of_state.get(function, ())]
+        found += unassigned(_tree(function), function)
+        if found:
+            node, what = found[0]
             file, line = beginning(function)
             return line_about(method, file, line + node.lineno - 1, what)
     return ""
@@ -150,11 +157,17 @@ def wrong_text(method: Method, functions: Iterable[FunctionType]) -> str:
 
 def line_about(method: Method, file: str, line: int, what: str) -> str:
     """One line about a law."""
-    return f"{file}, line {line}: {method.role} law {law_of(method).function.__name__}: {what} (docs/compiled_laws.md)"
+    return (
+        f"{file}, line {line}: {method.role} law {law_of(method).function.__name__}: {what} "
+        "(docs/compiled_laws.md)"
+    )
 
 
 def _wrong(function: FunctionType, arguments: tuple[str, ...]) -> Iterator[tuple[Any, str]]:
-    """Mistakes in the text of a function, and why; `arguments` are those of a law, which may write only s."""
+    """Mistakes in the text of a function, and why.
+
+    `arguments` are those of a law, which may write only s.
+    """
     for node in ast.walk(_tree(function)):
         match node:
             case ast.Global(names=names) | ast.Nonlocal(names=names):
@@ -205,11 +218,14 @@ def _assigned(function: Callable[..., Any]) -> Iterator[tuple[ast.expr, str]]:
 
 
 def _tree(function: Callable[..., Any]) -> ast.AST:
-    """Syntax tree of a function; that of an empty module where its text is not known, as of a lambda."""
+    """Syntax tree of a function.
+
+    It is that of an empty module where its text is not known, as of a lambda.
+    """
+    if function.__name__ == "<lambda>":
+        return parsed("")
     try:
-        return parsed(
-            textwrap.dedent(inspect.getsource(function)) if function.__name__ != "<lambda>" else ""
-        )
+        return parsed(textwrap.dedent(inspect.getsource(function)))
     except OSError:
         return ast.Module([], [])
 
@@ -235,44 +251,41 @@ def _in_python(method: Method, made: LawObject) -> tuple[str, int, str] | None:
 
 
 def _raised(error: Exception) -> tuple[str, int, str] | None:
-    """Line of the author's text that has raised an error, and the error in words; None if no line of it has."""
-    frames = [
-        each for each in traceback.extract_tb(error.__traceback__) if is_of_author(each.filename)
-    ]
-    at = frames[-1] if frames else None
-    return (
-        (at.filename, at.lineno or 0, in_words(error)) if at and at.filename != __file__ else None
-    )
+    """Line of the author's text that has raised an error, and the error in words.
+
+    None if no line of it has.
+    """
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [each for each in frames if is_of_author(each.filename)]
+    if not own or own[-1].filename == __file__:
+        return None
+    return own[-1].filename, own[-1].lineno or 0, in_words(error)
 
 
 def _of_answer(method: Method, made: LawObject) -> tuple[str, int, str] | None:
     """Mistake in the answer of one step or in the state behind it; None if there is none."""
     law = law_of(method)
-    signals = [
-        Instant(0.0) if kind is Instant else shape_of(kind).signal_of([1.0] * shape_of(kind).size)
-        for kind in method.reads
-    ]
+    signals: list[Any] = []
+    for kind in method.reads:
+        if kind is Instant:
+            signals.append(Instant(0.0))
+        else:
+            # Ones, for the first step of a law may divide by what it reads.
+            shape = shape_of(kind)
+            signals.append(shape.signal_of([1.0] * shape.size))
     given = made.step(*signals)
     for name, value in entries_without_number(made.given["s"]):
         file, begin = beginning(law.function)
-        entry = f"s.{name}."
-        lines = (
-            node.lineno
-            for node, text in _assigned(law.function)
-            if entry.startswith(f"{text.partition('[')[0]}.")
-        )
-        line = next(lines, 1)
+        line = _line_that_writes(law.function, name)
         return file, begin + line - 1, f"s.{name} becomes {type(value).__name__}, expected a number"
     if ROLES[method.role].kind is RoleKind.INTEGRATES:
         given = made.outputs()
     wrote = given if isinstance(given, tuple) and not hasattr(given, "_fields") else (given,)
     at = beginning(law.outputs or law.function)
     if [type(each) for each in wrote] != [*method.writes]:
-        names = [
-            " and ".join(each.__name__ for each in kinds)
-            for kinds in (map(type, wrote), method.writes)
-        ]
-        return *at, f"it returns {names[0]}, expected {names[1]}"
+        returned = " and ".join(type(each).__name__ for each in wrote)
+        expected = " and ".join(each.__name__ for each in method.writes)
+        return *at, f"it returns {returned}, expected {expected}"
     for kind, signal in zip(method.writes, wrote, strict=True):
         per_wheel = shape_of(kind).per_wheel
         for name, value in zip(signal._fields, signal, strict=True):
@@ -282,29 +295,42 @@ def _of_answer(method: Method, made: LawObject) -> tuple[str, int, str] | None:
     return None
 
 
+def _line_that_writes(function: Callable[..., Any], name: str) -> int:
+    """Line of a function's text that assigns to an entry of the state; 1 if none does."""
+    for node, text in _assigned(function):
+        # A record or a list is written as a whole, or an element of it.
+        if f"s.{name}.".startswith(f"{text.partition('[')[0]}."):
+            return node.lineno
+    return 1
+
+
 def _of_compiler(law: Law, error: BaseException) -> tuple[str, int, str]:
     """Finding of the compiler, at the last line that it names and that belongs to no library."""
     text = str(error)
-    places = [
-        found for found in _PLACE.finditer(text) if is_of_author(found["file"] or found["path"])
-    ]
-    for pattern, meaning in _MEANINGS:
-        if found := re.search(pattern, text):
-            what = found.expand(meaning)
-            break
-    else:
-        called = _CALLED.findall(text[: places[-1].start()] if places else text)
-        causes = (
-            _CAUSE.findall(text)
-            or [line for line in text.splitlines() if line.strip()]
-            or [type(error).__name__]
-        )
-        what = f"{called[-1]} is not compiled for what it is given here" if called else causes[-1]
+    places: list[re.Match[str]] = []
+    for found in _PLACE.finditer(text):
+        if is_of_author(found["file"] or found["path"]):
+            places.append(found)
+    before = text[: places[-1].start()] if places else text
+    what = _meaning(text) or _cause(text, before) or type(error).__name__
     if not places:
         return *beginning(law.function), what
     place = places[-1]
-    return (
-        str(Path(place["file"] or place["path"]).resolve()),
-        int(place["line"] or place["at"]),
-        what,
-    )
+    file = Path(place["file"] or place["path"]).resolve()
+    return str(file), int(place["line"] or place["at"]), what
+
+
+def _meaning(text: str) -> str:
+    """The meaning of the compiler's text for the author; empty if it is not known."""
+    for pattern, meaning in _MEANINGS:
+        if found := re.search(pattern, text):
+            return found.expand(meaning)
+    return ""
+
+
+def _cause(text: str, before: str) -> str:
+    """The cause in the compiler's own words; `before` is its text up to the author's last line."""
+    if called := _CALLED.findall(before):
+        return f"{called[-1]} is not compiled for what it is given here"
+    causes = _CAUSE.findall(text) or [line for line in text.splitlines() if line.strip()]
+    return causes[-1] if causes else ""

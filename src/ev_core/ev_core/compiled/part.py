@@ -1,4 +1,9 @@
-"""A compiled law, and the sensors and faults behind it, as the compiled loop calls them."""
+"""A compiled law, and the sensors and faults behind it, as the compiled loop calls them.
+
+How it works: a part has a C function, a row of numbers for its state, and one for its constants.
+The function is that of all objects of the law; the rows are the object's own. Where the compiled
+step of a law of others fails, plain Python takes the same step again, which names the line.
+"""
 
 from __future__ import annotations
 
@@ -39,12 +44,18 @@ _RULES = ("mistakes", "lists_of_state", "unassigned")  # modules that refuse law
 def code_of(method: Method, given: Given) -> Code:
     """Source text that is compiled of a method."""
     text, names = part_source(method, given)
-    return Code(_name(method), f"{text}# {_rules()}\n" if is_checked(method) else text, names)
+    if is_checked(method):
+        # The text is the key of the kept code: with other rules it is looked at again.
+        text = f"{text}# {_rules()}\n"
+    return Code(_name(method), text, names)
 
 
 @cache
 def _rules() -> str:
-    """Digits that change with the rules for laws: a law that older rules have accepted is checked again."""
+    """Digits that change with the rules for laws.
+
+    A law that older rules have accepted is checked again.
+    """
     texts = (Path(__file__).with_name(f"{name}.py").read_bytes() for name in _RULES)
     return hashlib.sha256(b"".join(texts)).hexdigest()[:16]
 
@@ -79,8 +90,11 @@ def in_one_line(
         from ev_core.compiled import mistakes
 
         reached.extend(reach.functions.values())
+        # The text first: a step of a law that never ends would never end either.
         found = mistakes.wrong_text(method, reach.functions.values())
-        if found := found or mistakes.wrong_answer(method, parameters, vehicle, period):
+        if not found:
+            found = mistakes.wrong_answer(method, parameters, vehicle, period)
+        if found:
             raise LawError(found)
 
     try:
@@ -101,13 +115,15 @@ def is_kept(method: Method, parameters: Any, vehicle: Any, period: float) -> boo
 
 
 def _name(method: Method) -> str:
-    return f"{Path(method.name).stem[:_LONGEST]}_{method.role}"  # the name of a law file is a path
+    # The name of a law file is a path.
+    return f"{Path(method.name).stem[:_LONGEST]}_{method.role}"
 
 
 class CompiledPart:
-    """Plays a role by the compiled form of its law; the state is a row of numbers, advanced in place.
+    """Plays a role by the compiled form of its law.
 
-    One `like` another, with other numbers, has its function, which is not looked for again.
+    The state is a row of numbers, advanced in place. One `like` another, with other numbers, has
+    its function, which is not looked for again.
     """
 
     function: int
@@ -129,11 +145,13 @@ class CompiledPart:
             row = numbers(self.given.values["s"])
         with in_one_line(method, parameters, vehicle, period) as look_at:
             self._code = code_of(method, self.given)
+            # Equal names are one object where the layout is the same: no digest is needed then.
             if like is not None and like._code.names is self._code.names:
                 self.function = like.function
             else:
                 self.function = function_address(*self._code, look_at)
-        memory = np.array(row or [0.0])  # an address, also where nothing lasts
+        # One number at least, so that there is an address also where nothing lasts.
+        memory = np.array(row or [0.0])
         self._state = memory[: len(row)]
         notes = law_of(method).notes
         self._notes = self.given.bound(notes) if notes else None
@@ -193,20 +211,20 @@ class CompiledPart:
             else:
                 here = Frame()
                 here.numbers[: len(numbers)] = frame.numbers_of(numbers)
-                plain.state = (self._state if state is None else state)[: len(plain.state)].tolist()
+                before = self._state if state is None else state
+                plain.state = before[: len(plain.state)].tolist()
                 plain.step(here, Frame())
         except (LawError, SignalError) as error:
             return error
         what = "its compiled form fails where plain Python does not; run it without @compilable"
-        file, line = beginning(law_of(method).function)
-        return LawError(
-            f"{file}, line {line}: {method.role} law {named(law_of(method).function)}: {what}"
-        )
+        function = law_of(method).function
+        file, line = beginning(function)
+        return LawError(f"{file}, line {line}: {method.role} law {named(function)}: {what}")
 
     def refuse_not_finite(self, there: Frame) -> None:
         """SignalError if a number that it wrote is not finite."""
         numbers = there.numbers
-        # or just large: their sum overflows
+        # One sum for all: where it is not finite, a number is not, or the sum overflows.
         if not math.isfinite(sum(numbers[self._begin : self._end])):
             for shape, place in self._writes:
                 shape.refuse_not_finite(numbers[place])
@@ -260,10 +278,14 @@ def row_function(kind: type) -> int:
 
 
 class RowPart:
-    """The outputs of a row of sensors or of faults, behind one object; `state` are its numbers, advanced in place."""
+    """The outputs of a row of sensors or of faults, behind one object.
+
+    `state` are its numbers, advanced in place.
+    """
 
     def __init__(self, row: SensorRow | FaultRow) -> None:
-        self.constants, self.state = np.array(row.constants), np.array(row.state)
+        self.constants = np.array(row.constants)
+        self.state = np.array(row.state)
         kind: type = type(row)
         self._function = row_function(kind)
 

@@ -1,4 +1,6 @@
-"""The source text of a compiled part: a C function that reads signals from a frame, calls the law, writes its answer.
+"""The source text of a compiled part.
+
+It is a C function that reads signals from a frame, calls the law, and writes its answer.
 
     int step(double *now, double *next, double *state, double *constants)
 
@@ -65,6 +67,7 @@ def constants_row(trees: Mapping[str, Any], c: Any, period: float) -> np.ndarray
             head += numbers(leaf)
         else:
             leaves.append(leaf)
+    # Tables begin behind all that stands alone: two numbers for a table, one for anything else.
     place = len(head) + sum(2 if isinstance(leaf, tuple) else 1 for leaf in leaves)
     tables: list[float] = []
     for leaf in leaves:
@@ -119,13 +122,19 @@ def are_finite(numbers: Any, begin: int, end: int) -> bool:
 
 @compilable
 def copy(there: Any, here: Any) -> None:
-    """Copy a row of numbers one by one: an assignment of all of them takes a heap, which exports lack."""
+    """Copy a row of numbers one by one.
+
+    An assignment of all of them takes a heap, which exports lack.
+    """
     for i in range(len(there)):
         there[i] = here[i]
 
 
 class Unpacking:
-    """The source text that makes `c` of a row and of the record `k` at its beginning, and the names in it."""
+    """The source text that makes `c` of a row, and the names in it.
+
+    The row begins with the record `k`.
+    """
 
     def __init__(self, c: Any, begin: int) -> None:
         self.names: dict[str, Any] = {"table": table}
@@ -195,19 +204,20 @@ _sources: dict[Any, tuple[str, dict[str, Any]]] = {}
 
 
 def part_source(method: Method, given: Given) -> tuple[str, dict[str, Any]]:
-    """The text, and the names that it uses; the same objects for all that is laid out alike, as the runs of a batch."""
-    law, shapes = (
-        law_of(method),
-        [shape_of_record(each) for each in (*given.trees.values(), given.values["s"])],
-    )
-    functions = law.function, law.outputs
+    """The text, and the names that it uses.
+
+    They are the same objects for all that is laid out alike, as the runs of a batch.
+    """
+    law = law_of(method)
+    records = (*given.trees.values(), given.values["s"])
     key = (
         method.role,
         method.name,
         method.reads,
         method.writes,
-        *functions,
-        *shapes,
+        law.function,
+        law.outputs,
+        *map(shape_of_record, records),
         _shape_of(given.values["c"]),
     )
     if key not in _sources:
@@ -301,7 +311,10 @@ def _indented(lines: list[str]) -> list[str]:
 
 
 def _made(asked: type, names: dict[str, Any]) -> str:
-    """The expression that makes an argument, a signal or a NamedTuple of signals, of the frame `here`."""
+    """The expression that makes an argument of the frame `here`.
+
+    An argument is a signal or a NamedTuple of signals.
+    """
     names[asked.__name__] = asked
     if signals_in(asked) == (asked,):
         return _reading(asked)

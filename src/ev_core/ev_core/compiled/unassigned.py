@@ -1,4 +1,6 @@
-"""Names of a function that may have no value where they are read: plain Python raises there, compiled they are 0.
+"""Names of a function that may have no value where they are read.
+
+Plain Python raises there, compiled they are 0.
 
 How it works: the statements are followed in their order, with the names that have a value by then
 on every way there. Behind branches these are the names that have one at the end of each, and behind
@@ -19,14 +21,9 @@ def unassigned(tree: ast.AST, function: Callable[..., Any]) -> Iterator[tuple[as
     """Places where a function reads a name that may have no value, with the mistake in words."""
     for defined in ast.walk(tree):
         if isinstance(defined, ast.FunctionDef):
-            flow = _Flow(defined, function.__globals__)
-            yield from (
-                (
-                    node,
-                    f"{node.id} may have no value here, give it one on every way: compiled it is 0",
-                )
-                for node in flow.found
-            )
+            for node in _Flow(defined, function.__globals__).found:
+                lacks = f"{node.id} may have no value here"
+                yield node, f"{lacks}, give it one on every way: compiled it is 0"
             return  # inner functions are refused as such
 
 
@@ -37,14 +34,13 @@ class _Flow:
         self._constants = constants
         self._own = _bound(defined.body)
         self._iterables = _iterables(defined)
+        # For each loop around a statement: the names with a value at its breaks and continues.
         self._breaks: list[list[Names]] = []
         self._continues: list[list[Names]] = []
         self.found: list[ast.Name] = []
         given = defined.args
-        self._through(
-            defined.body,
-            frozenset(each.arg for each in (*given.posonlyargs, *given.args, *given.kwonlyargs)),
-        )
+        arguments = (*given.posonlyargs, *given.args, *given.kwonlyargs)
+        self._through(defined.body, frozenset(each.arg for each in arguments))
 
     def _through(self, body: Iterable[ast.stmt], have: Names | None) -> Names | None:
         """The names with a value behind some statements; None if no way leads there."""
@@ -74,14 +70,14 @@ class _Flow:
                 return self._around(node, have, None if never_ends else have)
             case ast.For(target=target, iter=iterated):
                 have = self._read(iterated, have)
-                return self._around(
-                    node, have | _bound([target]), None if self._runs(iterated) else have
-                )
+                without = None if self._runs(iterated) else have
+                return self._around(node, have | _bound([target]), without)
             case ast.Match(subject=subject, cases=cases):
                 return self._matched(cases, self._read(subject, have))
             case ast.AnnAssign(value=None):
                 return have
-        if not hasattr(node, "body"):  # else it is refused as such, or its own text is not followed
+        # One with a body of statements is refused as such, or its own text is not followed.
+        if not hasattr(node, "body"):
             self._read(node, have)
         return have | _bound([node])
 
@@ -94,14 +90,12 @@ class _Flow:
                 break  # the one before takes all
             self._read(case.pattern, tried)
             within = tried | _named(case.pattern)
-            within = within if case.guard is None else self._read(case.guard, within)
+            if case.guard is not None:
+                within = self._read(case.guard, within)
             behind = _on_both(behind, self._through(case.body, within))
-            takes_all = (
-                isinstance(case.pattern, ast.MatchAs)
-                and case.pattern.pattern is None
-                and case.guard is None
-            )
-            tried = None if takes_all else tried
+            is_bare_name = isinstance(case.pattern, ast.MatchAs) and case.pattern.pattern is None
+            if is_bare_name and case.guard is None:
+                tried = None  # it takes all that is left
         return _on_both(behind, tried)
 
     def _around(
@@ -122,24 +116,17 @@ class _Flow:
         return behind
 
     def _runs(self, iterated: ast.expr) -> bool:
-        """Return whether a loop runs once at least: all but ranges and slices have their length by declaration."""
+        """Return whether a loop runs once at least.
+
+        All but ranges and slices have their length by declaration.
+        """
         match iterated:
             case ast.Call(
                 func=ast.Name(id="range"), args=[ast.Call(func=ast.Name(id="len"), args=[of])]
             ):
                 return self._runs(of)
             case ast.Call(func=ast.Name(id="range"), args=args):
-                if any(isinstance(each, ast.Call) for arg in args for each in ast.walk(arg)):
-                    return False
-                try:
-                    text = compile(
-                        ast.Expression(ast.Tuple(args, ast.Load(), lineno=1, col_offset=0)),
-                        "",
-                        "eval",
-                    )
-                    return len(range(*eval(text, dict(self._constants)))) > 0
-                except Exception:  # it depends on what the function is given
-                    return False
+                return self._range_runs(args)
             # enumerate, zip, reversed and the like, or a function of one's own
             case ast.Call(args=args):
                 return all(map(self._runs, args))
@@ -150,12 +137,25 @@ class _Flow:
             case ast.Subscript(slice=ast.Slice()):
                 return False
             case ast.Name(id=name) if name in self._iterables:
-                # it may be made of itself
-                found, self._iterables[name] = self._iterables[name], None
+                # Hidden meanwhile, for it may be made of itself.
+                found = self._iterables[name]
+                self._iterables[name] = None
                 runs = found is not None and self._runs(found)
                 self._iterables[name] = found
                 return runs
         return not isinstance(iterated, ast.ListComp | ast.GeneratorExp)
+
+    def _range_runs(self, bounds: list[ast.expr]) -> bool:
+        """Return whether a range has an element, by constants of the module alone."""
+        # A call may depend on anything, or do something.
+        if any(isinstance(each, ast.Call) for bound in bounds for each in ast.walk(bound)):
+            return False
+        tree = ast.Expression(ast.Tuple(bounds, ast.Load(), lineno=1, col_offset=0))
+        try:
+            found = eval(compile(tree, "", "eval"), dict(self._constants))
+            return len(range(*found)) > 0
+        except Exception:  # it depends on what the function is given
+            return False
 
     def _read(self, node: ast.AST, have: Names) -> Names:
         """Look at what a statement or a part of one reads, and add what it names by :=."""
@@ -164,16 +164,13 @@ class _Flow:
         for each in ast.walk(node):
             if id(each) in hidden:
                 continue
-            is_read = isinstance(each, ast.Name) and isinstance(each.ctx, ast.Load)
-            if isinstance(each, ast.AugAssign):
-                each, is_read = each.target, True
-            if (
-                is_read
-                and isinstance(each, ast.Name)
-                and each.id in self._own
-                and each.id not in have
-            ):
-                self.found.append(each)
+            name: ast.AST | None = None
+            if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Load):
+                name = each
+            elif isinstance(each, ast.AugAssign):
+                name = each.target  # x += 1 reads x, though its name is marked as written
+            if isinstance(name, ast.Name) and name.id in self._own and name.id not in have:
+                self.found.append(name)
         return have
 
 
@@ -181,34 +178,35 @@ def _bound(nodes: Iterable[ast.AST]) -> Names:
     """The names that some statements or targets give a value."""
     found = [each for node in nodes for each in ast.walk(node)]
     hidden = {id(name) for each in found for name in _of_comprehension(each)}
-    stored = (
-        each for each in found if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)
-    )
-    names = frozenset(each.id for each in stored if id(each) not in hidden)
-    return names.union(*(_named(each) for each in found if isinstance(each, ast.pattern)))
+    names: set[str] = set()
+    for each in found:
+        if isinstance(each, ast.pattern):
+            names |= _named(each)
+        elif id(each) in hidden:
+            continue
+        elif isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store):
+            names.add(each.id)
+    return frozenset(names)
 
 
 def _named(pattern: ast.pattern) -> Names:
     """The names that a pattern of a case gives a value."""
-    found = (
-        (each, "rest" if isinstance(each, ast.MatchMapping) else "name")
-        for each in ast.walk(pattern)
-    )
-    return frozenset(
-        name for each, kind in found if (name := getattr(each, kind, None)) is not None
-    )
+    names: set[str] = set()
+    for each in ast.walk(pattern):
+        # {"a": 1, **rest} binds `rest`; all other patterns bind `name`, if anything.
+        name = getattr(each, "rest" if isinstance(each, ast.MatchMapping) else "name", None)
+        if name is not None:
+            names.add(name)
+    return frozenset(names)
 
 
 def _of_comprehension(node: ast.AST) -> Iterator[ast.Name]:
     """Names that belong to a comprehension alone; none for any other node."""
     if isinstance(node, ast.ListComp | ast.SetComp | ast.DictComp | ast.GeneratorExp):
-        own = {
-            each.id
-            for of in node.generators
-            for each in ast.walk(of.target)
-            if isinstance(each, ast.Name)
-        }
-        # which is read outside of it
+        own: set[str] = set()
+        for of in node.generators:
+            own |= {each.id for each in ast.walk(of.target) if isinstance(each, ast.Name)}
+        # The first iterable is read outside of the comprehension.
         first = {id(each) for each in ast.walk(node.generators[0].iter)}
         for each in ast.walk(node):
             if isinstance(each, ast.Name) and each.id in own and id(each) not in first:
@@ -218,9 +216,10 @@ def _of_comprehension(node: ast.AST) -> Iterator[ast.Name]:
 def _iterables(tree: ast.AST) -> dict[str, ast.expr | None]:
     """Values of a function's names, None for a name with several, or with a part of one."""
     found: dict[str, ast.expr | None] = {}
-    single = {
-        id(each.targets[0]): each.value for each in ast.walk(tree) if isinstance(each, ast.Assign)
-    }
+    single: dict[int, ast.expr] = {}
+    for each in ast.walk(tree):
+        if isinstance(each, ast.Assign):
+            single[id(each.targets[0])] = each.value
     for each in ast.walk(tree):
         if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store):
             found[each.id] = None if each.id in found else single.get(id(each))

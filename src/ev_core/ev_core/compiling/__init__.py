@@ -1,1 +1,1 @@
-"""Laws, drivers, columns and plants as compiled code, from the same text that Python runs (docs/compiled_laws.md)."""
+"""Compiled code, from the same text that Python runs (docs/compiled_laws.md)."""

@@ -41,7 +41,10 @@ _reaches: dict[Any, Reach] = {}
 
 
 def reach_of(text: str, names: dict[str, Any]) -> Reach:
-    """All that the compiled form of a text depends on; it is followed again only where it has changed."""
+    """All that the compiled form of a text depends on.
+
+    It is followed again only where it has changed.
+    """
     of = (text, *names, *names.values())
     if of not in _reaches or not _reaches[of].holds:
         _reaches[of] = Reach(*of)
@@ -49,7 +52,7 @@ def reach_of(text: str, names: dict[str, Any]) -> Reach:
 
 
 def key_of(name: str, text: str, names: dict[str, Any]) -> str:
-    """The name, and digits that change with everything that the compiled form of a text depends on."""
+    """The name, and digits of everything that the compiled form of a text depends on."""
     return f"{name}_{reach_of(text, names).digits[:DIGITS]}"
 
 
@@ -78,7 +81,10 @@ def keep(key: str, symbol: str, code: bytes) -> None:
 
 
 def kept_code(key: str) -> tuple[str, bytes] | None:
-    """The name of the function and its object file, as `keep` was given them; None if nothing is kept."""
+    """The name of the function and its object file, as `keep` was given them.
+
+    None if nothing is kept.
+    """
     kept = read_checked(kept_file(key, _CODE))
     if kept is None:
         return None

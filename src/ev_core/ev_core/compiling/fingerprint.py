@@ -1,4 +1,4 @@
-"""A digest of all that the compiled form of some functions depends on, and a look whether it still holds.
+"""A digest of all that the compiled form of some functions depends on.
 
 numba keeps a compiled function until its own file changes. It would not notice that a function
 which this one calls, or a number which it takes from another module, has changed, and the old
@@ -33,15 +33,16 @@ _OF_PYTHON = os.path.dirname(os.__file__)
 
 
 def fingerprint(*roots: Any) -> str:
-    """Hexadecimal digits that change with what any function reached does, and with all their constants."""
+    """Hexadecimal digits of all functions that are reached, and of all their constants."""
     return Reach(*roots).digits
 
 
 class Reach:
-    """All that some functions and values reach: by the names in their code, through modules, defaults and closures.
+    """All that some functions and values reach.
 
-    `digits` are its digest, `functions` those that were found, `made` the objects that numba has
-    made of some of them.
+    They do so by the names in their code, through modules, defaults and closures. `digits` are its
+    digest, `functions` those that were found, `made` the objects that numba has made of some of
+    them.
     """
 
     def __init__(self, *roots: Any) -> None:
@@ -53,6 +54,7 @@ class Reach:
         self._digest = hashlib.sha256()
         waiting = [*reversed(roots)]
         while waiting:
+            # In the order in which they are found, without recursion, which would go deep.
             waiting += reversed([*self._followed(waiting.pop())])
         self.digits = self._digest.hexdigest()
 
@@ -71,23 +73,23 @@ class Reach:
         if isinstance(function, FunctionType) and function is not found:
             self.made.append(found)
         if isinstance(found, tuple | list):
-            self._tell(_constant(type(found)), len(found))
+            self._add(_constant(type(found)), len(found))
             yield from found
-        # what numpy shows of a long array is not all of it
         elif isinstance(found, np.ndarray | np.generic):
+            # By its bytes: what numpy shows of a long array is not all of it.
             content = found.tobytes()
             self._arrays.append((found, content))
-            self._tell(found.dtype, found.shape, hashlib.sha256(content).hexdigest())
+            self._add(found.dtype, found.shape, hashlib.sha256(content).hexdigest())
         elif not isinstance(function, FunctionType):
-            self._tell(_constant(found))
+            self._add(_constant(found))
             if hasattr(found, "class_type"):  # a jitclass
                 yield from options_of(found)
         elif id(function) in self.functions:
-            self._tell("again", [*self.functions].index(id(function)))
+            self._add("again", [*self.functions].index(id(function)))
         else:
             self.functions[id(function)] = function
             self._made_of.append((function, _parts(function)))
-            self._tell(
+            self._add(
                 f"{function.__module__}.{function.__qualname__}",
                 function in INLINED,
                 *options_of(found),
@@ -95,17 +97,19 @@ class Reach:
             self._digest.update(_code(function.__code__) + b"\0")
             yield from self._used_by(function)
 
-    def _tell(self, *what: Any) -> None:
+    def _add(self, *what: Any) -> None:
+        # With an end after each: else "ab" and "c" would be "a" and "bc".
         self._digest.update(f"{' '.join(map(str, what))}\0".encode())
 
     def _used_by(self, function: FunctionType) -> Iterator[Any]:
         """Objects that a function takes from outside, each behind its name."""
         names = list(_names(function.__code__))
         places: list[Mapping[str, Any]] = [function.__globals__]
-        for place in places:  # and the modules found on the way
+        # Modules that are found on the way are added to the places.
+        for place in places:
             for name in names:
                 found = place.get(name, _NOTHING)
-                # which a global one may come to hide
+                # A name of Python's own is looked up, too, for a global one may come to hide it.
                 if found is not _NOTHING or hasattr(builtins, name):
                     self._looked_up.append((place, name, found))
                 if found is not _NOTHING:
@@ -117,7 +121,10 @@ class Reach:
 
 
 def _written(found: Any) -> Any:
-    """The written function of an object that numba made of it (njit, cfunc, vectorize); else the object itself."""
+    """The written function of an object that numba made of it (njit, cfunc, vectorize).
+
+    Else the object itself.
+    """
     if isinstance(found, FunctionType):
         return found
     return getattr(found, "py_func", getattr(found, "__wrapped__", found))
@@ -129,7 +136,10 @@ def _are_same(one: tuple[Any, ...], other: tuple[Any, ...]) -> bool:
 
 
 def _parts(function: FunctionType) -> tuple[Any, ...]:
-    """Objects that a function consists of, which may be replaced while its name keeps the same function."""
+    """Objects that a function consists of.
+
+    They may be replaced while its name keeps the same function.
+    """
     by_name = function.__kwdefaults__ or {}
     return (
         function.__code__,
@@ -149,7 +159,10 @@ def _contents(function: FunctionType) -> Iterator[Any]:
 
 
 def _is_looked_into(found: Any) -> bool:
-    """Return whether an object is a module of the user's, also one that is named like a module of Python's."""
+    """Return whether an object is a module of the user's.
+
+    It may have the name of a module of Python's.
+    """
     if not isinstance(found, ModuleType):
         return False
     package = found.__name__.partition(".")[0]
@@ -183,8 +196,10 @@ def _constant(value: Any) -> str:
     if isinstance(value, ModuleType):
         return value.__name__
     if isinstance(value, type):
-        return f"{value.__qualname__}{getattr(value, '_fields', '')}{dict(getattr(value, '__members__', {}))}"
-    # which numba does not call: it is there by its name only, and shows an address
+        fields = getattr(value, "_fields", "")
+        members = dict(getattr(value, "__members__", {}))
+        return f"{value.__qualname__}{fields}{members}"
+    # Numba does not call it. It is there by its name only, and would show an address.
     if isinstance(value, partial):
         return f"partial {getattr(value.func, '__qualname__', type(value.func))}"
     return repr(value)

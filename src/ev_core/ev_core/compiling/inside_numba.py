@@ -27,14 +27,21 @@ from ev_msgs_py.refusal import ParameterError, quoted
 VARIABLE = "EV_STACK_PLAIN_NUMBA"
 # By touch the names of numba that it needs, as far as they can be looked for.
 TOUCHES = {
-    "callees": "core.codegen:JITCodeLibrary._finalize_dynamic_globals core.codegen:JITCPUCodegen.create_library "
-    "core.codegen:JITCodeLibrary._verify_declare_only_symbols core.codegen:JITCPUCodegen._module_pass_manager "
+    "callees": "core.codegen:JITCodeLibrary._finalize_dynamic_globals "
+    "core.codegen:JITCPUCodegen.create_library "
+    "core.codegen:JITCodeLibrary._verify_declare_only_symbols "
+    "core.codegen:JITCPUCodegen._module_pass_manager "
     "core.codegen:JITCPUCodegen.set_env core.compiler_lock:global_compiler_lock",
-    "stack": "extending:lower_builtin core.cgutils:alloca_once np.arrayobj:make_array np.arrayobj:populate_array",
-    "edits": "core.typing.context:BaseContext.refresh core.typing.context:BaseContext.resolve_value_type",
-    "overloads": "core.caching:NullCache core.compiler:CompileResult._rebuild core.compiler:CompileResult._reduce "
-    "core.serialize:dumps core.codegen:CodeLibrary.has_dynamic_globals core.dispatcher:Dispatcher.compile",
-    "object_code": "core.codegen:CodeLibrary._get_compiled_object core.codegen:CodeLibrary.has_dynamic_globals",
+    "stack": "extending:lower_builtin core.cgutils:alloca_once np.arrayobj:make_array "
+    "np.arrayobj:populate_array",
+    "edits": "core.typing.context:BaseContext.refresh "
+    "core.typing.context:BaseContext.resolve_value_type",
+    "overloads": "core.caching:NullCache core.compiler:CompileResult._rebuild "
+    "core.compiler:CompileResult._reduce "
+    "core.serialize:dumps core.codegen:CodeLibrary.has_dynamic_globals "
+    "core.dispatcher:Dispatcher.compile",
+    "object_code": "core.codegen:CodeLibrary._get_compiled_object "
+    "core.codegen:CodeLibrary.has_dynamic_globals",
     "options": "",
     "checks": "core.cpu:CPUTargetOptions.finalize core.targetconfig:ConfigStack.top_or_none "
     "cpython.mathimpl:registry core.imputils:builtin_registry cpython.builtins:cast_int",
@@ -55,7 +62,10 @@ def switched_off() -> frozenset[str]:
 
 @cache
 def is_used(touch: str) -> bool:
-    """Return whether a touch is used: it is not switched off, and the installed numba has the names that it needs."""
+    """Return whether a touch is used.
+
+    It is not switched off, and the installed numba has the names that it needs.
+    """
     if touch in switched_off():
         return False
     try:
@@ -78,10 +88,10 @@ def is_used(touch: str) -> bool:
 
 @contextmanager
 def only_machine_code_of(name: str, made: Sequence[Any]) -> Iterator[None]:
-    """Make machine code in this block only of the function with this name; Python cannot call the others.
+    """Make machine code in this block only of the function with this name.
 
-    Objects that numba has `made` of functions of others, which Python may call, are made again
-    before and behind it.
+    Python cannot call the others. Objects that numba has `made` of functions of others, which
+    Python may call, are made again before and behind it.
     """
     make_anew(made)
     if not is_used("callees"):
@@ -114,11 +124,14 @@ def only_machine_code_of(name: str, made: Sequence[Any]) -> Iterator[None]:
 
 
 def _libraries() -> tuple[type, type]:
-    """Classes of numba's libraries for the code of a callee, and for that of an inlined function."""
+    """Classes of numba's libraries for callees, and for inlined functions."""
     from numba.core.codegen import JITCodeLibrary
 
     class Callee(JITCodeLibrary):
-        """A library that is optimised roughly, for that of its caller is optimised wholly; it can be linked."""
+        """A library that is optimised roughly, for that of its caller is optimised wholly.
+
+        It can be linked.
+        """
 
         def _optimize_final_module(self) -> None:
             manager, builder = self._codegen._module_pass_manager(slp_vectorize=False, cost="cheap")
@@ -194,7 +207,8 @@ def forget_made_of(functions: Sequence[Callable[..., Any]]) -> None:
     """Let numba make these functions again; ParameterError if this touch is switched off."""
     if not is_used("edits"):
         raise ParameterError(
-            f"a compiled function has changed, which needs a new process without edits in {VARIABLE}"
+            "a compiled function has changed, which needs a new process without edits in "
+            f"{VARIABLE}"
         )
     from numba.core.registry import cpu_target
 
@@ -209,7 +223,9 @@ _replaced: list[Any] = []  # machine code of C functions, since others may hold 
 
 
 def make_anew(made: Iterable[Any]) -> None:
-    """Let numba compile functions of others again (njit, cfunc, vectorize, methods of a jitclass), callees first.
+    """Let numba compile functions of others again, callees first.
+
+    They are made by njit, cfunc or vectorize, or are methods of a jitclass.
 
     The numbers that these take from their modules were those of another time, and their indices
     were not checked. Code in numba's own files on disk is not taken either, for the same reasons.

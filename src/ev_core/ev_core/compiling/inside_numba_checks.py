@@ -1,8 +1,8 @@
-"""The touch `checks` of numba (`inside_numba`): functions that a law of others calls fail where plain Python fails.
+"""The touch `checks` of numba (`inside_numba`).
 
-What a function with `boundscheck` calls checks its indices, its divisors, and whether functions of
-math have a result. Plain: every function checks indices and divisors, more slowly, and none checks
-results.
+Functions that a law of others calls fail where plain Python fails. What a function with
+`boundscheck` calls checks its indices, its divisors, and whether functions of math have a result.
+Plain: every function checks indices and divisors, more slowly, and none checks results.
 """
 
 from __future__ import annotations
@@ -43,12 +43,18 @@ def make_checks_reach_callees() -> None:
 
 
 def error_model() -> str:
-    """Error model of a function with a caller that does not check: quiet, in the plain way one that raises."""
+    """Error model of a function with a caller that does not check.
+
+    It is quiet, in the plain way one that raises.
+    """
     return QUIET if is_used("checks") else RAISING
 
 
 def _check_results() -> None:
-    """Let the functions of math, powers, int and round fail where a division by zero does, as they do in Python."""
+    """Let functions of math, powers, int and round fail as they do in Python.
+
+    They fail where a division by zero does.
+    """
     from numba import types
     from numba.core.imputils import builtin_registry
     from numba.core.registry import cpu_target
@@ -76,7 +82,10 @@ def _check_results() -> None:
 
 
 def _checked(lower: Callable[..., Any]) -> Callable[..., Any]:
-    """Lowering of a function with a test behind it: it raises an error for numbers that have no result."""
+    """Lowering of a function with a test behind it.
+
+    It raises an error for numbers that have no result.
+    """
     from llvmlite.ir import Constant, DoubleType
     from numba import types
     from numba.cpython.mathimpl import is_finite, is_inf, is_nan

@@ -27,7 +27,7 @@ def keep_overloads(
     read: Callable[[str], bytes | None],
     write: Callable[[str, bytes], None],
 ) -> None:
-    """Let numba, once `ready`, `read` what it has made of a function for types, given as a text, and `write` it.
+    """Let numba, once `ready`, `read` and `write` what it has made of a function.
 
     It does so within `alone`, so that of several processes one compiles; addresses of this process
     are not written.
@@ -74,7 +74,10 @@ _engines: list[Any] = []  # what they have loaded lasts as long as they do
 
 
 def object_code(function: Any) -> tuple[str, bytes] | None:
-    """The name of a C function (`cfunc`) and its object file; None if that holds addresses of this process."""
+    """The name of a C function (`cfunc`) and its object file.
+
+    None if that holds addresses of this process.
+    """
     if not is_used("object_code") or function._library.has_dynamic_globals:
         return None
     return function.native_name, function._library._get_compiled_object()
@@ -113,7 +116,10 @@ def loaded(symbol: str, code: bytes) -> int:
 
 
 def _name_helpers(binding: Any) -> None:
-    """Name the functions that code may call besides the C library, as numba does when it has compiled a function."""
+    """Name the functions that code may call besides the C library.
+
+    Numba does so when it has compiled a function.
+    """
     package: Any = importlib.util.find_spec("numba")
     numba = Path(package.submodule_search_locations[0])
     helpers = {
@@ -145,6 +151,9 @@ _ONLY_OF_ERRORS = re.compile(
 
 
 def takes_interpreter(step: Any) -> bool:
-    """Return whether a C function or a callee takes the interpreter on its way to an answer, by its compiled text."""
+    """Return whether a C function or a callee needs the interpreter for an answer.
+
+    Its compiled text shows it.
+    """
     functions = step.inspect_llvm().split("\n}")
     return any(len(_TAKEN.findall(each)) > len(_ONLY_OF_ERRORS.findall(each)) for each in functions)

@@ -1,4 +1,6 @@
-"""Functions as machine code: compiled once, loaded from the store without the compiler, and called by their address.
+"""Functions as machine code.
+
+They are compiled once, loaded from the store without the compiler, and called by their address.
 
 How it works: a caller gives a short text with a function `step` and the objects that the text
 names. Its key changes with all that the text reaches (`code_store`). `function_address` looks for
@@ -42,13 +44,16 @@ _is_announced = True  # by a line for each text that is compiled
 
 
 class TakesInterpreter(Exception):
-    """Compiled code takes Python's interpreter at run time, which is not there when it is called by its address."""
+    """Compiled code takes Python's interpreter at run time.
+
+    The interpreter is not there when code is called by its address.
+    """
 
 
 def call(address: int, first: int, second: int, third: int, fourth: int) -> int:
-    """Call a C function by its address, with up to four pointers or integers; the result is its status.
+    """Call a C function by its address, with up to four pointers or integers.
 
-    It is called in the same way from compiled code and from plain Python.
+    The result is its status. It is called in the same way from compiled code and from plain Python.
     """
     status: int = FUNCTION(address)(first, second, third, fourth)
     return status
@@ -57,9 +62,10 @@ def call(address: int, first: int, second: int, third: int, fourth: int) -> int:
 def function_address(
     name: str, text: str, names: dict[str, Any], look_at: Callable[[Reach], None] = lambda _: None
 ) -> int:
-    """The address of the C function `step` of a text that uses these names: loaded from disk, or compiled first.
+    """The address of the C function `step` of a text that uses these names.
 
-    Before it is compiled, `look_at` is called with all that the text reaches, and may refuse it.
+    It is loaded from disk, or compiled first. Before it is compiled, `look_at` is called with all
+    that the text reaches, and may refuse it.
     """
     key = key_of(name, text, names)
     if key in _taking:
@@ -127,7 +133,7 @@ def _make_known() -> None:
 
 
 def register_functions() -> None:
-    """Let the compiler know all functions that are marked as compilable so far, and forget the code of changed ones."""
+    """Let the compiler know all functions marked as compilable, and forget changed ones."""
     global _registered, _reached
     from numba.extending import register_jitable
 
@@ -171,10 +177,11 @@ def _keep(function: Any, key: str, reach: Reach) -> None:
 
 
 def compiled_address(key: str, text: str, names: dict[str, Any]) -> int:
-    """The address of the C function `step` of a text, compiled now and kept for processes without the compiler.
+    """The address of the C function `step` of a text, compiled now.
 
-    Code that holds addresses of this process is not kept: another process would jump into nowhere.
-    TakesInterpreter if it cannot be called by its address.
+    It is kept for processes without the compiler. Code that holds addresses of this process is not
+    kept: another process would jump into nowhere. TakesInterpreter if it cannot be called by its
+    address.
     """
     _announce(key)
     with inside_numba.only_machine_code_of("step", made_by_others(text, names)):
@@ -190,7 +197,7 @@ def compiled_address(key: str, text: str, names: dict[str, Any]) -> int:
 
 
 def compiled_function(name: str, text: str, names: dict[str, Any]) -> Any:
-    """The function `step` of a text that uses these names, compiled or loaded with its first call."""
+    """The function `step` of a text with these names, compiled or loaded by its first call."""
     key = key_of(name, text, names)
     if key not in _functions:
         inside_numba.make_anew(made_by_others(text, names))
@@ -204,10 +211,10 @@ def executed(key: str, text: str, names: dict[str, Any]) -> Any:
     """The function `step` of a text that uses these names, in a module of its own."""
     module = ModuleType(f"ev_stack_{key}")
     vars(module).update(names)
-    # code that numba loads from disk asks for its module by name
+    # Code that numba loads from disk asks for its module by name.
     sys.modules[module.__name__] = module
     file = f"<{key}>"
-    # for the compiler's errors
+    # The compiler's errors show lines of the text.
     linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
     exec(compile(text, file, "exec"), vars(module))
     return vars(module)["step"]
@@ -215,7 +222,10 @@ def executed(key: str, text: str, names: dict[str, Any]) -> Any:
 
 @contextmanager
 def counted_by_others() -> Iterator[None]:
-    """Print no line about each text that is compiled in this block: its caller shows the progress."""
+    """Print no line about each text that is compiled in this block.
+
+    Its caller shows the progress.
+    """
     global _is_announced
     before, _is_announced = _is_announced, False
     try:

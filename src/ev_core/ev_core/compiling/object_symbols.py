@@ -1,4 +1,7 @@
-"""Symbols that an object file calls, and the size of its code: ELF with 64 and 32 bits, and COFF (Windows)."""
+"""Symbols that an object file calls, and the size of its code.
+
+It may be ELF with 64 or 32 bits, or COFF (Windows).
+"""
 
 from __future__ import annotations
 
@@ -9,13 +12,12 @@ _ELF = b"\x7fELF"
 # One symbol: of ELF with 64 bits name, kind, visibility, section, value, size; with 32 bits name,
 # value, size, kind, visibility, section; of COFF name, value, section, type, class, entries that
 # follow.
-_WIDE, _NARROW, _COFF = (
-    struct.Struct("<IBBHQQ"),
-    struct.Struct("<IIIBBH"),
-    struct.Struct("<8sIhHBB"),
-)
+_WIDE = struct.Struct("<IBBHQQ")
+_NARROW = struct.Struct("<IIIBBH")
+_COFF = struct.Struct("<8sIhHBB")
 _COFF_HEAD = struct.Struct("<HHIII")
 _CONTENT = (b".text", b".rodata", b".rdata")
+_OF_64_BITS = 2  # behind the magic number of ELF
 _EXTERNAL = 2  # class of a COFF symbol that others may define
 
 
@@ -37,20 +39,23 @@ def code_size(code: bytes) -> int:
 def _of_elf(code: bytes) -> Iterator[str]:
     from llvmlite import binding
 
-    sections = {
-        section.name(): section.data()
-        for section in binding.ObjectFileRef.from_data(code).sections()
-    }
-    names, is_wide = sections[b".strtab"], code[len(_ELF)] == _EXTERNAL
-    # the first one is none
-    for entry in list((_WIDE if is_wide else _NARROW).iter_unpack(sections[b".symtab"]))[1:]:
-        if entry[3 if is_wide else 5] == 0:
-            yield _until_zero(names, entry[0])
+    found = binding.ObjectFileRef.from_data(code).sections()
+    sections = {section.name(): section.data() for section in found}
+    is_wide = code[len(_ELF)] == _OF_64_BITS
+    layout = _WIDE if is_wide else _NARROW
+    place_of_section = 3 if is_wide else 5
+    # The first symbol is none.
+    for entry in list(layout.iter_unpack(sections[b".symtab"]))[1:]:
+        # One without a section is defined elsewhere.
+        if entry[place_of_section] == 0:
+            yield _until_zero(sections[b".strtab"], entry[0])
 
 
 def _of_coff(code: bytes) -> Iterator[str]:
     _, _, _, begin, count = _COFF_HEAD.unpack_from(code)
-    names, n = begin + count * _COFF.size, 0
+    # The table of long names stands behind the symbols.
+    names = begin + count * _COFF.size
+    n = 0
     while n < count:
         name, _, section, _, kind, following = _COFF.unpack_from(code, begin + n * _COFF.size)
         if section == 0 and kind == _EXTERNAL:

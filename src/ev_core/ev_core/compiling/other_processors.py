@@ -26,23 +26,28 @@ _PAGES = "___chkstk_ms"  # touches the pages of a large frame one by one, as Win
 _OF_ARM = frozenset(
     """
     __aeabi_memset __aeabi_memset4 __aeabi_memset8 __aeabi_memclr __aeabi_memclr4 __aeabi_memclr8
-    __aeabi_d2lz __aeabi_d2ulz __aeabi_l2d __aeabi_ul2d __aeabi_lmul __aeabi_ldivmod __aeabi_uldivmod
+    __aeabi_d2lz __aeabi_d2ulz __aeabi_l2d __aeabi_ul2d
+    __aeabi_lmul __aeabi_ldivmod __aeabi_uldivmod
     floor ceil rint
     """.split()  # noqa: SIM905
 )
 # And numbers of 64 bits where there are only those of 32 bits; IEEE 754 defines every result.
 _SOFT = frozenset(
     """
-    __aeabi_dadd __aeabi_dsub __aeabi_drsub __aeabi_dmul __aeabi_ddiv __aeabi_d2f __aeabi_f2d __aeabi_d2iz
-    __aeabi_d2uiz __aeabi_i2d __aeabi_ui2d __aeabi_dcmpeq __aeabi_dcmplt __aeabi_dcmple __aeabi_dcmpge __aeabi_dcmpgt
-    __aeabi_dcmpun __aeabi_llsl __aeabi_llsr __aeabi_lasr
+    __aeabi_dadd __aeabi_dsub __aeabi_drsub __aeabi_dmul __aeabi_ddiv
+    __aeabi_d2f __aeabi_f2d __aeabi_d2iz __aeabi_d2uiz __aeabi_i2d __aeabi_ui2d
+    __aeabi_dcmpeq __aeabi_dcmplt __aeabi_dcmple __aeabi_dcmpge __aeabi_dcmpgt __aeabi_dcmpun
+    __aeabi_llsl __aeabi_llsr __aeabi_lasr
     sqrt
     """.split()  # noqa: SIM905
 )
 
 
 class Processor(NamedTuple):
-    """Settings of LLVM for a processor and its system; `may_call` are the functions that its C compiler brings."""
+    """Settings of LLVM for a processor and its system.
+
+    `may_call` are the functions that its C compiler brings.
+    """
 
     triple: str
     cpu: str
@@ -72,7 +77,8 @@ _CALLED = """
 define i32 @{symbol}(ptr %now, ptr %next, ptr %state, ptr %constants) {{
   %given = alloca i32
   %raised = alloca ptr
-  %status = call i32 @{name}(ptr %given, ptr %raised, ptr %now, ptr %next, ptr %state, ptr %constants)
+  %status = call i32 @{name}(
+      ptr %given, ptr %raised, ptr %now, ptr %next, ptr %state, ptr %constants)
   ret i32 %status
 }}
 """
@@ -84,7 +90,8 @@ define i32 @{symbol}(ptr %now, ptr %next, ptr %state, ptr %constants) {{
   %raised = alloca ptr
   store i32 1, ptr %given
   store ptr null, ptr %raised
-  %failed = call i32 @{name}(ptr %given, ptr %raised, ptr %now, ptr %next, ptr %state, ptr %constants)
+  %failed = call i32 @{name}(
+      ptr %given, ptr %raised, ptr %now, ptr %next, ptr %state, ptr %constants)
   %status = load i32, ptr %given
   %either = or i32 %failed, %status
   ret i32 %either
@@ -102,10 +109,10 @@ _OF_POINTERS = re.compile(r"= alloca [\[{][^\n]*\bptr\b")
 
 
 def object_file(code: Code, symbol: str, processor: Processor) -> bytes:
-    """The object file of a text's function under the name `symbol`: int32 symbol(now, next, state, constants).
+    """The object file of a text's function under the name `symbol`.
 
-    It returns 0, and something else where the function has raised an exception, or answers so.
-    ParameterError if it calls what may not be there.
+    int32 symbol(now, next, state, constants). It returns 0, and something else where the function
+    has raised an exception, or answers so. ParameterError if it calls what may not be there.
     """
     from llvmlite import binding
 

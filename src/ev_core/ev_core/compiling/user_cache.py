@@ -29,10 +29,10 @@ _OTHERS = stat.S_IWGRP | stat.S_IWOTH
 
 @cache
 def cache_folder() -> Path:
-    """The folder of EV_STACK_CACHE, else `ev_stack` in the user's cache folder (XDG_CACHE_HOME, ~/.cache).
+    """The folder of EV_STACK_CACHE, else `ev_stack` in the user's cache folder.
 
-    Where that cannot be written, a folder that goes with this process; one line says so.
-    ParameterError if others could put something there.
+    That is XDG_CACHE_HOME, or ~/.cache. Where it cannot be written, it is a folder that goes with
+    this process, with one line about it. ParameterError if others could put something there.
     """
     named = os.environ.get(VARIABLE)
     folder = Path(named).absolute() if named else _of_user()
@@ -46,18 +46,19 @@ def cache_folder() -> Path:
         return _for_now(folder)
     if danger := _danger(folder):
         raise ParameterError(
-            f"what is compiled is not kept in {folder}: {danger}; expected a folder of your own (user {os.getuid()}) "
-            f"into which no other user may write; {VARIABLE} names another one"
+            f"what is compiled is not kept in {folder}: {danger}; "
+            f"expected a folder of your own (user {os.getuid()}) into which no other user may "
+            f"write; {VARIABLE} names another one"
         )
     return folder
 
 
 def _of_user() -> Path:
-    # a relative one does not count, by its specification
     named = os.environ.get("XDG_CACHE_HOME", "")
-    return (
-        Path(named) if os.path.isabs(named) else Path(os.path.expanduser("~")) / ".cache"
-    ) / "ev_stack"
+    # A relative one does not count, by its specification.
+    if os.path.isabs(named):
+        return Path(named) / "ev_stack"
+    return Path(os.path.expanduser("~")) / ".cache" / "ev_stack"
 
 
 def _for_now(wanted: Path) -> Path:
@@ -72,16 +73,21 @@ def _for_now(wanted: Path) -> Path:
 
 
 def _danger(folder: Path) -> str:
-    """Why other users could write into a folder, or replace it by another one or a link; empty if they cannot."""
-    user, real = os.getuid(), folder.resolve()
+    """Why other users could write into a folder, or replace it by another one or a link.
+
+    Empty if they cannot.
+    """
+    user = os.getuid()
+    real = folder.resolve()
+    # All folders on the way, by name and behind links: in any of them the next could be replaced.
     for path in dict.fromkeys((*reversed(folder.parents), folder, *reversed(real.parents), real)):
         found = path.lstat()
-        if (path == real and found.st_uid != user) or (
-            path.is_symlink() and found.st_uid not in (user, 0)
-        ):
+        is_link_of_others = path.is_symlink() and found.st_uid not in (user, 0)
+        if is_link_of_others or (path == real and found.st_uid != user):
             return f"{path} belongs to user {found.st_uid}"
         if path.is_symlink():
             continue
+        # With the sticky bit, as /tmp has it, others cannot touch what is not theirs.
         is_everybodys = found.st_mode & (stat.S_IWOTH | stat.S_ISVTX) == stat.S_IWOTH
         if is_everybodys or (path == real and found.st_mode & _OTHERS):
             return f"others may write into {path} (mode {stat.S_IMODE(found.st_mode):04o})"
@@ -89,7 +95,10 @@ def _danger(folder: Path) -> str:
 
 
 def write_checked(file: Path, content: bytes) -> None:
-    """Write a file that other processes, also after a crash, see whole or not at all; OSError that names it."""
+    """Write a file that other processes, also after a crash, see whole or not at all.
+
+    An OSError names it.
+    """
     unfinished = file.with_name(f".{file.name}.{secrets.token_hex(4)}")
     try:
         with unfinished.open("xb") as to:
@@ -104,7 +113,10 @@ def write_checked(file: Path, content: bytes) -> None:
 
 
 def read_checked(file: Path) -> bytes | None:
-    """Content that `write_checked` wrote; None without the file, or if its checksum is wrong: then it is removed."""
+    """Content that `write_checked` wrote.
+
+    None without the file, or if its checksum is wrong: then it is removed.
+    """
     try:
         written = read_data(file, SIGNALS, is_input=False)
     except FileNotFoundError:
@@ -127,10 +139,10 @@ def _checksum(content: bytes) -> bytes:
 
 @contextmanager
 def alone(key: str) -> Iterator[None]:
-    """Let one process of this user at a time enter the block; one that ends within it, in any way, lets others in.
+    """Let one process of this user at a time enter the block.
 
-    Where the file system has no locks, or the folder is full, several make the same thing, which is
-    slower.
+    One that ends within it, in any way, lets others in. Where the file system has no locks, or the
+    folder is full, several make the same thing, which is slower.
     """
     file = cache_folder() / f".{key}.lock"
     try:

@@ -1,4 +1,4 @@
-"""The exponential function and the logarithm, also of one more and less one, and the hyperbolic functions."""
+"""Exponential function, logarithm, expm1, log1p and the hyperbolic functions."""
 
 from math import frexp, inf, isqrt, ldexp, nan
 
@@ -10,7 +10,10 @@ _BITS = 200
 
 
 def _roots() -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """2**(j/32), j = 0..31, as doubles and what these miss: from integers, so without rounding that could differ."""
+    """2**(j/32), j = 0..31, as doubles and what these miss.
+
+    They come from integers, so without rounding that could differ.
+    """
     unit = 1 << _BITS
     step = 2 * unit
     for _ in range(5):
@@ -58,7 +61,10 @@ Q5 = -2.01099218183624371326e-07
 
 @compilable
 def parts_of_exp(x: float, lift: int) -> tuple[float, float, float]:
-    """Return head, tail, scale: e**x 2**(lift/32) = (head + tail) scale, to about 60 bits, scale a power of two."""
+    """Return head, tail, scale.
+
+    e**x 2**(lift/32) = (head + tail) scale, to about 60 bits, scale a power of two.
+    """
     steps = (x * STEPS + ROUND) - ROUND
     rest = (x - steps * STEP_HEAD) - steps * STEP_TAIL
     square = rest * rest
@@ -258,7 +264,10 @@ def log(x: float) -> float:
 
 @compilable
 def log1p(x: float) -> float:
-    """log(1 + x), accurate near zero, too; -inf at -1, NaN below; 0.86 ulp; after fdlibm's s_log1p.c."""
+    """log(1 + x), accurate near zero, too; -inf at -1, NaN below; 0.86 ulp.
+
+    After fdlibm's s_log1p.c.
+    """
     if -0.29 < x < 0.41:
         if -1e-17 < x < 1e-17:
             return x

@@ -102,7 +102,10 @@ def arc_excess(t: float) -> float:
 
 @compilable
 def atan(x: float) -> float:
-    """Arc tangent; 0.86 ulp; from those of 1/2, 1, 3/2, infinity and a polynomial for the rest: fdlibm's s_atan.c."""
+    """Arc tangent; 0.86 ulp; from those of 1/2, 1, 3/2, infinity and a polynomial for the rest.
+
+    After fdlibm's s_atan.c.
+    """
     size = abs(x)
     if size < 0.4375:
         return x - arc_excess(x) if size > 1e-8 else x

@@ -1,4 +1,7 @@
-"""Numbers in two parts, for what 53 bits cannot hold; exact remainders, and the length of a vector in the plane."""
+"""Numbers in two parts, for what 53 bits cannot hold.
+
+The module has exact remainders, and the length of a vector in the plane.
+"""
 
 from math import copysign, inf, nan, sqrt
 
@@ -80,10 +83,10 @@ def fmod(x: float, y: float) -> float:
 
 @compilable
 def remainder(x: float, y: float) -> float:
-    """Remainder x - n y, n the integer nearest to x/y, the even one of two; exact; NaN for x infinite or y zero.
+    """Remainder x - n y, n the integer nearest to x/y, the even one of two; exact.
 
-    To the bit `math.remainder`, which the compiler does not know; by the other remainder, as
-    CPython does it.
+    NaN for x infinite or y zero. To the bit `math.remainder`, which the compiler does not know; by
+    the other remainder, as CPython does it.
     """
     size, step = abs(x), abs(y)
     if not (size < inf and step > 0.0):

@@ -1,4 +1,8 @@
-"""Sine, cosine and tangent of an angle, as quarter turns and a rest of at most an eighth, however many turns."""
+"""Sine, cosine and tangent of an angle, however many turns it has.
+
+How it works: the angle becomes a number of quarter turns and a rest of at most an eighth of a turn.
+Polynomials give sine and cosine of the rest; the quarter turns choose between them and their signs.
+"""
 
 from math import floor, frexp, inf, ldexp, nan
 
@@ -18,9 +22,10 @@ UNIT, PER_UNIT = 2.0**24, 2.0**-24
 def _digits() -> tuple[float, ...]:
     """2/pi to 1200 bits: digits of 24 bits each from index 2 on, with zeros before the point."""
     bits = int(
-        "a2f9836e4e441529fc2757d1f534ddc0db6295993c439041fe5163abdebbc561b7246e3a424dd2e006492eea09d1921cfe1deb1cb129"
-        "a73ee88235f52ebb4484e99c7026b45f7e413991d639835339f49c845f8bbdf9283b1ff897ffde05980fef2f118b5a0a6d1f6d367ecf"
-        "27cb09b74f463f669e5fea2d7527bac7ebe5f17b3d0739f78a5292ea6bfb5fb11f8d5d0856033046fc7b",
+        "a2f9836e4e441529fc2757d1f534ddc0db6295993c439041fe5163abdebbc561b7246e3a424dd2e0"
+        "06492eea09d1921cfe1deb1cb129a73ee88235f52ebb4484e99c7026b45f7e413991d639835339f4"
+        "9c845f8bbdf9283b1ff897ffde05980fef2f118b5a0a6d1f6d367ecf27cb09b74f463f669e5fea2d"
+        "7527bac7ebe5f17b3d0739f78a5292ea6bfb5fb11f8d5d0856033046fc7b",
         16,
     )
     return 0.0, 0.0, *(float(bits >> 24 * (49 - i) & 0xFFFFFF) for i in range(50))
@@ -34,7 +39,10 @@ HALF_PI_LOW = HALF_PI - HALF_PI_HIGH
 
 @compilable
 def digit_of_product(x: tuple[float, float, float], at: int, carry: float) -> tuple[float, float]:
-    """Return carry, digit: the digit of x times 2/pi at a place, given what the place behind it carries over."""
+    """Return carry and digit of x times 2/pi at a place.
+
+    `carry` comes from the place behind it.
+    """
     total = x[0] * TWO_OVER_PI[at] + x[1] * TWO_OVER_PI[at - 1] + x[2] * TWO_OVER_PI[at - 2] + carry
     over = float(floor(total * PER_UNIT))
     return over, total - over * UNIT
@@ -42,7 +50,9 @@ def digit_of_product(x: tuple[float, float, float], at: int, carry: float) -> tu
 
 @compilable
 def reduced_huge(x: float) -> tuple[int, float, float]:
-    """Return n, rest, tail: x = (n + 4 m) pi/2 + rest + tail with |rest| <= pi/4, for finite |x| >= 2**20.
+    """Return n, rest, tail for finite |x| >= 2**20.
+
+    x = (n + 4 m) pi/2 + rest + tail with |rest| <= pi/4.
 
     The digits of x times those of 2/pi that neither give whole turns nor are too small to matter:
     M. Payne and R. Hanek, Radian Reduction for Trigonometric Functions, SIGNUM Newsletter 18, 1983;
@@ -94,7 +104,10 @@ def reduced_huge(x: float) -> tuple[int, float, float]:
 
 @compilable
 def times_half_pi(rest: float, tail: float) -> tuple[float, float]:
-    """Both parts of the product of a number in two parts and pi/2 (T. J. Dekker, Numerische Mathematik 18, 1971)."""
+    """Both parts of the product of a number in two parts and pi/2.
+
+    After T. J. Dekker, Numerische Mathematik 18, 1971.
+    """
     product = rest * HALF_PI
     high = upper_half(rest)
     low = rest - high
@@ -127,10 +140,10 @@ PLAIN = 1e-8  # a rest above this part of the quarters is not spoilt by cancella
 
 @compilable
 def reduced(x: float) -> tuple[int, float, float]:
-    """Return n, rest, tail: x = (n + 4 m) pi/2 + rest + tail with |rest| <= pi/4, for finite x; to 60 bits.
+    """Return n, rest, tail: x = (n + 4 m) pi/2 + rest + tail with |rest| <= pi/4, for finite x.
 
-    W. J. Cody and W. Waite, Software Manual for the Elementary Functions, 1980, with the parts of
-    pi/2 that fdlibm's e_rem_pio2.c has.
+    To 60 bits. W. J. Cody and W. Waite, Software Manual for the Elementary Functions, 1980, with
+    the parts of pi/2 that fdlibm's e_rem_pio2.c has.
     """
     if not -MODERATE < x < MODERATE:
         return reduced_huge(x)
@@ -145,7 +158,10 @@ def reduced(x: float) -> tuple[int, float, float]:
 
 @compilable
 def reduced_again(n: int, first: float, quarters: float) -> tuple[int, float, float]:
-    """Count all parts of pi/2, with what each difference loses (D. E. Knuth, TAOCP 2, 4.2.2, theorem B)."""
+    """Count all parts of pi/2, with what each difference loses.
+
+    After D. E. Knuth, TAOCP 2, 4.2.2, theorem B.
+    """
     part = quarters * PART_2
     second = first - part
     back = second - first
@@ -219,7 +235,10 @@ def cos(x: float) -> float:
 
 @compilable
 def sin_cos(x: float) -> tuple[float, float]:
-    """Sine and cosine of any angle, the same bits as one by one, for little more than the price of one."""
+    """Sine and cosine of any angle, for little more than the price of one.
+
+    The bits are those of `sin` and `cos`.
+    """
     if -QUARTER_PI <= x <= QUARTER_PI:
         return near_sine(x, 0.0) if x > 1e-8 or x < -1e-8 else x, near_cosine(x, 0.0)
     if not -inf < x < inf:
@@ -260,7 +279,10 @@ def tan(x: float) -> float:
 
 @compilable
 def near_tangent(n: int, x: float, tail: float) -> float:
-    """Tangent of x + tail for |x| <= pi/4, and of a quarter turn more for n = 1; fdlibm's k_tan.c."""
+    """Tangent of x + tail for |x| <= pi/4, and of a quarter turn more for n = 1.
+
+    After fdlibm's k_tan.c.
+    """
     size = abs(x)
     if size >= WIDE:
         signed_tail = tail if x > 0.0 else -tail

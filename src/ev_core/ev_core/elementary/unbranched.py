@@ -14,7 +14,10 @@ TAN_EIGHTH, TAN_3_EIGHTHS = 0.41421356237309503, 2.414213562373095  # of half a 
 
 @inlined
 def first_quadrant(y: float, x: float) -> float:
-    """Angle of the vector (x, y), x positive and y not negative, from the x axis; relative error 1.2e-15."""
+    """Angle of the vector (x, y), x positive and y not negative, from the x axis.
+
+    Relative error 1.2e-15.
+    """
     outside, far = y > TAN_EIGHTH * x, y > TAN_3_EIGHTHS * x
     upper = y - x if outside else y
     lower = y + x if outside else x

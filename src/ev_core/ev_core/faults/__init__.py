@@ -1,1 +1,1 @@
-"""Faults: what goes wrong in a run, declared as texts, with times, deterministic by seed (docs/faults.md)."""
+"""Faults of a run, declared as texts with times, deterministic by seed (docs/faults.md)."""

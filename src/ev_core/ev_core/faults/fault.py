@@ -1,4 +1,4 @@
-"""One fault, as a text: KIND WHERE [VALUE] [from SECONDS] [until SECONDS], and the kinds that there are."""
+"""One fault as a text, KIND WHERE [VALUE] [from SECONDS] [until SECONDS], and all kinds."""
 
 import math
 from dataclasses import dataclass
@@ -11,7 +11,10 @@ from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """A kind of fault; its value lies within `low` to `high` in `unit`, and there is none where they are the same."""
+    """A kind of fault.
+
+    Its value lies within `low` to `high` in `unit`; it has none where both are the same.
+    """
 
     about: str
     unit: str = ""
@@ -49,7 +52,8 @@ OF_SIGNALS = {
         "with this probability two in a row arrive in the wrong order", "1", 0.0, 1.0
     ),
     "restarted": Kind(
-        "the node that writes it is killed, and begins anew when the fault ends; readers keep the last"
+        "the node that writes it is killed, and begins anew when the fault ends; readers keep the "
+        "last"
     ),
 }
 
@@ -75,15 +79,13 @@ KINDS = {**OF_SIGNALS, **OF_THE_CAR}
 
 SYNTAX = "KIND WHERE [VALUE] [from SECONDS] [until SECONDS]"
 BATTERY = "battery"
+_NEVER = 1e18  # periods: finite, so that compiled code may count with it
 _TOLERANCE = 1e-6  # of a period: 0.3 s are 30 periods of 0.01 s, though 0.3/0.01 is a little less
-_SOME_WHEELS = {
-    **{name: (name,) for name in WHEEL_NAMES},
-    **{
-        side: tuple(name for name in WHEEL_NAMES if side in name)
-        for side in ("front", "rear", "left", "right")
-    },
-    "all": WHEEL_NAMES,
-}
+# Wheels by what a fault may name: one wheel, an axle, a side, or all.
+_SOME_WHEELS: dict[str, tuple[str, ...]] = {name: (name,) for name in WHEEL_NAMES}
+for _side in ("front", "rear", "left", "right"):
+    _SOME_WHEELS[_side] = tuple(name for name in WHEEL_NAMES if _side in name)
+_SOME_WHEELS["all"] = WHEEL_NAMES
 
 
 def faults_parameter() -> Any:
@@ -110,10 +112,11 @@ class Fault(NamedTuple):
 
     def periods(self, period: float) -> tuple[float, float]:
         """The first control period with it, and the first one without it again."""
-        begin, end = (
-            math.ceil(time / period - _TOLERANCE) if time < math.inf else time for time in self[4:6]
-        )
-        return float(begin), min(float(end), 1e18)
+        begin = float(math.ceil(self.begin / period - _TOLERANCE))
+        if self.end == math.inf:
+            return begin, _NEVER
+        end = float(math.ceil(self.end / period - _TOLERANCE))
+        return begin, min(end, _NEVER)
 
     def wheels(self) -> tuple[float, ...]:
         """1 for each wheel that it strikes."""
@@ -129,7 +132,7 @@ def _fault(text: str) -> Fault:
     words = text.split()
     if len(words) < 2:
         raise ParameterError(f"faults: {quoted(text)} is refused, expected {SYNTAX}")
-    (name, where), rest = words[:2], words[2:]
+    name, where, *rest = words
     if name not in KINDS:
         raise ParameterError(
             f"faults: {quoted(text)}: {unknown_name('kind of fault', name, KINDS)}"
@@ -143,14 +146,12 @@ def _fault(text: str) -> Fault:
             )
         value = _number(text, rest.pop(0), kind.low, kind.high, kind.unit)
     times = {"from": 0.0, "until": math.inf}
-    if len(rest) % 2 or len(set(rest[::2])) < len(rest) // 2 or not set(rest[::2]) <= set(times):
+    # What is left are pairs of a word and a time, each word once at most.
+    given = rest[::2]
+    if len(rest) % 2 or len(set(given)) < len(given) or not set(given) <= set(times):
         raise ParameterError(f"faults: {quoted(text)} is refused, expected {SYNTAX}")
-    times.update(
-        {
-            word: _number(text, time, 0.0, 1e9, "s")
-            for word, time in zip(rest[::2], rest[1::2], strict=True)
-        }
-    )
+    for word, time in zip(given, rest[1::2], strict=True):
+        times[word] = _number(text, time, 0.0, 1e9, "s")
     if times["from"] >= times["until"]:
         raise ParameterError(
             f"faults: {quoted(text)} ends at {times['until']:g} s, expected after its begin"

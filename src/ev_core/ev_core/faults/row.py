@@ -1,9 +1,12 @@
-"""Faults of signals in the frame: their output takes the place of the numbers, once per control period.
+"""Faults of signals in the frame.
 
-A row of numbers has the settings of the faults behind one object, another one what lasts between
-periods:
+How it works: behind an object and its sensors the faults put their output into the place of the
+numbers, once per control period. A fault that knows earlier numbers remembers them also while it
+does not strike, so that it has them when it begins. A row of numbers has the settings of the faults
+behind one object, another one what lasts between periods:
 
-    constants  total  size of the state  entries  period [s]  then of each entry the numbers KIND to OTHER_UNSIGNED
+    constants  total  size of the state  entries  period [s]
+               then of each entry the numbers KIND to OTHER_UNSIGNED
     state      for each entry that remembers: whether it has begun, then the numbers
 
 `FaultRow` makes both rows, and steps them in plain Python.
@@ -122,13 +125,18 @@ def words(c: Sequence[float], period: int, block: int, purpose: int) -> tuple[in
 
 @compilable
 def is_drawn(c: Sequence[float], period: int) -> bool:
-    """Return whether a fault happens in a period, to all its numbers at once; its value is the probability."""
+    """Return whether a fault happens in a period, to all its numbers at once.
+
+    Its value is the probability.
+    """
     w0, w1, _, _ = words(c, period, 0, FOR_LOSS)
     return uniform(w0, w1) < c[VALUE]
 
 
 _CODES = list(OF_SIGNALS)
 _PAIR = 2
+# Kinds that remember one number; a delay remembers one for each period.
+_KEEP_ONE = ("frozen", "lost", "reordered", "restarted")
 
 
 def of_signals(texts: tuple[str, ...]) -> list[Fault]:
@@ -137,12 +145,15 @@ def of_signals(texts: tuple[str, ...]) -> list[Fault]:
 
 
 class FaultRow(Row):
-    """Faults of signals that an object with these `writes` publishes; `constants` and `state` are as above.
+    """Faults of signals that an object with these `writes` publishes.
 
-    ParameterError for a number that is not among them.
+    `constants` and `state` are as above. ParameterError for a number that is not among them.
     """
 
-    head, width, key, memory = FAULTS_HEAD, FAULT_WIDTH, (FAULT_NAME, NUMBER, LENGTH), MEMORY
+    head = FAULTS_HEAD
+    width = FAULT_WIDTH
+    key = (FAULT_NAME, NUMBER, LENGTH)
+    memory = MEMORY
 
     def __init__(
         self, faults: Sequence[Fault], writes: tuple[type, ...], seed: int, period: float
@@ -150,8 +161,10 @@ class FaultRow(Row):
         self.constants = [0.0] * FAULTS_HEAD
         texts = [fault.text for fault in faults]
         for n, fault in enumerate(faults):
-            again = texts[:n].count(fault.text)  # two of one text have random numbers of their own
-            name = zlib.crc32((f"{fault.text} {again}" if again else fault.text).encode())
+            # Two of one text have random numbers of their own.
+            again = texts[:n].count(fault.text)
+            text = f"{fault.text} {again}" if again else fault.text
+            name = zlib.crc32(text.encode())
             for numbers in self._entries(fault, writes, seed, name, period):
                 self.constants += numbers
         total = len(self.constants)
@@ -168,46 +181,61 @@ class FaultRow(Row):
     ) -> Iterator[list[float]]:
         begin, end = fault.periods(period)
         struck = channels_of(fault, writes)
+        # Only `swapped` has two numbers in an entry, any other fault one number twice.
         pairs = [struck] if fault.kind == "swapped" else [(channel, channel) for channel in struck]
-        lengths = {"frozen": 1, "lost": 1, "reordered": 1, "restarted": 1}
-        length = (
-            max(round(fault.value / period), 1)
-            if fault.kind == "delayed"
-            else lengths.get(fault.kind, 0)
-        )
+        length = 0
+        if fault.kind == "delayed":
+            length = max(round(fault.value / period), 1)
+        elif fault.kind in _KEEP_ONE:
+            length = 1
         for number, (one, other) in enumerate(pairs):
-            memory, self._size = self._size, self._size + (1 + length if length else 0)
-            places = [float(one[1]), float(other[1])]
-            numbers = [
-                float(_CODES.index(fault.kind)),
-                *places,
+            _, place, rounds, unsigned = one
+            _, other_place, other_rounds, other_unsigned = other
+            memory = self._size
+            if length:
+                self._size += 1 + length
+            # In the order of the settings above.
+            settings = (
+                _CODES.index(fault.kind),
+                place,
+                other_place,
                 begin,
                 end,
                 fault.value,
-                float(seed),
-                float(name),
-            ]
-            carried_as = [
-                float(flag) for flags in zip(one[2:], other[2:], strict=True) for flag in flags
-            ]
-            yield [*numbers, float(number), float(memory), float(length), *carried_as]
+                seed,
+                name,
+                number,
+                memory,
+                length,
+                rounds,
+                other_rounds,
+                unsigned,
+                other_unsigned,
+            )
+            yield [float(value) for value in settings]
 
     def step(self, numbers: Numbers) -> None:
-        """Put what the faults leave of them into the place of the numbers in a frame; once per period."""
+        """Put what the faults leave of them into the place of the numbers in a frame.
+
+        It is called once per period.
+        """
         strike(numbers, self.state, self.constants)
 
 
 def channels_of(fault: Fault, writes: tuple[type, ...]) -> list[tuple[str, int, bool, bool]]:
-    """Name, place in the frame, single precision, unsigned command, of the numbers that are struck; ParameterError."""
+    """Return name, place in the frame, single precision and unsigned command of struck numbers.
+
+    ParameterError if a fault names none.
+    """
     known = {}
     for signal in writes:
         shape = shape_of(signal)
-        for i, (name, place) in enumerate(
-            zip(TOPICS[signal].channels, frame.places(signal), strict=True)
-        ):
-            known[name] = (name, place, shape.single[i], i in shape.unsigned_commands)
+        places = frame.places(signal)
+        for i, name in enumerate(TOPICS[signal].channels):
+            known[name] = (name, places[i], shape.single[i], i in shape.unsigned_commands)
     topics = {TOPICS[signal].name.replace("/", ".") for signal in writes}
-    if fault.kind == "restarted":  # a node that is killed has no output at all
+    # A node that is killed has no output at all, so it is named by any of its topics.
+    if fault.kind == "restarted":
         if fault.where not in topics:
             unknown = unknown_name("topic of this node", fault.where, topics)
             raise ParameterError(f"faults: {quoted(fault.text)}: {unknown}")
@@ -216,12 +244,11 @@ def channels_of(fault: Fault, writes: tuple[type, ...]) -> list[tuple[str, int, 
     for where in fault.where.split(","):
         here = [known[name] for name in known if name == where or name.startswith(f"{where}.")]
         if not here:
-            listed = [
-                name for name in known if name.partition(".")[0] == where.partition(".")[0]
-            ] or topics
-            raise ParameterError(
-                f"faults: {quoted(fault.text)}: {unknown_name('number of this node', where, listed)}"
-            )
+            # A node has up to hundreds of numbers: those of the topic that was meant are listed.
+            topic = where.partition(".")[0]
+            listed = [name for name in known if name.partition(".")[0] == topic] or topics
+            unknown = unknown_name("number of this node", where, listed)
+            raise ParameterError(f"faults: {quoted(fault.text)}: {unknown}")
         found += here
     if fault.kind == "swapped" and (len(found) != _PAIR or found[0] == found[1]):
         raise ParameterError(
@@ -235,7 +262,7 @@ def channels_of(fault: Fault, writes: tuple[type, ...]) -> list[tuple[str, int, 
 def refuse_faults(
     role: str, texts: tuple[str, ...], writes: tuple[type, ...], has_car: bool, period: float
 ) -> None:
-    """ParameterError, in one line, for a fault that a method of a role with these `writes` cannot have.
+    """Refuse, in one line, a fault that a method of a role with these `writes` cannot have.
 
     Nor may one lie between two instants, which are a control period [s] apart: it would never
     strike.
@@ -244,16 +271,16 @@ def refuse_faults(
         begin, end = fault.periods(period)
         if begin >= end:
             raise ParameterError(
-                f"faults: {quoted(fault.text)} strikes at no instant, expected one that lasts over a multiple of "
-                f"control_period, {period:g} s"
+                f"faults: {quoted(fault.text)} strikes at no instant, "
+                f"expected one that lasts over a multiple of control_period, {period:g} s"
             )
         if fault.kind in OF_SIGNALS:
             channels_of(fault, writes)
         elif not has_car:
+            known = ", ".join(_CODES)
             raise ParameterError(
-                f"faults: {quoted(fault.text)} is refused at this {role}, expected {', '.join(_CODES)}"
+                f"faults: {quoted(fault.text)} is refused at this {role}, expected {known}"
             )
         if fault.kind == "restarted" and ROLES[role].kind is not RoleKind.ANSWERS:
-            raise ParameterError(
-                f"faults: {quoted(fault.text)} is refused at a {role}, which is a thing and no program"
-            )
+            why = "which is a thing and no program"
+            raise ParameterError(f"faults: {quoted(fault.text)} is refused at a {role}, {why}")

@@ -1,4 +1,10 @@
-"""The parameters of a node, resolved the same way for the node and for the offline runner."""
+"""The parameters of a node, resolved the same way for the node and for the offline runner.
+
+How it works: `configure` takes values by dotted names and shares them out: to the parameters that
+every node has, those of the chosen method, of its sensors and of its faults. Of what is left each
+value has to belong to another method of the role. Then files that parameters name are read, and the
+method is held against the vehicle. A `Configuration` never changes: `changed` gives another one.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +32,10 @@ from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.refusal import ParameterError, unknown_name
 
 P = TypeVar("P")
-_METHOD, _SENSORS, _VEHICLE = "method", "sensors.", "vehicle."
+_METHOD = "method"
+# Groups of parameters, as their dotted names begin.
+_SENSORS = "sensors."
+_VEHICLE = "vehicle."
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +76,7 @@ class Configuration:
 
     @property
     def given(self) -> Any:
-        """The parameters for the method, with seeds of its own that follow from that of the node."""
+        """The parameters for the method, with seeds that follow from that of the node."""
         return seeded(self.parameters, self.common.seed)
 
     @property
@@ -80,66 +89,93 @@ class Configuration:
         return create(self.method, self.given, self.common.vehicle, self.common.control_period)
 
     def __deepcopy__(self, _: Any) -> Configuration:
-        """Itself, for it never changes: a copy has the same law, even if its file was edited since."""
+        """Return itself, for it never changes.
+
+        A copy has the same law, even if its file was edited since.
+        """
         return self
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Names and values for pickle, since a method is code; the text of a law file has to be the same there."""
+        """Names and values for pickle, since a method is code.
+
+        The text of a law file has to be the same there.
+        """
         extra = type(self.extra) if self.extra is not None else None
         return _of_same_text, (self.role, self.values(), extra, text_of(self.method))
 
     def entries(self) -> tuple[Entry, ...]:
         """Every parameter of the node with its present value as default."""
-        fixed = [
-            dataclasses.replace(e, spec=dataclasses.replace(e.spec, read_only=True))
-            for e in entries(self.common)
-        ]
-        extra = entries(self.extra) if self.extra is not None else ()
-        faults = entries(self.own_faults) if self.own_faults is not None else ()
-        of_method = (*entries(self.parameters), *faults, *entries(self.sensors, _SENSORS))
-        return (_method_entry(self.role, self.method.name), *fixed, *extra, *of_method)
+        found = [_method_entry(self.role, self.method.name)]
+        for entry in entries(self.common):
+            # All nodes share these, so one alone must not change them in a run.
+            fixed = dataclasses.replace(entry.spec, read_only=True)
+            found.append(dataclasses.replace(entry, spec=fixed))
+        for part in (self.extra, self.parameters, self.own_faults):
+            if part is not None:
+                found += entries(part)
+        return (*found, *entries(self.sensors, _SENSORS))
 
     def values(self) -> dict[str, Any]:
         """Dotted names and present values of every parameter of the node."""
-        parts = (self.common, self.extra, self.parameters, self.own_faults)
         found = {_METHOD: self.method.name}
-        for part in parts:
-            found |= flatten(part) if part is not None else {}
+        for part in (self.common, self.extra, self.parameters, self.own_faults):
+            if part is not None:
+                found |= flatten(part)
         return found | flatten(self.sensors, _SENSORS)
 
     def changed(self, values: Mapping[str, Any]) -> Configuration:
-        """The same configuration with other values; ParameterError if one is refused, and nothing changes then."""
+        """The same configuration with other values.
+
+        ParameterError if one is refused, and nothing changes then.
+        """
         rest = dict(values)
-        common, parameters = _replaced(rest, self.common), _replaced(rest, self.parameters)
+        common = _replaced(rest, self.common)
+        parameters = _replaced(rest, self.parameters)
         sensors = _replaced(rest, self.sensors, _SENSORS)
-        own_faults = _replaced(rest, self.own_faults) if self.own_faults is not None else None
-        extra = _replaced(rest, self.extra) if self.extra is not None else None
-        is_alike = self.method.with_options(parameters) == self.method
-        if not rest and is_alike:
-            if extra is not None:
-                extra.refuse_beside(common)
-            changed = {
-                "common": common,
-                "parameters": parameters,
-                "sensors": sensors,
-                "own_faults": own_faults,
-            }
-            changed["extra"] = extra
-            made = dataclasses.replace(self, **changed)
-            same = parameters is self.parameters and own_faults is self.own_faults
-            same = same and common.vehicle is self.common.vehicle and made.period == self.period
-            return made if same else _fitting(made)
-        kind = type(self.extra) if self.extra is not None else None
-        is_same = values.get(_METHOD, self.method.name) == self.method.name
-        return configure(
-            self.role, {**self.values(), **values}, kind, self.method if is_same else None
+        own_faults = None
+        if self.own_faults is not None:
+            own_faults = _replaced(rest, self.own_faults)
+        extra = None
+        if self.extra is not None:
+            extra = _replaced(rest, self.extra)
+        # Another method, or another option of this one, has other signals and sensors.
+        if rest or self.method.with_options(parameters) != self.method:
+            return self._anew(values)
+        if extra is not None:
+            extra.refuse_beside(common)
+        made = dataclasses.replace(
+            self,
+            common=common,
+            parameters=parameters,
+            sensors=sensors,
+            own_faults=own_faults,
+            extra=extra,
         )
+        # Files and the fit to the vehicle take time, and most changes touch neither.
+        is_fitting = (
+            parameters is self.parameters
+            and own_faults is self.own_faults
+            and common.vehicle is self.common.vehicle
+            and made.period == self.period
+        )
+        return made if is_fitting else _fitting(made)
+
+    def _anew(self, values: Mapping[str, Any]) -> Configuration:
+        """Configure the role from the present values and these others."""
+        extra = type(self.extra) if self.extra is not None else None
+        # The same law is kept, even if its file was edited since.
+        is_same = values.get(_METHOD, self.method.name) == self.method.name
+        method = self.method if is_same else None
+        return configure(self.role, {**self.values(), **values}, extra, method)
 
 
 def _of_same_text(
     role: str, values: Mapping[str, Any], extra: type | None, text: str
 ) -> Configuration:
-    """The configuration of a pickle; ParameterError if its law file has another text than it had then."""
+    """The configuration of a pickle.
+
+    ParameterError if its law file has another text than it had then.
+    """
     made = configure(role, values, extra)
     if text_of(made.method) != text:
         raise ParameterError(
@@ -162,7 +198,8 @@ def changeable_numbers(role: str) -> dict[str, Entry]:
 
 
 def _method_entry(role: str, name: str) -> Entry:
-    known = dict.fromkeys((*methods_of(role), name))  # a library's path as well
+    # The name may be the path of a library or of a law file.
+    known = dict.fromkeys((*methods_of(role), name))
     spec = Spec(f"how the {role} works", choices=tuple(known), read_only=True)
     return Entry(_METHOD, str, False, name, spec)
 
@@ -170,22 +207,25 @@ def _method_entry(role: str, name: str) -> Entry:
 def configure(
     role: str, values: Mapping[str, Any], extra: type | None = None, resolved: Method | None = None
 ) -> Configuration:
-    """The configuration of a role from dotted parameter names and values; others keep their default.
+    """The configuration of a role from dotted parameter names and values.
 
-    `extra` is a dataclass of further parameters that only this node has, `resolved` the method, if
-    it is not to be looked for by its name. Raises ParameterError for unknown names and refused
-    values. A value for another method of the same role, or for a sensor of a signal that this
-    method does not write, is checked and then listed as unused, so that one scenario file can serve
-    several methods; `refuse_unused` is for values that are given for the chosen ones.
+    Others keep their default. `extra` is a dataclass of further parameters that only this node has,
+    `resolved` the method, if it is not to be looked for by its name. Raises ParameterError for
+    unknown names and refused values. A value for another method of the same role, or for a sensor
+    of a signal that this method does not write, is checked and then listed as unused, so that one
+    scenario file can serve several methods; `refuse_unused` is for values that are given for the
+    chosen ones.
     """
     rest = with_present_name(role, values)
     method = resolved or chosen_method(role, rest)
     rest.pop(_METHOD, None)
     common = _take(rest, CommonParameters)
-    further = _take(rest, extra) if extra is not None else None
+    further: Any = None
     if extra is not None:
+        further = _take(rest, extra)
         refuse_taken(f"{role} method {method.name}", method.parameters, entries_by_name(extra))
     parameters: Any = _take(rest, method.parameters)
+    # Options decide which signals the method writes, and so which sensors there are.
     method = method.with_options(parameters)
     sensors: Any = _take(rest, sensors_for(method.writes), _SENSORS)
     own_faults = None if hasattr(parameters, "faults") else _take(rest, FaultParameters)
@@ -216,7 +256,7 @@ def _refuse_unknown(configuration: Configuration, unused: Mapping[str, Any]) -> 
 
 
 def refuse_unused(names: Iterable[str], configurations: Collection[Configuration]) -> None:
-    """ParameterError for a parameter that no method chosen for a role has; it names those with it."""
+    """Refuse a parameter that no method chosen for a role has, and name those with it."""
     for name in names:
         if all(name in each.unused for each in configurations):
             raise _unused(name, configurations)
@@ -227,18 +267,24 @@ def _unused(name: str, configurations: Collection[Configuration]) -> ParameterEr
     alike: set[str] = set()
     for each in configurations:
         alike |= {known for known in each.values() if _ends_alike(known, name)}
-    having = []
-    for method in methods_of(role).values():
-        of_sensors = entries_by_name(sensors_for(method.may_write), _SENSORS)
-        if name in entries_by_name(method.parameters) or name in of_sensors:
-            having.append(method.name)
+    # Best is the name that was meant; without one, the methods that have this name.
+    where = f"its name there is {' or '.join(sorted(alike))}"
+    if not alike:
+        where = f"expected with {', '.join(_methods_with(role, name))}"
     chosen = ", ".join(dict.fromkeys(each.method.name for each in configurations))
-    where = f"expected with {', '.join(having)}"
-    if alike:
-        where = f"its name there is {' or '.join(sorted(alike))}"
     return ParameterError(
         f"parameter {name} is refused: {role} method {chosen} does not have it, {where}", name
     )
+
+
+def _methods_with(role: str, name: str) -> list[str]:
+    """Names of the methods of a role that have a parameter, of their own or of a sensor."""
+    found: list[str] = []
+    for method in methods_of(role).values():
+        sensors = entries_by_name(sensors_for(method.may_write), _SENSORS)
+        if name in entries_by_name(method.parameters) or name in sensors:
+            found.append(method.name)
+    return found
 
 
 def _ends_alike(one: str, other: str) -> bool:
@@ -246,26 +292,37 @@ def _ends_alike(one: str, other: str) -> bool:
 
 
 def _fitting(configuration: Configuration) -> Configuration:
-    """The configuration with the content of its files; ParameterError if its method does not suit the vehicle."""
-    method, common = configuration.method, configuration.common
-    vehicle, parameters = with_files(common.vehicle), configuration.parameters
-    from_files = _changed(common.vehicle, vehicle, _VEHICLE)
-    common = dataclasses.replace(common, vehicle=vehicle)
+    """The configuration with the content of its files.
+
+    ParameterError if its method does not suit the vehicle.
+    """
+    method = configuration.method
+    vehicle = with_files(configuration.common.vehicle)
+    common = dataclasses.replace(configuration.common, vehicle=vehicle)
+    parameters = configuration.parameters
     if isinstance(method.factory, ReadingFiles):
         parameters = _with_files(method, parameters)
-    from_files += _changed(configuration.parameters, parameters)
-    method = method.with_options(parameters)
+    from_files = (
+        *_changed(configuration.common.vehicle, vehicle, _VEHICLE),
+        *_changed(configuration.parameters, parameters),
+    )
     if configuration.extra is not None:
         configuration.extra.refuse_beside(common)
-    refuse_layout(method, parameters, common.vehicle)
-    has_car, period = hasattr(parameters, "faults"), common.control_period
-    refuse_faults(configuration.role, configuration.faults, method.writes, has_car, period)
-    changed = {"common": common, "parameters": parameters, "from_files": from_files}
-    return dataclasses.replace(configuration, method=method, **changed)
+    refuse_layout(method, parameters, vehicle)
+    # A method with `faults` of its own models a car, which can have faults beside its signals.
+    has_car = hasattr(parameters, "faults")
+    faults = configuration.faults
+    refuse_faults(configuration.role, faults, method.writes, has_car, common.control_period)
+    return dataclasses.replace(
+        configuration, common=common, parameters=parameters, from_files=from_files
+    )
 
 
 def _with_files(method: Method, parameters: Any) -> Any:
-    """Parameters with the content of their files; LawError if the author's function gives anything else."""
+    """Parameters with the content of their files.
+
+    LawError if the author's function gives anything else.
+    """
     load = method.factory.load_files
     with in_law(method):
         loaded = load(parameters)
@@ -285,16 +342,18 @@ def _changed(before: Any, after: Any, prefix: str = "") -> tuple[str, ...]:
 
 
 def _replaced(values: dict[str, Any], instance: P, prefix: str = "") -> P:
-    """A parameter dataclass with its values in a dictionary, which are taken out of the dictionary."""
+    """A parameter dataclass with its values of a dictionary, taken out of it."""
     kind: type = type(instance)
     known = entries_by_name(kind, prefix)
-    return replaced(
-        instance, {name: values.pop(name) for name in [*values] if name in known}, prefix
-    )
+    own: dict[str, Any] = {}
+    for name in [*values]:
+        if name in known:
+            own[name] = values.pop(name)
+    return replaced(instance, own, prefix)
 
 
 def _take(values: dict[str, Any], of: type[P], prefix: str = "") -> P:
-    """Build a parameter dataclass from its values in a dictionary, and take these out of the dictionary."""
+    """Build a parameter dataclass from its values in a dictionary, taken out of it."""
     # To mypy a class is hashable, a class of a type variable is not.
     kind: type = of
     unchanged: P = defaults(kind)
@@ -302,7 +361,12 @@ def _take(values: dict[str, Any], of: type[P], prefix: str = "") -> P:
 
 
 def chosen_method(role: str, values: Mapping[str, Any]) -> Method:
-    """The method that the values choose for a role; ParameterError that lists the known ones if there is none."""
+    """The method that the values choose for a role.
+
+    ParameterError that lists the known ones if there is none.
+    """
     name = values.get(_METHOD, ROLES[role].default_method)
-    # YAML 1.1 reads a bare `off` as false
-    return find_method(role, "off" if name is False else name)
+    # YAML 1.1 reads a bare `off` as false.
+    if name is False:
+        name = "off"
+    return find_method(role, name)

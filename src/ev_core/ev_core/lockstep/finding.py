@@ -1,4 +1,7 @@
-"""Methods by name, or by the path of code or of a recording: `asr=my_law.py`, `asr=my_law.py:NAME`."""
+"""Methods by name, or by the path of code or of a recording.
+
+`asr=my_law.py`, `asr=my_law.py:NAME`.
+"""
 
 from __future__ import annotations
 
@@ -28,16 +31,19 @@ _registered: dict[tuple[Path, bytes], dict[str, dict[str, Method]]] = {}  # by f
 
 
 def method_of_file(role: str, name: str) -> Method:
-    """The method of a role in a file; ParameterError, in one line, if there is none, or if the file cannot be run.
+    """The method of a role in a file.
 
-    A file is run once for each text that it has.
+    ParameterError, in one line, if there is none, or if the file cannot be run. A file is run once
+    for each text that it has.
     """
-    label, (file, _, chosen) = f"{role} method {name}", name.partition(f"{LAW_FILE}:")
+    label = f"{role} method {name}"
+    file, _, chosen = name.partition(f"{LAW_FILE}:")
     path = find_file(file.removesuffix(LAW_FILE) + LAW_FILE).absolute()
     try:
         text = read_data(path, TEXT)
     except OSError as error:
         raise ParameterError(f"{label}: {error.strerror}", "method") from None
+    # Once for each text: a file that is edited while a program runs gives the law of its new text.
     if (path, text) not in _registered:
         _registered[path, text] = _run(label, path, text)
     methods = _registered[path, text].get(role, {})
@@ -61,8 +67,9 @@ def text_of(method: Method) -> str:
     """The digest of the text of the file that has given a method; empty for one of no law file."""
     factory = (method.declared or method).factory
     for (_, text), roles in _registered.items():
-        if any(each.factory is factory for each in roles.get(method.role, {}).values()):
-            return hashlib.sha256(text).hexdigest()
+        for each in roles.get(method.role, {}).values():
+            if each.factory is factory:
+                return hashlib.sha256(text).hexdigest()
     return ""
 
 
@@ -73,26 +80,33 @@ def _run(label: str, path: Path, text: bytes) -> dict[str, dict[str, Method]]:
     module = sys.modules[name] = module_from_spec(spec)
     try:
         return registered_by(name, lambda: exec(compile(text, path, "exec"), vars(module)))
-    except (Exception, SystemExit) as error:  # a user's file may raise any error
+    # A file of a user's may raise any error, and may call exit().
+    except (Exception, SystemExit) as error:
         raise ParameterError(
             f"{label}: {_line_of(error, path)}{type(error).__name__}: {error}", "method"
         ) from error
 
 
 def _line_of(error: BaseException, path: Path) -> str:
-    """The line of a file in which an error was raised, or that is no Python; empty if it is in no line of the file."""
+    """The line of a file in which an error was raised, or that is no Python.
+
+    Empty if it is in no line of the file.
+    """
     if isinstance(error, SyntaxError) and error.filename == str(path):
         return f"line {error.lineno}: "
-    lines = [
-        frame.lineno
-        for frame in traceback.extract_tb(error.__traceback__)
-        if frame.filename == str(path)
-    ]
-    return f"line {lines[-1]}: " if lines else ""
+    found = ""
+    # The last frame of the file is the nearest to the mistake: others lie in what it calls.
+    for frame in traceback.extract_tb(error.__traceback__):
+        if frame.filename == str(path):
+            found = f"line {frame.lineno}: "
+    return found
 
 
 def is_code(name: str) -> bool:
-    """Return whether the name of a method is the path of code: a shared library or a file with laws."""
+    """Return whether the name of a method is the path of code.
+
+    Code is a shared library or a file with laws.
+    """
     return name.endswith((*LIBRARIES, LAW_FILE)) or f"{LAW_FILE}:" in name
 
 
@@ -101,11 +115,13 @@ def find_method(role: str, name: str) -> Method:
 
     ParameterError if there is none.
     """
+    # A scenario of others' must not run code: only the command line names it.
     if isinstance(name, str) and is_code(name) and isinstance(name, TextOfFile):
         raise ParameterError(
-            f"{name.file}: parameter method: {quoted(str(name))} is refused, expected from a file a name: "
-            f"{', '.join(methods_of(role))}; code is named on the command line: --method {role}=PATH, for a "
-            "node -p method:=PATH"
+            f"{name.file}: parameter method: {quoted(str(name))} is refused, "
+            f"expected from a file a name: {', '.join(methods_of(role))}; "
+            "code is named on the command line: "
+            f"--method {role}=PATH, for a node -p method:=PATH"
         )
     if isinstance(name, str) and name.endswith(LIBRARIES):
         found = library_method(role, name)

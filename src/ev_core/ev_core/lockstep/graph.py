@@ -1,4 +1,9 @@
-"""Order of the roles within one step, derived from what they read and write; whether configured nodes fit."""
+"""Order of the roles within one step, derived from what they read and write.
+
+How it works: a role that integrates has its output for an instant at once, since that follows from
+the instant before. A role that answers comes after all roles that write what it reads.
+`check_graph` holds configured nodes against each other before a run.
+"""
 
 from __future__ import annotations
 
@@ -34,9 +39,10 @@ def writers(roles: Mapping[str, Role]) -> dict[type, str]:
 
 
 def step_order(roles: Mapping[str, Role]) -> tuple[str, ...]:
-    """Names of the roles that answer at once, each after everything that it reads; always in the same order.
+    """Names of the roles that answer at once, each after everything that it reads.
 
-    GraphError if no role writes a signal that is read, or if instant reads form a cycle.
+    The order is always the same. GraphError if no role writes a signal that is read, or if instant
+    reads form a cycle.
     """
     by_signal = writers(roles)
     sorter: TopologicalSorter[str] = TopologicalSorter()
@@ -44,6 +50,7 @@ def step_order(roles: Mapping[str, Role]) -> tuple[str, ...]:
         for signal in role.reads:
             if signal not in by_signal:
                 raise GraphError(f"{role.name} reads {signal.__name__}, which no role writes")
+        # A role that integrates needs no place in the order: its output is there already.
         if role.kind is RoleKind.ANSWERS:
             instant = (by_signal[signal] for signal in role.reads)
             sorter.add(
@@ -58,7 +65,7 @@ def step_order(roles: Mapping[str, Role]) -> tuple[str, ...]:
 
 
 def polling_order(roles: Mapping[str, Role], master: str) -> tuple[str, ...]:
-    """Names of all roles in the order in which messages go from one to the next between two instants.
+    """Names of all roles in the order in which messages go between two instants.
 
     The master publishes first, then those that answer; the others that integrate need the last of
     these answers.
@@ -72,7 +79,10 @@ def polling_order(roles: Mapping[str, Role], master: str) -> tuple[str, ...]:
 
 
 def sequence(roles: Mapping[str, Role]) -> tuple[str, ...]:
-    """Names of all roles in the order in which they publish within one step: first those that integrate."""
+    """Names of all roles in the order in which they publish within one step.
+
+    Those that integrate come first.
+    """
     integrating = (role.name for role in roles.values() if role.kind is RoleKind.INTEGRATES)
     return (*integrating, *step_order(roles))
 
@@ -99,36 +109,45 @@ def check_graph(configurations: Mapping[str, Configuration]) -> None:
     played by a recording.
     """
     _refuse_different_nodes(configurations)
-    written = {
-        signal
-        for configuration in configurations.values()
-        for signal in configuration.method.writes
-    }
+    written: set[type] = set()
     for configuration in configurations.values():
-        for signal in configuration.method.inputs:
+        written.update(configuration.method.writes)
+    for configuration in configurations.values():
+        method = configuration.method
+        for signal in method.inputs:
             if signal not in written:
-                names = ", ".join(sorted(c.method.name for c in configurations.values()))
+                names = ", ".join(sorted(each.method.name for each in configurations.values()))
                 raise ParameterError(
-                    f"{configuration.role} method {configuration.method.name} reads {signal.__name__}, "
+                    f"{configuration.role} method {method.name} reads {signal.__name__}, "
                     f"which none of the chosen methods writes ({names})"
                 )
-        for what, needed in configuration.method.requires.items():
-            role, _, parameter = what.partition(".")
+        for what, needed in method.requires.items():
             if needed == SAME:
-                needed = configuration.values()[parameter]
-            other = configurations.get(role)
-            if other is not None and other.method.plays_back:
-                continue
-            chosen = other and (other.values().get(parameter) if parameter else other.method.name)
-            if chosen != needed:
-                asked = what if parameter else f"{role} method"
-                found = f"{_as_yaml(chosen)} is chosen"
-                if parameter and other is not None and chosen is None:
-                    found = f"{role} method {other.method.name} does not have it"
-                raise ParameterError(
-                    f"{configuration.role} method {configuration.method.name} requires "
-                    f"{asked} {_as_yaml(needed)}, but {found}"
-                )
+                needed = configuration.values()[what.partition(".")[2]]
+            if lacks := _lacks(configurations, what, needed):
+                raise ParameterError(f"{configuration.role} method {method.name} requires {lacks}")
+
+
+def _lacks(configurations: Mapping[str, Configuration], what: str, needed: Any) -> str:
+    """Name what is needed of a role and what is found instead; empty if the need is met."""
+    role, _, parameter = what.partition(".")
+    other = configurations.get(role)
+    if other is None:
+        return f"{what if parameter else f'{role} method'} {_as_yaml(needed)}, but None is chosen"
+    # Recorded signals are as they are, whatever made them.
+    if other.method.plays_back:
+        return ""
+    if not parameter:
+        chosen = other.method.name
+        return "" if chosen == needed else f"{role} method {needed}, but {chosen} is chosen"
+    values = other.values()
+    if parameter not in values:
+        found = f"{role} method {other.method.name} does not have it"
+    elif values[parameter] != needed:
+        found = f"{_as_yaml(values[parameter])} is chosen"
+    else:
+        return ""
+    return f"{what} {_as_yaml(needed)}, but {found}"
 
 
 def _refuse_different_nodes(configurations: Mapping[str, Configuration]) -> None:

@@ -1,4 +1,4 @@
-"""The inputs of a node in real time, where the newest ones replace, for a while, those that do not come."""
+"""The inputs of a node in real time: for a while the newest replace those that do not come."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class HeldInputs:
 
 
 class HoldingInbox(Inbox):
-    """An inbox in which steps may be left out, and in which the newest inputs replace those that do not come.
+    """An inbox that may leave steps out, and holds the newest inputs for those that do not come.
 
     Without that one lost message would stop nodes that read each other for ever. A step is also
     complete when one of the `pacing` inputs of a later step is there. Where inputs are `neutral` as
@@ -50,7 +50,8 @@ class HoldingInbox(Inbox):
 
     def __init__(self, inputs: Inputs, pacing: frozenset[type], neutral: bool) -> None:
         super().__init__(inputs, may_skip=True)
-        self._pacing, self._neutral = pacing, neutral
+        self._pacing = pacing
+        self._neutral = neutral
         self.held = HeldInputs(inputs.reads)
         self._paced = -1  # newest stamp of the pacing ones
 
@@ -61,15 +62,18 @@ class HoldingInbox(Inbox):
         self._paced = -1
 
     def offer(self, kind: type, stamp: int, numbers: Sequence[float]) -> Arrival:
-        """Judge a message, keep its numbers if it is new or begins a new run, and hold them if they are the newest.
+        """Judge a message; keep its numbers if it is new, and hold them if they are the newest.
 
         Those of a step that was taken without them are held for the next one, too: a sender may be
         late each time.
         """
-        arrival, last = super().offer(kind, stamp, numbers), self.last
+        arrival = super().offer(kind, stamp, numbers)
+        last = self.last
+        # Stamps of another run lie between those of this one.
         is_of_run = last is None or (stamp - last) % self.period == 0
         if arrival is not Arrival.GAP and stamp > self.held.stamp_of(kind) and is_of_run:
-            if arrival is Arrival.REPEATED:  # it is not: the step has been taken without it
+            if arrival is Arrival.REPEATED:
+                # It is none: the step has been taken without it.
                 arrival = Arrival.OLD
             self.held.keep(kind, stamp, numbers)
             if kind in self._pacing:
@@ -77,27 +81,35 @@ class HoldingInbox(Inbox):
         return arrival
 
     def complete(self) -> int | None:
-        """Stamp of the newest step that has all its inputs, or that shall wait no longer; None if there is none."""
+        """Stamp of the newest step that has all its inputs, or that shall wait no longer.
+
+        None if there is none.
+        """
         whole = super().complete()
         if whole is not None:
             return whole
-        held = (
-            stamp
-            for stamp, came in self.waiting.items()
-            if stamp < self._paced and self._may_hold(stamp, came)
-        )
+        # A step waits no longer once a pacing input of a later one is there: the graph has gone on.
+        held: list[int] = []
+        for stamp, came in self.waiting.items():
+            if stamp < self._paced and self._may_hold(stamp, came):
+                held.append(stamp)
         return max(held, default=None)
 
     def _may_hold(self, stamp: int, came: int) -> bool:
-        """Return whether a step can be taken with the held inputs in place of those that have not come for it."""
-        oldest = stamp - max(HELD, 2 * self.period)
-        stamps = (
-            self.held.stamp_of(kind) for i, kind in enumerate(self.reads) if not came >> i & 1
-        )
-        return self._neutral or all(each >= max(oldest, 0) for each in stamps)
+        """Return whether a step can be taken with held inputs for those that have not come."""
+        if self._neutral:
+            return True
+        # A kind that never came has the stamp -1, which is older than any.
+        oldest = max(stamp - max(HELD, 2 * self.period), 0)
+        for i, kind in enumerate(self.reads):
+            has_come = came >> i & 1
+            if not has_come and self.held.stamp_of(kind) < oldest:
+                return False
+        return True
 
     def take(self, stamp: int) -> Frame:
         """The inputs of a step, held where they have not come; older ones are forgotten."""
+        # Before `take`, which forgets what has come for the step.
         came = come_for(self.steps, stamp)
         inputs = super().take(stamp)
         for i, kind in enumerate(self.reads):

@@ -1,4 +1,4 @@
-"""The inbox of a node: it collects the inputs of each step until the step has all of them (docs/lockstep.md).
+"""The inbox of a node, which collects the inputs of each step (docs/lockstep.md).
 
 How it works: every message carries the stamp of its instant. `judged` decides by the stamp whether
 a message is new, repeated, old, ahead of its time, or of a new run. A new one is kept in a row of
@@ -30,19 +30,21 @@ class Arrival(Enum):
     RESTART = "time went back to zero, or it is the first instant of a later run: a new run begins"
 
 
-# as the protocol names them
-NEW, REPEATED, OLD, GAP, RESTART = range(len(_ARRIVALS := tuple(Arrival)))
+# Compiled code knows an arrival by its place.
+_ARRIVALS = tuple(Arrival)
+NEW, REPEATED, OLD, GAP, RESTART = range(len(_ARRIVALS))
 ROWS = 8  # steps with kept inputs at most
 NEVER = -(1 << 62)  # the stamp of an answer or step that has not been yet
-# places in `Steps.done`: the last step, the last answer, the answer before it
+# Places in `Steps.done`: the last step, the last answer, the answer before it
 LAST, ANSWER, BEFORE = range(3)
 
 
 class Steps(NamedTuple):
-    """The steps of a node in integers; sets of its inputs are bits of one integer, the first input is the lowest bit.
+    """The steps of a node in integers.
 
-    The inputs of a step are in row `stamp // period % ROWS` of the frames. An answer is in the row
-    of its inputs or, of a node that integrates, in one of two rows behind all.
+    Sets of its inputs are bits of one integer, the first input is the lowest bit. The inputs of a
+    step are in row `stamp // period % ROWS` of the frames. An answer is in the row of its inputs
+    or, of a node that integrates, in one of two rows behind all.
     """
 
     done: Any  # (3,) stamps, NEVER where there is none
@@ -95,11 +97,9 @@ def missing(steps: Any) -> Any:
     """The inputs that the step that is due lacks, of itself or of the step that follows it."""
     due = steps.done[LAST] + steps.period
     lacking = steps.inputs & ~come_for(steps, due)
-    return (
-        lacking | steps.followed & ~come_for(steps, due + steps.period)
-        if steps.followed
-        else lacking
-    )
+    if steps.followed:
+        return lacking | steps.followed & ~come_for(steps, due + steps.period)
+    return lacking
 
 
 @compilable
@@ -109,6 +109,7 @@ def judged(steps: Any, stamp: int, i: int) -> Any:
     ahead, above = stamp - last, stamp % period
     if above % RUN != 0 or above >= RUNS:
         return GAP  # between the instants of every run
+    # The next step, and the first one, need no further look: most messages are for these.
     if ahead != period and last != NEVER:
         is_herald = steps.heralds >> i & 1 != 0
         if (
@@ -122,6 +123,7 @@ def judged(steps: Any, stamp: int, i: int) -> Any:
             return OLD  # of another run
         if ahead <= 0:
             return OLD if ahead < 0 else REPEATED
+        # A writer that needs our step cannot be ahead of it, unless a message of it was lost.
         leaves_out = is_herald and come_for(steps, last + period) >> i & 1 == 0
         if steps.may_skip == 0 and (ahead > 2 * period or leaves_out):
             return GAP
@@ -160,11 +162,13 @@ class Inbox:
     """
 
     def __init__(self, inputs: Inputs, may_skip: bool = False) -> None:
-        self.reads, self.period = inputs.reads, inputs.period
+        self.reads = inputs.reads
+        self.period = inputs.period
         self._place = {kind: i for i, kind in enumerate(inputs.reads)}
         self._kinds: dict[int, tuple[type, ...]] = {}  # by their bits
         self._block = np.zeros(3 + 2 * ROWS, np.int64)
-        block: Any = memoryview(self._block)  # type: ignore[arg-type]  # mypy knows no buffer of numpy
+        # mypy knows no buffer of numpy.
+        block: Any = memoryview(self._block)  # type: ignore[arg-type]
         self.steps = Steps(
             done=block[:3],
             stamps=block[3 : 3 + ROWS],
@@ -176,6 +180,7 @@ class Inbox:
             lead=inputs.lead,
             may_skip=int(may_skip),
         )
+        # Two rows more for the answers of a node that integrates: the last one and the one before.
         self._numbers = np.zeros((ROWS + 2, SIZE))
         self.frames: list[Frame] = [Frame.of(row) for row in self._numbers]
         self.addresses = self._block.ctypes.data, self._numbers.ctypes.data
@@ -197,7 +202,8 @@ class Inbox:
     @property
     def last(self) -> int | None:
         """The stamp of the last step; None before the first one."""
-        return None if (last := int(self.steps.done[LAST])) == NEVER else last
+        last = int(self.steps.done[LAST])
+        return None if last == NEVER else last
 
     @property
     def run(self) -> int:
@@ -217,18 +223,20 @@ class Inbox:
 
     @property
     def waiting(self) -> dict[int, int]:
-        """The steps that have yet to be taken, by stamp, and the bits of their inputs that have come."""
-        last, came = self.steps.done[LAST], self.steps.came
-        return {stamp: came[row] for row, stamp in enumerate(self.steps.stamps) if stamp > last}
+        """The steps yet to be taken, by stamp, and the bits of inputs that have come."""
+        steps = self.steps
+        found: dict[int, int] = {}
+        for stamp, came in zip(steps.stamps, steps.came, strict=True):
+            if stamp > steps.done[LAST]:
+                found[stamp] = came
+        return found
 
     def complete(self) -> int | None:
         """Stamp of the newest step that has all its inputs, None if there is none."""
         last = self.steps.done[LAST]
         if last == NEVER or self.steps.may_skip:
-            return max(
-                (stamp for stamp, came in self.waiting.items() if came == self.steps.inputs),
-                default=None,
-            )
+            whole = [each for each, came in self.waiting.items() if came == self.steps.inputs]
+            return max(whole, default=None)
         return None if missing(self.steps) else last + self.period
 
     def take(self, stamp: int) -> Frame:
@@ -237,11 +245,14 @@ class Inbox:
         return self.frames[row_of(self.steps, stamp)]
 
     def missing(self) -> tuple[type, ...]:
-        """The signal types that the next step still waits for, in order of `reads`; all before the first step."""
+        """The signal types that the next step still waits for, in order of `reads`.
+
+        Before the first step these are all.
+        """
         lacking = self.steps.inputs if self.steps.done[LAST] == NEVER else missing(self.steps)
+        # It is asked for often while a node waits, and always with the same few sets.
         found = self._kinds.get(lacking)
         if found is None:
-            found = self._kinds[lacking] = tuple(
-                kind for i, kind in enumerate(self.reads) if lacking >> i & 1
-            )
+            found = tuple(kind for i, kind in enumerate(self.reads) if lacking >> i & 1)
+            self._kinds[lacking] = found
         return found

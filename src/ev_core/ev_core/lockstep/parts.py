@@ -24,9 +24,10 @@ class Restart(CalledBack):
     state = None  # it has none of its own
 
     def __init__(self, part: Any, ends: Collection[float], period: float) -> None:
-        self._part, self._period = part, period
-        self._first = copy.deepcopy(part.state)
+        self._part = part
+        self._period = period
         self._ends = ends
+        self._first = copy.deepcopy(part.state)
 
     def before(self, time: float) -> None:
         """Put the part back before it answers at a time [s], if it begins anew there."""
@@ -46,7 +47,7 @@ class Restart(CalledBack):
 
 
 class Sensed(CalledBack):
-    """Steps a part, and lets its sensors and then its faults replace the true numbers in its outputs.
+    """Steps a part; its sensors and then its faults replace the true numbers in its outputs.
 
     The part never sees their numbers. The state is that of the part, then those of the rows.
     """
@@ -59,15 +60,19 @@ class Sensed(CalledBack):
     @property
     def state(self) -> list[float]:
         """The numbers of the part, and those of its rows."""
-        of_part = () if self.part.state is None else self.part.state
-        return [*of_part, *(number for row in self.rows for number in row.state)]
+        found: list[float] = [] if self.part.state is None else [*self.part.state]
+        for row in self.rows:
+            found += row.state
+        return found
 
     @state.setter
     def state(self, row: list[float]) -> None:
+        # From the end, since only the rows know how many numbers they have.
         place = len(row)
         for each in reversed(self.rows):
             begin = place - len(each.state)
-            each.state, place = list(row[begin:place]), begin
+            each.state = list(row[begin:place])
+            place = begin
         if place:
             self.part.state = row[:place]
 
@@ -137,8 +142,13 @@ def rows_of(configuration: Configuration) -> list[SensorRow | FaultRow]:
 
 def restarts(configuration: Configuration) -> list[float]:
     """The instants, in control periods, at which the program of a role begins anew."""
-    period, faults = configuration.common.control_period, of_signals(configuration.faults)
-    return sorted({fault.periods(period)[1] for fault in faults if fault.kind == "restarted"})
+    period = configuration.common.control_period
+    found: set[float] = set()
+    for fault in of_signals(configuration.faults):
+        if fault.kind == "restarted":
+            _, end = fault.periods(period)
+            found.add(end)
+    return sorted(found)
 
 
 def _restart(configuration: Configuration, part: Part) -> Restart | None:
@@ -151,17 +161,18 @@ def is_kept(configuration: Configuration) -> bool:
     method, common = configuration.method, configuration.common
     if method.law is None or not method.law.is_compilable:
         return False
+    # Here and below: numba and what stands on it are slow to import, and not always needed.
     from ev_core.compiled import part
 
     return part.is_kept(method, configuration.given, common.vehicle, common.control_period)
 
 
 def is_compiled(configuration: Configuration, may_wait: bool = True) -> bool:
-    """Return whether a node runs a method compiled; where it `may_wait`, it is compiled now, once for all.
+    """Return whether a node runs a method compiled.
 
-    A method that cannot be compiled, and a light law without time to compile it, run in plain
-    Python with the same bits. ParameterError if a law is too heavy for plain Python and there is no
-    time to compile it.
+    Where it `may_wait`, it is compiled now, once for all. A method that cannot be compiled, and a
+    light law without time to compile it, run in plain Python with the same bits. ParameterError if
+    a law is too heavy for plain Python and there is no time to compile it.
     """
     law = configuration.method.law
     if law is None or not law.is_compilable:
@@ -177,17 +188,23 @@ def is_compiled(configuration: Configuration, may_wait: bool = True) -> bool:
         return False
     if not can_be_kept():
         return False
-    with suppress(ParameterError):  # plain Python reports the mistake when a step gets there
-        method_part(configuration, compiled=True)  # in plain Python, with a note, a law that prints
+    # A law with a mistake runs in plain Python, which reports it when a step gets there. One that
+    # prints becomes a part in plain Python here, with a note.
+    with suppress(ParameterError):
+        method_part(configuration, compiled=True)
         return True
     return False
 
 
 def compiled_parts(configuration: Configuration) -> list[Any]:
-    """Parts for the compiled loop, which calls one behind the other: restart, method's part, sensors, faults."""
+    """Parts for the compiled loop, which calls one behind the other.
+
+    They are restart, method's part, sensors and faults.
+    """
     part = method_part(configuration, compiled=True)
     restart = _restart(configuration, part)
-    return [*([restart] if restart else ()), part, *row_parts(configuration)]
+    before = [] if restart is None else [restart]
+    return [*before, part, *row_parts(configuration)]
 
 
 def row_parts(configuration: Configuration) -> list[Any]:
@@ -201,7 +218,10 @@ def row_parts(configuration: Configuration) -> list[Any]:
 
 
 def method_part(configuration: Configuration, compiled: bool, like: Any = None) -> Any:
-    """The part of the method alone, without sensors; a compiled one may be `like` that of the same method."""
+    """The part of the method alone, without sensors.
+
+    A compiled one may be `like` that of the same method.
+    """
     method = configuration.method
     law = method.law
     if law is None or not law.is_compilable or not (compiled or law.heavy):
@@ -228,12 +248,14 @@ def compiled_part(configuration: Configuration, like: Any = None) -> Any:
 
 
 def hand_over(before: Part, after: Part, changed: Iterable[str] = ()) -> None:
-    """Let a part go on with the state of another one of its method; sensors and faults too where both have the same.
+    """Let a part go on with the state of another one of its method.
 
-    ParameterError that names the `changed` parameters if the state has another length with them.
+    Sensors and faults too where both have the same. ParameterError that names the `changed`
+    parameters if the state has another length with them.
     """
     state = bare(before).state
-    had, has = np.size(state), np.size(bare(after).state)
+    had = np.size(state)
+    has = np.size(bare(after).state)
     if had != has:
         raise ParameterError(
             f"{', '.join(changed)}: a state of {had} numbers would have {has}, expected as many; "

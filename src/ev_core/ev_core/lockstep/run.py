@@ -1,7 +1,8 @@
-"""A graph that is driven from instant to instant in this process: the parts of all roles over a stack of frames.
+"""A graph that is driven from instant to instant in this process.
 
-The stack holds a piece of the run, which stays in the processor's cache; its outputs then become
-series.
+How it works: the parts of all roles work on a stack of frames, one for each instant of a piece of
+the run. Compiled code drives a whole piece. A piece stays in the processor's cache; behind it its
+frames are copied into the series of the run, and its last frame begins the next piece.
 """
 
 from __future__ import annotations
@@ -28,12 +29,14 @@ _PIECES_PER_LOOK = 50  # pieces between two looks at what the parts note
 
 
 def roles_in_order(played: Iterable[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The played roles that answer, each after everything that it reads, and those that integrate."""
+    """The played roles that answer, each after all that it reads, and those that integrate."""
     names = set(played)
-    integrating = (role for role in ROLES if ROLES[role].kind is RoleKind.INTEGRATES)
-    return tuple(role for role in step_order(ROLES) if role in names), tuple(
-        r for r in integrating if r in names
-    )
+    answering = tuple(role for role in step_order(ROLES) if role in names)
+    integrating: list[str] = []
+    for name, role in ROLES.items():
+        if name in names and role.kind is RoleKind.INTEGRATES:
+            integrating.append(name)
+    return answering, tuple(integrating)
 
 
 def refuse_not_finite(numbers: np.ndarray, signals: Iterable[type]) -> None:
@@ -43,15 +46,20 @@ def refuse_not_finite(numbers: np.ndarray, signals: Iterable[type]) -> None:
 
 
 def call(part: Any, now: int, there: np.ndarray) -> None:
-    """Let a part answer in the frame `there` to the frame at the address `now`, or start where that is 0."""
+    """Let a part answer in the frame `there` to the one at the address `now`; 0 starts it."""
     function, state, constants = part.addresses()
-    if guarded((part,), lambda: call_at(function, now, there.ctypes.data, state, constants)) != 0:
+    drive = partial(call_at, function, now, there.ctypes.data, state, constants)
+    if guarded((part,), drive) != 0:
         raise raised(part, Frame.at(now).numbers if now else None)
 
 
 def guarded(parts: Iterable[Any], drive: Callable[[], int]) -> int:
-    """Call `drive`, which drives these parts; Ctrl-C ends the call where one is of a law that may never end."""
+    """Call `drive`, which drives these parts.
+
+    Ctrl-C ends the call where one is of a law that may never end.
+    """
     driven = [*parts]
+    # Our own laws end. Only a law of others takes a thread that can be given up.
     if not any(getattr(part, "is_checked", False) for part in driven):
         return drive()
     status: int = interruptible(drive, driven)
@@ -60,12 +68,15 @@ def guarded(parts: Iterable[Any], drive: Callable[[], int]) -> int:
 
 def raised(part: Any, numbers: Sequence[float] | None) -> BaseException:
     """Error of a part that has failed with the numbers of a frame, None at its start."""
+    # A compiled part steps again in plain Python; one that is called back has kept its error.
     error: BaseException = part.raised(numbers) if hasattr(part, "raised") else part.error
     return error
 
 
 class GraphRun:
-    """All parts of a graph, the `frames` of a piece of its run, and `series` of all, (frame size, instants).
+    """All parts of a graph, and the frames of its run.
+
+    `frames` are those of a piece, `series` all, (frame size, instants).
 
     ParameterError if the configurations do not fit together.
     """
@@ -74,17 +85,15 @@ class GraphRun:
         check_graph(configurations)
         period = next(iter(configurations.values())).period
         answering, integrating = roles_in_order(configurations)
-        self.writes = {
-            role: configuration.method.writes for role, configuration in configurations.items()
-        }
-        roles = (*answering, *integrating)
+        self.writes: dict[str, tuple[type, ...]] = {}
+        written: dict[str, tuple[int, int]] = {}
+        for role, configuration in configurations.items():
+            self.writes[role] = configuration.method.writes
+            written[role] = frame.span(configuration.method.writes)
         self.parts: list[tuple[str, Any]] = []
-        for role in roles:
+        for role in (*answering, *integrating):
             self.parts += [(role, part) for part in compiled_parts(configurations[role])]
-        written = {
-            role: frame.span(configuration.method.writes)
-            for role, configuration in configurations.items()
-        }
+        # Optional signals come last in a frame: without them it is shorter.
         size = max(end for _, end in written.values())
         self.frames = np.zeros((min(_PIECE + 1, instants), size))
         self.series = np.empty((size, instants))
@@ -101,9 +110,13 @@ class GraphRun:
         refuse_not_finite(self.frames[0], self.writes[role])
 
     def drive(self, progress: Callable[[float], None], note: Callable[[str, str], None]) -> None:
-        """Drive all instants; SignalError, and nothing behind it is done, if a number is not finite."""
-        last, noted = self.series.shape[1] - 1, set[tuple[str, str]]()
-        stopped = np.zeros(2, np.int64)
+        """Drive all instants.
+
+        SignalError where a number is not finite: nothing behind it is done.
+        """
+        last = self.series.shape[1] - 1
+        noted = set[tuple[str, str]]()
+        stopped = np.zeros(2, np.int64)  # where a piece stopped: instant and place of the part
         progress(0.0)
         for begin, end in _pieces(last):
             count = end - begin
@@ -113,6 +126,7 @@ class GraphRun:
                 raise self._error(status, *stopped.tolist())
             self.series[:, begin : end + 1] = self.frames[: count + 1].T
             self.frames[0] = self.frames[count]
+            # Notes take plain Python, so they are looked at rarely, and at the end.
             if end == last or end % (_PIECE * _PIECES_PER_LOOK) == 0:
                 self._pass_on_notes(noted, note)
             progress(float(self.series[frame.TIME, end]))
@@ -124,9 +138,12 @@ class GraphRun:
         )
 
     def _error(self, status: int, instant: int, place: int) -> BaseException:
-        """The error of a part that stopped at an instant of a piece, with the time if a number is not finite."""
+        """The error of a part that stopped at an instant of a piece.
+
+        It has the time if a number is not finite.
+        """
         role, part = self.parts[place]
-        # of one that integrates it is the one before
+        # A part that answers reads the frame of the instant, one that integrates the one before.
         here = instant if place < self._answering else instant - 1
         try:
             if status == NOT_FINITE:
@@ -134,7 +151,8 @@ class GraphRun:
             raise raised(part, self.frames[here].tolist())
         except SignalError as error:
             return SignalError(f"at {self.frames[instant, frame.TIME]:g} s: {role}: {error}")
-        except BaseException as error:  # of a law in plain Python: it is raised as it is
+        except BaseException as error:
+            # An error of a law in plain Python is raised as it is, also an exit.
             return error
 
     def _pass_on_notes(self, noted: set[tuple[str, str]], note: Callable[[str, str], None]) -> None:
@@ -147,13 +165,16 @@ class GraphRun:
 
 
 def output_again(configuration: Configuration, series: np.ndarray) -> np.ndarray:
-    """The output of the part of a role that integrates for recorded inputs, without its sensors and faults.
+    """The output of the part of an integrating role for recorded inputs.
 
-    `series` are all numbers of the frame, (frame size, instants); the same with the part's output
-    in its place. SignalError if a number of it is not finite.
+    Sensors and faults are left out. `series` are all numbers of the frame, (frame size, instants);
+    the result is the same with the part's output in its place. SignalError if a number of it is not
+    finite.
     """
-    part, writes = method_part(configuration, compiled=True), configuration.method.writes
-    again, last = series.copy(), series.shape[1] - 1
+    part = method_part(configuration, compiled=True)
+    writes = configuration.method.writes
+    again = series.copy()
+    last = series.shape[1] - 1
     frames = np.zeros((min(_PIECE, last) + 1, len(series)))
     row = np.array([(*part.addresses(), *frame.span(writes))], np.int64)
     stopped = np.zeros(2, np.int64)
@@ -166,13 +187,13 @@ def output_again(configuration: Configuration, series: np.ndarray) -> np.ndarray
         if guarded((part,), drive) != FINISHED:
             refuse_not_finite(frames[stopped[0]], writes)
             raise raised(part, frames[stopped[0] - 1].tolist())
-        # the first instant of a piece is the last of the one before
+        # The first instant of a piece is the last of the one before, and there already.
         new = slice(int(begin > 0), count + 1)
         again[:, begin + new.start : end + 1] = frames[new].T
     return again
 
 
 def _pieces(last: int) -> Iterator[tuple[int, int]]:
-    """First and last instants of the pieces of a run, of which each begins where the one before ends."""
+    """First and last instants of the pieces of a run; each begins where the last one ends."""
     for begin in range(0, max(last, 1), _PIECE):
         yield begin, min(begin + _PIECE, last)

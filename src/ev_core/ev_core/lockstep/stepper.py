@@ -1,4 +1,10 @@
-"""The part of a node in lockstep, without ROS: stamped signals in, stamped signals out (docs/lockstep.md)."""
+"""The part of a node in lockstep, without ROS (docs/lockstep.md).
+
+How it works: stamped signals go into the inbox. When the inbox has all inputs of the step that is
+due, the part takes the step, and its answer bears the stamp of the inputs or, of a part that
+integrates, that of the next instant. A message that has come already shows that its sender has
+missed an answer: the last answers are sent again. Nothing is ever sent by a clock.
+"""
 
 from __future__ import annotations
 
@@ -39,9 +45,10 @@ _FIRST_TO_ANSWER = ROLES[next(role for role in step_order(ROLES))]
 
 
 def arrival_place(signal: type) -> tuple[int, int, int]:
-    """Place of a signal among all of one instant in the order of their arrival: higher arrives later.
+    """Place of a signal among all of one instant in the order of their arrival.
 
-    A role publishes those of its signals first that the first role to answer needs most.
+    The higher one arrives later. A role publishes those of its signals first that the first role to
+    answer needs most.
     """
     writer, needed = WRITERS[signal], _FIRST_TO_ANSWER.reads
     urgency = needed.index(signal) if signal in needed else len(needed)
@@ -58,7 +65,7 @@ def upstream_signals(role: str) -> frozenset[type]:
 
 
 class Stepper:
-    """Steps the part of a method exactly once per stamp, as soon as all its inputs for that stamp are there.
+    """Steps the part of a method exactly once per stamp, as soon as all its inputs are there.
 
     `make` gives a new part, at rest; `period` is the step in nanoseconds. A part that answers at
     once answers with the stamp of its inputs. One that integrates answers with the stamp of the
@@ -85,15 +92,15 @@ class Stepper:
         # The others that integrate publish the next instant, from which nothing follows for the
         # inputs of this one.
         self._pacing = frozenset(s for s in self.reads if s in of_master or s not in INTEGRATED)
-        inputs = Inputs(
-            self.reads, period, heralds, followed, lead=period if self.integrates else 0
-        )
+        lead = period if self.integrates else 0
+        inputs = Inputs(self.reads, period, heralds, followed, lead)
         if may_skip:
             self.inbox: Inbox = HoldingInbox(inputs, self._pacing, neutral=self.integrates)
         else:
             self.inbox = Inbox(inputs)
         self._steps = self.inbox.steps
-        self._done, self._frames = self._steps.done, self.inbox.frames
+        self._done = self._steps.done
+        self._frames = self.inbox.frames
         self.period = period
         self._make = make
         self._at_rest = True
@@ -116,11 +123,12 @@ class Stepper:
 
     @property
     def under_way(self) -> bool:
-        """True once a step has been taken since the run began, so that the next one is the one after it."""
+        """True once a step has been taken since the run began."""
         return not self._at_rest and self.inbox.last is not None
 
     def answers_to(self, kind: type, stamp: int, arrival: Arrival) -> Sequence[Answer]:
         """Answers to a message that has arrived: that of a step, or recent answers again."""
+        # Nearly all messages are of this kind, so they come first.
         if arrival is Arrival.NEW and not self._at_rest:
             answer = self.step()
             return () if answer is None else (answer,)
@@ -131,7 +139,8 @@ class Stepper:
             answers += self._recent_answers()
         if self.integrates and self._at_rest and kind in self._pacing and self._must_begin(stamp):
             if self.answered != NEVER:
-                self._begin_anew()  # of another run it may begin with other values
+                # Of another run, which may begin with other values.
+                self._begin_anew()
             answers.append(self._start(stamp))
         answer = self.step()
         if answer is not None:
@@ -139,20 +148,21 @@ class Stepper:
         return answers
 
     def _must_begin(self, stamp: int) -> bool:
-        """Return whether others still need the initial state, or that of an instant at which it can no longer step."""
+        """Return whether others still need a state that can no longer be stepped to.
+
+        That is the initial one, or that of an instant that is over.
+        """
         answered = self.answered
         return answered == NEVER or (self.inbox.last is None and stamp > answered)
 
     def _recent_answers(self) -> tuple[Answer, ...]:
-        """Answers that a reader may have missed: the last one, and of an integrating object the one before.
+        """Answers that a reader may have missed.
 
-        An integrating object is one answer ahead, so the others may still wait for the one before.
+        They are the last one, and of an integrating object the one before. An integrating object is
+        one answer ahead, so the others may still wait for the one before.
         """
-        recent = (
-            (self._answer(BEFORE), self._answer(ANSWER))
-            if self.integrates
-            else (self._answer(ANSWER),)
-        )
+        which = (BEFORE, ANSWER) if self.integrates else (ANSWER,)
+        recent = map(self._answer, which)
         return tuple(answer for answer in recent if answer is not None)
 
     def _start(self, stamp: int) -> Answer:
@@ -168,8 +178,15 @@ class Stepper:
         self._at_rest = True
 
     def begin_run(self) -> Answer:
-        """Begin the next run at time zero; the answer is the initial state of an integrating object."""
-        run = 0 if self.inbox.last is None else (self.inbox.run + stamps.RUN) % stamps.RUNS
+        """Begin the next run at time zero.
+
+        The answer is the initial state of an integrating object.
+        """
+        # The stamps of each run lie a little above those of the run before, so that its late
+        # messages fit to no step.
+        run = 0
+        if self.inbox.last is not None:
+            run = (self.inbox.run + stamps.RUN) % stamps.RUNS
         self._begin_anew()
         self.inbox.expect(run)
         return self._start(run)
@@ -183,13 +200,16 @@ class Stepper:
         if self.integrates and (last := self.inbox.last) is not None:
             skipped = (stamp - last) // self.period - 1
         inputs = self.inbox.take(stamp)
-        # where steps may be skipped the inputs are held, so that time does not slip
+        # Where steps may be skipped the inputs are held, so that time does not slip.
         for _ in range(skipped):
             self.step_with(stamp, inputs)
         return self.step_with(stamp, inputs)
 
     def step_with(self, stamp: int, here: Frame) -> Answer:
-        """Take a step with the inputs in a frame: that of the inbox, except where a role integrates."""
+        """Take a step with the inputs in a frame.
+
+        It is that of the inbox, except where a role integrates.
+        """
         here.numbers[TIME] = self._instant(stamp)
         self._at_rest = False
         output = stamp + self._steps.lead

@@ -32,7 +32,8 @@ class CommonParameters:
     mode: str = setting(
         "lockstep",
         choices=("lockstep", "realtime"),
-        about="lockstep: a step when all inputs are there; realtime: a step when the wall clock says so",
+        about="lockstep: a step when all inputs are there; realtime: a step when the wall clock "
+        "says so",
         read_only=True,
     )
     seed: int = setting(
@@ -52,9 +53,9 @@ class CommonParameters:
 
 
 def refuse_taken(label: str, parameters: type, taken: Iterable[str] = ()) -> None:
-    """ParameterError if a parameter has the name of one that every node has, or one of `taken`: it would not get there.
+    """ParameterError if a parameter has the name of one that every node has, or one of `taken`.
 
-    Only a method with the `faults` of every node may ask for them itself.
+    It would not get there. Only a method with the `faults` of every node may ask for them itself.
     """
     own = entries_by_name(parameters)
     of_nodes = entries_by_name(CommonParameters)
@@ -63,5 +64,6 @@ def refuse_taken(label: str, parameters: type, taken: Iterable[str] = ()) -> Non
         is_fault = name == FAULTS.name and entry != FAULTS
         if name.partition(".")[0] in groups or name in taken or is_fault:
             raise ParameterError(
-                f"{label}: parameter {name} is refused: every node has one of this name, take another"
+                f"{label}: parameter {name} is refused: every node has one of this name, take "
+                "another"
             )

@@ -1,4 +1,4 @@
-"""Estimators that may be held against records of real cars, as packages offer them by entry points."""
+"""Estimators that packages offer by entry points, for records of real cars."""
 
 from __future__ import annotations
 
@@ -16,12 +16,13 @@ GROUP = "ev_stack.estimators"
 
 
 class Estimator(NamedTuple):
-    """An estimator over a record: `over(p, car, period, given)` is what it makes of signals by channel.
+    """An estimator over a record.
 
-    `p` are numbers of `parameters` and `car` those of the vehicle, as laws have them, the period is
-    in seconds, signals are (n,), without a gap, in SI and REP-103. `given` has the channels of
-    `reads`, and of `may_read` those that were measured. The answer, (n,), is what it makes of the
-    channel `estimates` at each instant, from a start at which it knows nothing.
+    `over(p, car, period, given)` is what it makes of signals by channel. `p` are numbers of
+    `parameters` and `car` those of the vehicle, as laws have them, the period is in seconds,
+    signals are (n,), without a gap, in SI and REP-103. `given` has the channels of `reads`, and of
+    `may_read` those that were measured. The answer, (n,), is what it makes of the channel
+    `estimates` at each instant, from a start at which it knows nothing.
     """
 
     parameters: type[Any]
@@ -33,7 +34,10 @@ class Estimator(NamedTuple):
 
 @cache
 def estimators() -> dict[str, Estimator]:
-    """All that are offered, by name; ParameterError if a module is not loaded, or if two offer one by one name."""
+    """All estimators that are offered, by name.
+
+    ParameterError if a module is not loaded, or if two offer one by one name.
+    """
     found: dict[str, Estimator] = {}
     for package in offered(GROUP):
         for name, each in offered_module(GROUP, "estimators", package).ESTIMATORS.items():

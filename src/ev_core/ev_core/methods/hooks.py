@@ -32,11 +32,11 @@ class Answering(Protocol):
     """Plays a role that answers at once."""
 
     def step(self, *signals: Any, **_by_name: Any) -> Any:
-        """The signal that the role writes, from the signals of the same instant; a tuple of several, as in `writes`.
+        """The signal that the role writes, from the signals of the same instant.
 
-        The annotations of the arguments name the signals that are read. They are finite. The answer
-        is finite as well, or the step is refused: by SignalError if a number is not, or by a
-        ValueError of the law.
+        Several come as a tuple, in the order of `writes`. The annotations of the arguments name the
+        signals that are read. They are finite. The answer is finite as well, or the step is
+        refused: by SignalError if a number is not, or by a ValueError of the law.
         """
 
 
@@ -45,10 +45,16 @@ class Integrating(Protocol):
     """Plays a role that integrates from instant to instant."""
 
     def outputs(self) -> tuple[Any, ...]:
-        """The signals of the role at the instant of the state, in the order of its `writes`; changes nothing."""
+        """The signals of the role at the instant of the state, in the order of its `writes`.
+
+        It changes nothing.
+        """
 
     def advance(self, *signals: Any, **_by_name: Any) -> None:
-        """Go on to the next instant by the signals of this one; arguments and refusals are those of `step`."""
+        """Go on to the next instant by the signals of this one.
+
+        Arguments and refusals are those of `step`.
+        """
 
 
 @runtime_checkable
@@ -56,7 +62,10 @@ class Reporting(Protocol):
     """An optional hook: gives what is worth knowing about the run."""
 
     def reports(self) -> tuple[str, ...]:
-        """All texts up to now, each once and in the order in which it came up; shown to the user."""
+        """All texts up to now, each once and in the order in which it came up.
+
+        They are shown to the user.
+        """
 
 
 @runtime_checkable
@@ -74,13 +83,13 @@ _HOOKS = {RoleKind.ANSWERS: Answering, RoleKind.INTEGRATES: Integrating}
 def refuse_lacking(role: str, name: str, defined: type) -> None:
     """TypeError, in one line, if a class lacks what a method of this role has."""
     protocol = _HOOKS[ROLES[role].kind]
-    lacking = [
-        hook
-        for hook in vars(protocol)
-        if not hook.startswith("_") and not callable(getattr(defined, hook, None))
-    ]
+    lacking: list[str] = []
     if not isinstance(getattr(defined, "parameters", None), type):
-        lacking.insert(0, "parameters")
+        lacking.append("parameters")
+    for hook in vars(protocol):
+        # What begins with _ belongs to every Protocol.
+        if not hook.startswith("_") and not callable(getattr(defined, hook, None)):
+            lacking.append(hook)
     if lacking:
         raise TypeError(
             f"{role} method {name}: class {defined.__name__} lacks {' and '.join(lacking)} "
@@ -89,29 +98,29 @@ def refuse_lacking(role: str, name: str, defined: type) -> None:
 
 
 def refuse_wrong_declaration(label: str, role: Role, factory: Any) -> None:
-    """TypeError, in one line that begins with `label`, for a wrong declaration beside the functions."""
-    writes, may_write = (
-        getattr(factory, "writes", None),
-        ", ".join(each.__name__ for each in role.may_write),
-    )
+    """Refuse a wrong declaration beside the functions.
+
+    The line of the TypeError begins with `label`.
+    """
+    writes = getattr(factory, "writes", None)
+    may_write = ", ".join(each.__name__ for each in role.may_write)
     if writes is not None and (not isinstance(writes, tuple) or not writes):
-        raise TypeError(
-            f"{label}: writes={shown(writes)} is refused, expected a tuple of {may_write}: writes=(A,)"
-        )
+        expected = f"a tuple of {may_write}: writes=(A,)"
+        raise TypeError(f"{label}: writes={shown(writes)} is refused, expected {expected}")
     for signal in writes or ():
         if signal not in role.may_write:
             asked = getattr(signal, "__name__", shown(signal))
-            raise TypeError(
-                f"{label}: a {role.name} does not write {asked}, expected {may_write} (see roles.py)"
-            )
+            expected = f"{may_write} (see roles.py)"
+            raise TypeError(f"{label}: a {role.name} does not write {asked}, expected {expected}")
     for name in ("requires", "in_real_time"):
-        if not isinstance(given := getattr(factory, name, {}), Mapping):
+        given = getattr(factory, name, {})
+        if not isinstance(given, Mapping):
             raise TypeError(
                 f"{label}: {name}={shown(given)} is refused, expected a mapping by role"
             )
     for entry in entries(factory.parameters):
         group, _, last = entry.name.rpartition(".")
+        # A `seed` of a group follows from that of the node (`sensors.random_numbers.seeded`).
         if group and last == "seed" and (entry.type is not int or entry.is_array):
-            raise TypeError(
-                f"{label}: {entry.name} is no whole number, expected int: --seed makes another one of it"
-            )
+            expected = "int: --seed makes another one of it"
+            raise TypeError(f"{label}: {entry.name} is no whole number, expected {expected}")

@@ -14,12 +14,15 @@ from typing import Any
 
 from ev_msgs_py.refusal import shown
 
-# may be called once more, for they change nothing
+# Functions that may be called once more, for they change nothing.
 _PURE = ("int", "float", "round", "abs", "min", "max", "len")
 
 
 def parsed(text: str) -> ast.AST:
-    """Syntax tree of a text; that of an empty module where it is no Python, as a part of a text may be."""
+    """Syntax tree of a text.
+
+    Part of a text may be no Python: then it is that of an empty module.
+    """
     try:
         return ast.parse(text)
     except SyntaxError:
@@ -27,7 +30,11 @@ def parsed(text: str) -> ast.AST:
 
 
 def index_in_words(error: IndexError) -> str:
-    """The index that was out of range, and the length of its row, in words; empty if they cannot be found."""
+    """The index that was out of range, and the length of its row, in words.
+
+    Empty if they cannot be found.
+    """
+    # The last one of the traceback has raised it.
     trace: Any = error.__traceback__
     while trace.tb_next is not None:
         trace = trace.tb_next
@@ -41,7 +48,8 @@ def index_in_words(error: IndexError) -> str:
             except Exception:  # of a user's objects, or of a part that cannot be evaluated twice
                 return f"{ast.unparse(node)} is out of range"
             wanted = f"expected {-length} to {length - 1}" if length else "it is empty"
-            return f"{ast.unparse(node)} is out of range: index {shown(index)}, length {length}, {wanted}"
+            text = f"{ast.unparse(node)} is out of range"
+            return f"{text}: index {shown(index)}, length {length}, {wanted}"
     return ""
 
 
@@ -50,12 +58,15 @@ def _span(node: ast.expr) -> tuple[int, int | None, int, int | None]:
 
 
 def _value(node: ast.expr, frame: FrameType) -> Any:
-    """Value of a part of a line in the frame in which it raised; ValueError if another look may change it."""
+    """Value of a part of a line in the frame in which it raised.
+
+    ValueError if another look may change it.
+    """
     for each in ast.walk(node):
         if isinstance(each, ast.NamedExpr | ast.Await | ast.Yield | ast.YieldFrom):
             raise ValueError
-        if isinstance(each, ast.Call) and not (
-            isinstance(each.func, ast.Name) and each.func.id in _PURE
-        ):
-            raise ValueError
+        if isinstance(each, ast.Call):
+            is_pure = isinstance(each.func, ast.Name) and each.func.id in _PURE
+            if not is_pure:
+                raise ValueError
     return eval(compile(ast.Expression(node), "<law>", "eval"), frame.f_globals, frame.f_locals)

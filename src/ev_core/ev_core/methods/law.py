@@ -1,4 +1,4 @@
-"""A law as functions: its declaration, the values that its functions get, and the object that steps them in Python.
+"""A law as functions, the values that they get, and the object that steps them in Python.
 
 How it works: the first arguments of a law's function name what it needs (`GIVEN`), the others are
 signals by their annotations. A `Law` holds the function and what belongs to it. For each object
@@ -49,10 +49,11 @@ class NoState:
 class Law:
     """A method as functions; its first arguments name what they need of
 
-    - `p`: the numbers of the parameters, groups nested, a choice as its place among the choices, a switch as 0 or 1;
-      its annotation is the parameter dataclass,
+    - `p`: the numbers of the parameters, groups nested, a choice as its place among the choices,
+      a switch as 0 or 1; its annotation is the parameter dataclass,
     - `car`: the numbers of the vehicle (`car.car_numbers`),
-    - `c`: what `prepare(parameters, vehicle, period)` made, a named tuple of numbers, tuples of numbers and such,
+    - `c`: what `prepare(parameters, vehicle, period)` made, a named tuple of numbers, tuples of
+      numbers and such,
     - `s`: the state, a declared record, to be changed in place; its annotation is the record,
     - `period`: the control period [s].
 
@@ -105,7 +106,10 @@ class Law:
 
 
 def named_after(function: F, law: Callable[..., Any]) -> F:
-    """A function made around a law, under the law's name, module and docstring, by which users know the method."""
+    """A function made around a law, under the law's name, module and docstring.
+
+    Users know the method by these.
+    """
     for attribute in ("__module__", "__name__", "__qualname__", "__doc__"):
         setattr(function, attribute, getattr(law, attribute))
     return function
@@ -113,33 +117,46 @@ def named_after(function: F, law: Callable[..., Any]) -> F:
 
 @cache
 def given_names(function: Callable[..., Any]) -> tuple[str, ...]:
-    """The names of `GIVEN` that a function asks for, in its order; TypeError unless they come first."""
+    """The names of `GIVEN` that a function asks for, in its order.
+
+    TypeError unless they come first.
+    """
     arguments = inspect.signature(function).parameters
     asked = tuple(arguments)
     count = sum(name in GIVEN for name in asked)
     for name in asked[:count]:
-        if name not in GIVEN and arguments[name].annotation is inspect.Parameter.empty:
+        if name in GIVEN:
+            continue
+        known = ", ".join(GIVEN)
+        # A name without annotation is no signal, so most likely one of these in another spelling.
+        if arguments[name].annotation is inspect.Parameter.empty:
             raise TypeError(
-                f"{function.__name__}: {name} is not known, expected {', '.join(GIVEN)} and signals"
+                f"{function.__name__}: {name} is not known, expected {known} and signals"
             )
-        if name not in GIVEN:
-            raise TypeError(
-                f"{function.__name__}: {name} stands too early, {', '.join(GIVEN)} come before the signals"
-            )
+        raise TypeError(
+            f"{function.__name__}: {name} stands too early, {known} come before the signals"
+        )
     return asked[:count]
 
 
 @cache
 def asked_for(function: Callable[..., Any]) -> tuple[type, ...]:
-    """The types of the arguments that a function of a law has besides `GIVEN`: signals, and NamedTuples of signals."""
-    hints, given = get_type_hints(function), given_names(function)
-    return tuple(
-        hints.get(name, Any) for name in inspect.signature(function).parameters if name not in given
-    )
+    """The types of the arguments that a function of a law has besides `GIVEN`.
+
+    They are signals, and NamedTuples of signals.
+    """
+    hints = get_type_hints(function)
+    names = [*inspect.signature(function).parameters]
+    # Those of `GIVEN` come first.
+    signals = names[len(given_names(function)) :]
+    return tuple(hints.get(name, Any) for name in signals)
 
 
 def signals_in(asked: type) -> tuple[type, ...]:
-    """The signals that an argument of this type carries: itself, or those of the fields of a NamedTuple."""
+    """The signals that an argument of this type carries.
+
+    That is itself, or those of the fields of a NamedTuple.
+    """
     if asked in PLACES or asked is Instant or not hasattr(asked, "_fields"):
         return (asked,)
     return tuple(signal for each in get_type_hints(asked).values() for signal in signals_in(each))
@@ -159,7 +176,8 @@ def _record_of(asked: type, signals: Iterator[Any]) -> Any:
 
 def with_single_signals(function: Callable[..., Any]) -> Callable[..., Any]:
     """The function of a law as one that takes each signal by itself."""
-    asked, given = asked_for(function), len(given_names(function))
+    asked = asked_for(function)
+    given = len(given_names(function))
     if all(signals_in(each) == (each,) for each in asked):
         return function
 
@@ -172,10 +190,11 @@ def with_single_signals(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def declared_law(label: str, function: Callable[..., Any], how: Mapping[str, Any]) -> Law:
-    """The law of a declaration; TypeError, in one line that begins with `label`, where it cannot be made.
+    """The law of a declaration.
 
-    Parameters and state are what the annotations of `p` and `s` name, unless `how` has them, as for
-    a function that another function makes.
+    TypeError, in one line that begins with `label`, where it cannot be made. Parameters and state
+    are what the annotations of `p` and `s` name, unless `how` has them, as for a function that
+    another function makes.
     """
     known = tuple(each.name for each in fields(Law))[1:]
     for name in how:
@@ -184,53 +203,63 @@ def declared_law(label: str, function: Callable[..., Any], how: Mapping[str, Any
     hints = get_type_hints(function)
     for name, part, made in (("p", "parameters", "parameter(...)"), ("s", "state", "entry(...)")):
         if name in given_names(function) and name not in hints and part not in how:
-            raise TypeError(
-                f"{label}: {name} has no annotation, expected the dataclass of its {part}, made of {made}"
-            )
+            expected = f"the dataclass of its {part}, made of {made}"
+            raise TypeError(f"{label}: {name} has no annotation, expected {expected}")
     annotated = {"parameters": hints.get("p", NoParameters), "state": hints.get("s", NoState)}
     law = Law(function, **{**annotated, **how})
-    state = law.state
-    if not isinstance(state, type) or not is_dataclass(state):
-        raise TypeError(
-            f"{label}: state={shown(state)} is refused, expected a class marked @dataclass(slots=True)"
-        )
-    if bare := [
-        each.name for each in fields(state) if each.default is each.default_factory is MISSING
-    ]:
-        raise TypeError(
-            f"{label}: {state.__name__}.{bare[0]} has no start value, declare it by entry(0.0, unit=...)"
-        )
-    for name, value in entries_without_number(state()):
-        kind = type(value).__name__
-        raise TypeError(
-            f"{label}: {state.__name__}.{name} begins as {kind}, expected a number: entry(0.0, unit=...)"
-        )
-    switches = {name for several in law.options for name in several}
-    if unknown := switches - {each.name for each in fields(law.parameters)}:
-        expected = f"a switch of {law.parameters.__name__}"
-        raise TypeError(f"{label}: options= asks for {min(unknown)}, expected {expected}")
-    if not isinstance(law.needs, tuple | list):
-        raise TypeError(f"{label}: needs= is no tuple, write needs=(...,)")
-    asked = inspect.signature(function).parameters
-    if "c" in asked and not law.prepare:
-        raise TypeError(f"{label}: c is asked for and not made, declare prepare=")
-    for hook in filter(None, (law.outputs, law.notes, law.start)):
-        given = [name for name in GIVEN if name != "s" or hook is not law.start]
-        for each in inspect.signature(hook).parameters.values():
-            if each.name not in given and each.default is each.empty:
-                raise TypeError(
-                    f"{label}: {named(hook)} asks for {each.name}, expected are only {', '.join(given)}"
-                )
-    for each in asked.values():
-        if each.kind in (each.VAR_POSITIONAL, each.VAR_KEYWORD):
-            raise TypeError(
-                f"{label}: {each.name} stands for any number of arguments, name each signal"
-            )
+    for wrong in (_wrong_state(law.state), _wrong_option(law), _wrong_arguments(law)):
+        if wrong:
+            raise TypeError(f"{label}: {wrong}")
     return law
 
 
+def _wrong_state(state: Any) -> str:
+    """Name the mistake in the declaration of a state; empty if there is none."""
+    if not isinstance(state, type) or not is_dataclass(state):
+        return f"state={shown(state)} is refused, expected a class marked @dataclass(slots=True)"
+    for each in fields(state):
+        if each.default is each.default_factory is MISSING:
+            name = f"{state.__name__}.{each.name}"
+            return f"{name} has no start value, declare it by entry(0.0, unit=...)"
+    for name, value in entries_without_number(state()):
+        begins = f"{state.__name__}.{name} begins as {type(value).__name__}"
+        return f"{begins}, expected a number: entry(0.0, unit=...)"
+    return ""
+
+
+def _wrong_option(law: Law) -> str:
+    """Name the mistake in the options of a law; empty if there is none."""
+    if not law.options:
+        return ""
+    switches = {name for several in law.options for name in several}
+    unknown = switches - {each.name for each in fields(law.parameters)}
+    if unknown:
+        return f"options= asks for {min(unknown)}, expected a switch of {law.parameters.__name__}"
+    return ""
+
+
+def _wrong_arguments(law: Law) -> str:
+    """Name the mistake in the arguments of the functions of a law; empty if there is none."""
+    if not isinstance(law.needs, tuple | list):
+        return "needs= is no tuple, write needs=(...,)"
+    asked = inspect.signature(law.function).parameters
+    if "c" in asked and not law.prepare:
+        return "c is asked for and not made, declare prepare="
+    for hook in filter(None, (law.outputs, law.notes, law.start)):
+        # `start` makes the state, so it cannot ask for one.
+        given = [name for name in GIVEN if name != "s" or hook is not law.start]
+        for each in inspect.signature(hook).parameters.values():
+            if each.name not in given and each.default is each.empty:
+                expected = ", ".join(given)
+                return f"{named(hook)} asks for {each.name}, expected are only {expected}"
+    for each in asked.values():
+        if each.kind in (each.VAR_POSITIONAL, each.VAR_KEYWORD):
+            return f"{each.name} stands for any number of arguments, name each signal"
+    return ""
+
+
 class Given:
-    """The values that the functions of one object of a law are given, as plain Python works with them."""
+    """Values for the functions of one object of a law, as plain Python takes them."""
 
     def __init__(self, law: Law, parameters: Any, vehicle: Vehicle, period: float) -> None:
         car_tree, car = _car(vehicle)
@@ -239,8 +268,9 @@ class Given:
             "p": namespace(self.trees["p"]),
             "car": car,
             "period": period,
+            "c": law.prepare(parameters, vehicle, period) if law.prepare else None,
         }
-        self.values["c"] = law.prepare(parameters, vehicle, period) if law.prepare else None
+        # The last one, for `start` may ask for all others.
         self.values["s"] = self.bound(law.start)() if law.start else law.state()
         if law.start and not isinstance(self.values["s"], law.state):
             raise WrongResultError(law.start, self.values["s"], f"{law.state.__name__}(...)")
@@ -252,23 +282,27 @@ class Given:
 
 @lru_cache(maxsize=16)
 def _car(vehicle: Vehicle) -> tuple[dict[str, Any], SimpleNamespace]:
-    """The numbers of a vehicle, as a tree and as laws read them; once for all objects, which only read them."""
+    """The numbers of a vehicle, as a tree and as laws read them.
+
+    They are made once for all objects, which only read them.
+    """
     tree = car_numbers(vehicle)
     return tree, namespace(tree)
 
 
 def namespace(tree: Mapping[str, Any]) -> SimpleNamespace:
     """A tree of numbers with branches as attributes."""
-    return SimpleNamespace(
-        **{
-            name: namespace(value) if isinstance(value, Mapping) else value
-            for name, value in tree.items()
-        }
-    )
+    made = SimpleNamespace()
+    for name, value in tree.items():
+        setattr(made, name, namespace(value) if isinstance(value, Mapping) else value)
+    return made
 
 
 class LawObject:
-    """Steps a law in plain Python: `step` of a role that answers, `advance` and `outputs` of one that integrates."""
+    """Steps a law in plain Python.
+
+    A role that answers has `step`, one that integrates `advance` and `outputs`.
+    """
 
     def __init__(self, law: Law, parameters: Any, vehicle: Vehicle, period: float) -> None:
         given = Given(law, parameters, vehicle, period)
@@ -287,7 +321,10 @@ class LawObject:
 
     @property
     def state(self) -> list[float]:
-        """All that lasts between steps, as one row of numbers; may be set to that of another object of the law."""
+        """All that lasts between steps, as one row of numbers.
+
+        It may be set to that of another object of the law.
+        """
         return numbers(self._record)
 
     @state.setter

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import inspect
 import sysconfig
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from difflib import get_close_matches
@@ -47,9 +47,10 @@ class WrongResultError(TypeError):
 
 @contextmanager
 def in_law(method: Any, function: Any = None) -> Iterator[None]:
-    """Turn a mistake of the author of a method in this block into one line, LawError; refusals remain what they are.
+    """Turn a mistake of the author of a method in this block into one line, LawError.
 
-    Where none of the author's lines raises it, it stands in the `function`, or in the method's own.
+    Refusals remain what they are. Where none of the author's lines raises it, it stands in the
+    `function`, or in the method's own.
     """
     try:
         yield
@@ -60,13 +61,14 @@ def in_law(method: Any, function: Any = None) -> Iterator[None]:
 def raise_in_one_line(
     method: Any, error: BaseException, time: float | None = None, function: Any = None
 ) -> NoReturn:
-    """Raise a refusal as it is, anything else as LawError, with the time of the step [s] if it was one."""
+    """Raise a refusal as it is, anything else as LawError.
+
+    Its line has the time of the step [s] if it was one.
+    """
     if isinstance(error, _REFUSALS):
         raise error
-    at, step = (
-        _place(error, function or method.documented),
-        "" if time is None else f"at {time:g} s: ",
-    )
+    at = _place(error, function or method.documented)
+    step = "" if time is None else f"at {time:g} s: "
     law = f"{method.role} law {getattr(method.documented, '__name__', method.name)}"
     raise LawError(f"{step}{at}{law}: {_in_words(error, time is not None)}") from error
 
@@ -75,15 +77,16 @@ def in_words(error: BaseException) -> str:
     """The text of an error; of an attribute that is not known with the nearest known ones."""
     if not isinstance(error, AttributeError) or error.obj is None:
         return " ".join(str(error).split())
-    known = (
-        vars(error.obj)
-        if isinstance(error.obj, SimpleNamespace)
-        else getattr(error.obj, "_fields", ())
-    )
-    if is_dataclass(error.obj):
+    # Parameters and car are namespaces, signals named tuples, the state is a dataclass.
+    known: Iterable[str] = getattr(error.obj, "_fields", ())
+    if isinstance(error.obj, SimpleNamespace):
+        known = vars(error.obj)
+    elif is_dataclass(error.obj):
         known = [each.name for each in fields(error.obj)]
     nearest = " or ".join(get_close_matches(error.name or "", known))
-    return f"{error.name} is not known here" + (f", perhaps {nearest} is meant" if nearest else "")
+    if nearest:
+        return f"{error.name} is not known here, perhaps {nearest} is meant"
+    return f"{error.name} is not known here"
 
 
 def is_of_author(file: str) -> bool:
@@ -92,7 +95,10 @@ def is_of_author(file: str) -> bool:
 
 
 def beginning(function: Any) -> tuple[str, int]:
-    """File and line in which the text of a function or of a class begins; no file if that is not known."""
+    """File and line in which the text of a function or of a class begins.
+
+    No file if that is not known.
+    """
     while isinstance(function, partial):
         function = function.func
     code = getattr(inspect.unwrap(function), "__code__", None)
@@ -105,7 +111,10 @@ def beginning(function: Any) -> tuple[str, int]:
 
 
 def _place(error: BaseException, function: Any) -> str:
-    """Place of the author's mistake: the last of his lines, or the beginning of the function that failed."""
+    """Place of the author's mistake.
+
+    It is the last of the author's lines, or the beginning of the function that failed.
+    """
     own = beginning(function)
     frames = [(each.filename, each.lineno or 0) for each in extract_tb(error.__traceback__)]
     lines = [(file, line) for file, line in frames if file == own[0] or is_of_author(file)]
@@ -140,7 +149,8 @@ def kind_of(given: Any) -> str:
     if given is None:
         return "nothing"
     if type(given) in (tuple, list):
-        return f"a {type(given).__name__} of {', '.join(type(each).__name__ for each in given) or 'nothing'}"
+        elements = ", ".join(type(each).__name__ for each in given) or "nothing"
+        return f"a {type(given).__name__} of {elements}"
     return type(given).__name__
 
 

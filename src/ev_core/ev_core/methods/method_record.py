@@ -1,4 +1,7 @@
-"""The record of one method: the role that it plays, its law or class, and what follows from them."""
+"""The record of one method.
+
+It has the role, the law or class, and what follows from them.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,10 @@ RECORDINGS = ".npz"  # suffix of recorded signals that play a role
 
 @dataclass(frozen=True, slots=True)
 class Method:
-    """One way to play a role: its class or law, the signals that its step reads, and its parameter dataclass."""
+    """One way to play a role.
+
+    It has a class or law, the signals that a step reads, and a parameter dataclass.
+    """
 
     role: str
     name: str
@@ -42,25 +48,28 @@ class Method:
 
     @property
     def inputs(self) -> tuple[type, ...]:
-        """The signals that a step waits for: those it reads, and others that the node has to receive.
+        """The signals that a step waits for.
 
-        The master reads every other role that integrates, so that it leaves none behind; an
-        optional role only where the method reads it, for it may not be played. The others read the
-        master or, if they answer at once, a role that answers before them: from these they learn of
-        a new run.
+        They are those it reads, and others that the node has to receive. The master reads every
+        other role that integrates, so that it leaves none behind; an optional role only where the
+        method reads it, for it may not be played. The others read the master or, if they answer at
+        once, a role that answers before them: from these they learn of a new run.
         """
         topics = tuple(signal for signal in self.reads if signal is not Instant)
-        role, masters = ROLES[self.role], ROLES[MASTER].writes
+        role = ROLES[self.role]
         if self.role == MASTER:
-            others = (s for s in role.reads if s in INTEGRATED and s not in EXTRA)
-            return (*topics, *(signal for signal in others if signal not in topics))
-        answers = role.kind is RoleKind.ANSWERS
-        heralds = [
-            signal
-            for signal in role.reads
-            if signal in masters or (answers and signal not in INTEGRATED)
-        ]
-        return topics if any(signal in heralds for signal in topics) else (*topics, heralds[0])
+            others: list[type] = []
+            for signal in role.reads:
+                if signal in INTEGRATED and signal not in EXTRA and signal not in topics:
+                    others.append(signal)
+            return (*topics, *others)
+        # Signals that show a new run: of the master, or of a role that answers before this one.
+        heralds = [signal for signal in role.reads if signal in ROLES[MASTER].writes]
+        if role.kind is RoleKind.ANSWERS:
+            heralds = [s for s in role.reads if s in heralds or s not in INTEGRATED]
+        if any(signal in heralds for signal in topics):
+            return topics
+        return (*topics, heralds[0])
 
     @property
     def writes(self) -> tuple[type, ...]:
@@ -124,7 +133,10 @@ class Method:
 
     @property
     def text_place(self) -> tuple[str, str]:
-        """Its place by the file of the module, which is another module where it runs as a program."""
+        """Its place by the file of its module.
+
+        The module has another name where it runs as a program.
+        """
         return getattr(sys.modules.get(self.place[0]), "__file__", self.place[0]), self.place[1]
 
     @property

@@ -1,4 +1,7 @@
-"""Modules that packages offer by entry points, besides methods: reports, studies, sources, estimators."""
+"""Modules that packages offer by entry points, besides methods.
+
+They are reports, studies, sources and estimators.
+"""
 
 from __future__ import annotations
 
@@ -12,18 +15,25 @@ from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 
 @cache
 def offered(group: str) -> dict[str, str]:
-    """The modules of a group of entry points by name; ParameterError if two packages offer something by one name."""
+    """The modules of a group of entry points by name.
+
+    ParameterError if two packages offer something by one name.
+    """
     found: dict[str, str] = {}
     for point in entry_points(group=group):
         if found.setdefault(point.name, point.value) != point.value:
             raise ParameterError(
-                f"{group} {quoted(point.name)} is offered by {found[point.name]} and by {point.value}, expected one"
+                f"{group} {quoted(point.name)} is offered by {found[point.name]} and by "
+                f"{point.value}, expected one"
             )
     return found
 
 
 def offered_module(group: str, kind: str, name: str) -> ModuleType:
-    """The module of a name; ParameterError that lists the known ones, or the reason why it is not loaded."""
+    """The module of a name.
+
+    The ParameterError lists the known names, or why the module is not loaded.
+    """
     modules = offered(group)
     if name not in modules:
         raise unknown_name(kind, name, modules)

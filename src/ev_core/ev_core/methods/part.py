@@ -1,7 +1,7 @@
-"""The object that plays a role: it reads signals in one frame and writes its own into the same or the next one.
+"""The object that plays a role.
 
-There is one kind of step for all ways of running: offline, in one process, as processes, in
-lockstep, in real time.
+It reads signals in one frame and writes its own into the same or the next one. There is one kind of
+step for all ways of running: offline, in one process, as processes, in lockstep, in real time.
 """
 
 import ctypes
@@ -34,7 +34,10 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 
 @compilable
 def without_sign(value: float) -> float:
-    """A number that is never negative: 0 for one that is so by rounding alone, NaN for one that is."""
+    """A number that is never negative.
+
+    0 for one that is so by rounding alone, NaN for one that is.
+    """
     if value >= 0.0:
         return value
     return 0.0 if value >= -NEGLIGIBLE else math.nan
@@ -47,28 +50,43 @@ class Part(Protocol):
     """All that lasts between steps; may be set to that of another part of the same method."""
 
     def start(self, there: Frame) -> None:
-        """Write the initial outputs of a role that integrates; SignalError if a number is not finite."""
+        """Write the initial outputs of a role that integrates.
+
+        SignalError if a number is not finite.
+        """
 
     def step(self, here: Frame, there: Frame) -> None:
-        """Answer in the frame `there` to the signals in `here`, or integrate to it; SignalError as above."""
+        """Answer in the frame `there` to the signals in `here`, or integrate to it.
+
+        SignalError as above.
+        """
 
     def refuse_not_finite(self, there: Frame) -> None:
-        """SignalError if a number that it wrote, or that a sensor or fault has put there, is not finite."""
+        """Refuse a number that is not finite (SignalError).
+
+        The part wrote it, or a sensor or fault did.
+        """
 
     def notes(self) -> tuple[str, ...]:
         """All that is worth knowing about the run so far, besides the signals."""
 
     def addresses(self) -> tuple[int, int, int]:
-        """Addresses of the C function, the state and the constants with which compiled code starts and steps it."""
+        """Addresses of C function, state and constants, by which compiled code steps it."""
 
 
 class CalledBack:
-    """A part that is stepped in Python: compiled code calls it back; an exception is kept in `error`."""
+    """A part that is stepped in Python: compiled code calls it back.
+
+    An exception is kept in `error`.
+    """
 
     error: BaseException | None = None
 
     def addresses(self) -> tuple[int, int, int]:
-        """Address of the function that compiled code calls; it needs no memory for state and constants."""
+        """Address of the function that compiled code calls.
+
+        It needs no memory for state and constants.
+        """
         return ctypes.cast(self._function, ctypes.c_void_p).value or 0, 0, 0
 
     @cached_property
@@ -93,7 +111,8 @@ class PythonPart(CalledBack):
     """An object with steps in plain Python."""
 
     def __init__(self, method: Method, made: Any, note: str = "") -> None:
-        self.made, self._method = made, method
+        self.made = made
+        self._method = method
         self._note = (note,) if note else ()
         self._reads = tuple(_reader(signal) for signal in method.reads)
         self._writes = tuple(_writer(signal) for signal in method.writes)
@@ -122,7 +141,8 @@ class PythonPart(CalledBack):
     def step(self, here: Frame, there: Frame) -> None:
         """One step of the object."""
         signals = [read(here.numbers) for read in self._reads]
-        try:  # no `in_law`, which takes longer than many a law
+        # Without `in_law`, which takes longer than many a law.
+        try:
             if self._answers:
                 self._write(self.made.step(*signals), there.numbers, self.made.step)
             else:
@@ -132,7 +152,11 @@ class PythonPart(CalledBack):
             raise_in_one_line(self._method, error, here.numbers[TIME])
 
     def _write(self, output: Any, there: Any, by: Any) -> None:
-        """Put what a function gives into the frame; WrongResultError unless it has the shape of what is written."""
+        """Put what a function gives into the frame.
+
+        WrongResultError unless it has the shape of what is written.
+        """
+        # A tuple is one answer of several signals; a NamedTuple is a single signal.
         if self._single:
             output = (output,)
         elif type(output) is not tuple or len(output) != len(self._writes):
@@ -171,9 +195,12 @@ def _reader(signal: type) -> Callable[[Any], Any]:
 
 def _writer(signal: type) -> Callable[[Any, Any], None]:
     """A function that puts a signal into the numbers of a frame, as its message carries it."""
-    place, shape = frame.PLACES[signal], shape_of(signal)
-
-    per_wheel, has_single, never_negative = shape.per_wheel, shape.has_single, shape.never_negative
+    place = frame.PLACES[signal]
+    shape = shape_of(signal)
+    # Looked up once: the function below is called in every step.
+    per_wheel = shape.per_wheel
+    has_single = shape.has_single
+    never_negative = shape.never_negative
 
     def write(there: Any, output: Any) -> None:
         values = output
@@ -194,7 +221,10 @@ def _writer(signal: type) -> Callable[[Any, Any], None]:
 
 
 def _wrong_field(shape: Shape, signal: Any) -> tuple[Any, str]:
-    """The first field of a signal that is no number, or not one for each wheel, and what is expected there."""
+    """The first field of a signal that is no number or not one for each wheel.
+
+    With it comes what is expected there.
+    """
     for name, value in zip(signal._fields, signal, strict=True):
         where = f"as {name} of its {shape.signal.__name__}"
         if shape.per_wheel and (not isinstance(value, tuple) or len(value) != len(WHEEL_NAMES)):

@@ -1,4 +1,11 @@
-"""Roles that are played by recorded signals: `driver=results/shchur2019/latest/signals.npz`."""
+"""Roles that are played by recorded signals.
+
+A recording is named by its path: `driver=results/shchur2019/latest/signals.npz`.
+
+How it works: the numbers of the role's signals are one row for each recorded instant. A step copies
+the row of its instant into the frame. So the recording has to have the control period of the run,
+and ends it where it ends itself.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from ev_core.methods.law import NoParameters
 from ev_core.methods.method_record import Method
 from ev_core.methods.part import CalledBack
 from ev_core.parameters.data_file import TIME, RecordingError, read_arrays, refuse_outside
@@ -18,11 +26,6 @@ from ev_msgs_py.contract.frame import PLACES, Frame, time_in
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError
-
-
-@dataclass(frozen=True, slots=True)
-class NoParameters:
-    """A recording has no parameters."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +43,10 @@ class Playback(Method):
 
 
 def playback_method(role: str, name: str) -> Method:
-    """The method of a role that the recording of this path makes; ParameterError, in one line, if it cannot."""
+    """The method of a role that the recording of this path makes.
+
+    ParameterError, in one line, if it cannot.
+    """
     path = Path(name)
     try:
         refuse_outside(name, path)
@@ -49,9 +55,8 @@ def playback_method(role: str, name: str) -> Method:
         raise ParameterError(f"{role} method {name}: {error.strerror}", "method") from None
     except RecordingError as error:
         raise ParameterError(f"{role} method: {error}", "method") from None
-    return Playback(
-        role, name, recorded, tuple(s for s in ROLES[role].reads if recorded.has(s)), NoParameters
-    )
+    reads = tuple(signal for signal in ROLES[role].reads if recorded.has(signal))
+    return Playback(role, name, recorded, reads, NoParameters)
 
 
 @lru_cache(maxsize=8)  # the roles of one recording
@@ -80,7 +85,8 @@ class RecordedRole:
                 "method",
             )
         self.stamps = self._stamps(arrays[TIME])
-        self.last, self.instants = int(self.stamps[-1]), len(self.stamps)
+        self.last = int(self.stamps[-1])
+        self.instants = len(self.stamps)
         self.rows = [(PLACES[signal], self._rows(arrays, signal)) for signal in self.writes]
 
     def _stamps(self, times: np.ndarray) -> np.ndarray:
@@ -94,16 +100,17 @@ class RecordedRole:
         return found
 
     def _rows(self, arrays: dict[str, np.ndarray], signal: type) -> np.ndarray:
-        """The recorded numbers of a signal, (instants, numbers); ParameterError if a channel has more or fewer.
+        """The recorded numbers of a signal, (instants, numbers).
 
-        So it is if one is not finite, or if a command is negative, such as a brake torque.
+        ParameterError if a channel has more or fewer. So it is if one is not finite, or if a
+        command is negative, such as a brake torque.
         """
         channels = TOPICS[signal].channels
         for channel in channels:
             if len(arrays[channel]) != self.instants:
                 raise ParameterError(
-                    f"{self.role} method {self.name}: {channel} has {len(arrays[channel])} numbers, "
-                    f"{TIME} has {self.instants}, expected as many"
+                    f"{self.role} method {self.name}: {channel} has {len(arrays[channel])} "
+                    f"numbers, {TIME} has {self.instants}, expected as many"
                 )
             self._refuse_not_finite(channel, arrays[channel])
         rows = np.stack([arrays[channel].astype(float) for channel in channels], axis=1)
@@ -112,8 +119,10 @@ class RecordedRole:
             if (column < -NEGLIGIBLE).any():
                 at = int(np.argmax(column < -NEGLIGIBLE))
                 raise ParameterError(
-                    f"{self.role} method {self.name}: {channels[place]} {at} is {column[at]}, expected 0 or more"
+                    f"{self.role} method {self.name}: {channels[place]} {at} is {column[at]}, "
+                    "expected 0 or more"
                 )
+            # Negative by rounding alone, as a running part would write 0.
             column[column < 0.0] = 0.0
         return rows
 
@@ -121,7 +130,8 @@ class RecordedRole:
         if not np.isfinite(values).all():
             at = int(np.argmin(np.isfinite(values)))
             raise ParameterError(
-                f"{self.role} method {self.name}: {name} {at} is {values[at]}, expected a finite number"
+                f"{self.role} method {self.name}: {name} {at} is {values[at]}, expected a finite "
+                "number"
             )
 
     def has(self, signal: type) -> bool:
@@ -130,20 +140,27 @@ class RecordedRole:
         return topic is not None and self._names.issuperset(topic.channels)
 
     def __call__(self, parameters: Any, vehicle: Any, period: float) -> RecordedRole:
-        """Itself, for nothing lasts between steps; ParameterError if it was recorded with another period."""
-        wrong = self.stamps != np.arange(self.instants) * stamps.from_seconds(period)
-        if wrong.any() and self.stamps[-1] == (self.instants - 1) * stamps.from_seconds(period):
+        """Itself, for nothing lasts between steps.
+
+        ParameterError if it was recorded with another period.
+        """
+        expected = np.arange(self.instants) * stamps.from_seconds(period)
+        wrong = self.stamps != expected
+        if not wrong.any():
+            return self
+        label = f"{self.role} method {self.name}"
+        # Where the last instant is right, some within are not: a recording with a gap.
+        if self.stamps[-1] == expected[-1]:
             at = int(np.argmax(wrong))
             raise ParameterError(
-                f"{self.role} method {self.name}: {TIME} {at} is {stamps.to_seconds(int(self.stamps[at])):g} s, "
-                f"expected {at * period:g} s: the instants follow each other by the control_period of {period:g} s"
+                f"{label}: {TIME} {at} is {stamps.to_seconds(int(self.stamps[at])):g} s, "
+                f"expected {at * period:g} s: the instants follow each other by the control_period "
+                f"of {period:g} s"
             )
-        if wrong.any():
-            raise ParameterError(
-                f"{self.role} method {self.name}: {self.instants} instants up to {stamps.to_seconds(self.last):g} s "
-                f"are none of a control_period of {period:g} s"
-            )
-        return self
+        raise ParameterError(
+            f"{label}: {self.instants} instants up to {stamps.to_seconds(self.last):g} s "
+            f"are none of a control_period of {period:g} s"
+        )
 
     def part(self, method: Method, made: RecordedRole) -> PlaybackPart:
         """The part that plays a role by it."""
@@ -191,7 +208,7 @@ class PlaybackPart(CalledBack):
                 raise SignalError(
                     f"{self._recorded.name} ends at {end:g} s: it has no numbers of a later time"
                 )
-            # a role that integrates has an output behind the end, to which no step leads
+            # A role that integrates has an output behind the end, to which no step leads.
             step = last
         for place, width, rows in self._rows:
             there.numbers[place] = rows[step * width : (step + 1) * width]

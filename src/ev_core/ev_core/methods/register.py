@@ -1,4 +1,4 @@
-"""The register of methods: every law, plant, column and driver, by role and name, also of installed packages.
+"""The register of methods: laws, plants, columns and drivers, by role and name.
 
 How it works: a module registers its methods when it is imported, by the decorator `method`.
 Packages offer modules by entry points of the name of a role, and these are imported when the
@@ -35,7 +35,10 @@ _is_private = False  # while a file of the user's registers methods that only it
 
 @cache
 def load_installed_methods(role: str) -> tuple[str, ...]:
-    """Import the modules that are offered for a role; one line for each that fails, which must not stop the others."""
+    """Import the modules that are offered for a role.
+
+    One line for each that fails, which must not stop the others.
+    """
     failed = []
     for entry_point in entry_points(group=_GROUP, name=role):
         try:
@@ -48,12 +51,16 @@ def load_installed_methods(role: str) -> tuple[str, ...]:
 
 
 def not_loaded() -> tuple[str, ...]:
-    """One line for each offered module that is not available: it fails, or is offered for no role."""
+    """One line for each offered module that is not available.
+
+    It fails, or is offered for no role.
+    """
     lines: list[str] = []
     for point in entry_points(group=_GROUP):
         if point.name not in ROLES:
             lines.append(
-                f"{point.value}: offered for {quoted(point.name)}, which is no role: {', '.join(ROLES)}"
+                f"{point.value}: offered for {quoted(point.name)}, which is no role: "
+                f"{', '.join(ROLES)}"
             )
     for role in ROLES:
         lines += load_installed_methods(role)
@@ -89,6 +96,7 @@ def method(role: str, name: str, **how: Any) -> Callable[[T], T]:
             refuse_lacking(role, name, factory)
         refuse_undeclared(label, factory.parameters)
         reads = _reads(label, role, factory)
+        # An option may bring other signals, which the role has to have as well.
         if is_law:
             for changed in factory.options.values():
                 _reads(label, role, replace(factory, **changed))
@@ -96,8 +104,9 @@ def method(role: str, name: str, **how: Any) -> Callable[[T], T]:
             refuse_taken(label, factory.parameters)
         except ParameterError as error:
             raise TypeError(str(error)) from None
+        # A name of an installed method is refused, whether that is loaded by now or not.
         if not _is_private and defined.__module__.partition(".")[0] not in _packages(role):
-            load_installed_methods(role)  # theirs are refused whether they are known by now or not
+            load_installed_methods(role)
         _put(Method(role, name, factory, reads, factory.parameters))
         return defined
 
@@ -137,26 +146,39 @@ def _packages(role: str) -> frozenset[str]:
 
 
 def _put(method: Method) -> None:
-    """Register a method; TypeError if another one has its name, unless that is the same one, edited and run again."""
+    """Register a method; TypeError if another one has its name.
+
+    The same one may be edited and run again.
+    """
     of_role = _REGISTER.setdefault(method.role, {})
     known = of_role.get(method.name)
     if known is not None and known.place != method.place and known.text_place != method.text_place:
+        there = ".".join(known.place)
+        here = ".".join(method.place)
         raise TypeError(
-            f"{method.role} method {method.name} is there already, {'.'.join(known.place)}: take another name for "
-            f"{'.'.join(method.place)}"
+            f"{method.role} method {method.name} is there already, {there}: "
+            f"take another name for {here}"
         )
     of_role[method.name] = method
 
 
 def registered_by(module: str, run: Callable[[], None]) -> dict[str, dict[str, Method]]:
-    """Methods that `run` registers from this module, by role and name, kept private to the caller."""
+    """Methods that `run` registers from this module, private to the caller.
+
+    The keys are role and name.
+    """
     global _REGISTER, _is_private
-    kept, _REGISTER, _is_private = _REGISTER, {}, True
+    kept = _REGISTER
+    _REGISTER = {}
+    _is_private = True
     try:
         run()
     finally:
-        made, _REGISTER, _is_private = _REGISTER, kept, False
-        for methods in made.values():  # what was imported on the way is there for all
+        made = _REGISTER
+        _REGISTER = kept
+        _is_private = False
+        # The file may have imported modules on the way: their methods are there for all.
+        for methods in made.values():
             others = [each for each in methods.values() if each.place[0] != module]
             for each in others:
                 del methods[each.name]

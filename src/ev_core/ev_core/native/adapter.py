@@ -28,7 +28,8 @@ P = types.voidptr
 @cfunc(types.int32(P, P, P, P), error_model="numpy")
 def step(now, next, state, constants):
     here, there = carray(now, {size}, FLOAT), carray(next, {size}, FLOAT)
-    row, words, memory = carray(constants, {row}, FLOAT), carray(constants, 1, INT), carray(state, 1, FLOAT)
+    row, words = carray(constants, {row}, FLOAT), carray(constants, 1, INT)
+    memory = carray(state, 1, FLOAT)
 {copying}
     at = row.ctypes.data
     status = call(words[0], at + {inputs}, at + {outputs}, memory.ctypes.data, at + {given})
@@ -46,7 +47,10 @@ def adapter(
     outputs: int,
     given: int,
 ) -> int:
-    """Address of the compiled step between frame and library, the same for all laws of a role that read the same."""
+    """Address of the compiled step between frame and library.
+
+    It is the same for all laws of a role that read the same.
+    """
     row = dict(places)
     (written,) = ROLES[role].writes
     copying = [f"row[{row[Instant]}] = here[{frame.TIME}]"]

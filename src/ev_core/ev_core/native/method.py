@@ -1,7 +1,9 @@
-"""A law of a shared library as a method, `asr=build/liblimit.so`, in plain Python and in the compiled loop.
+"""A law of a shared library as a method, `asr=build/liblimit.so`.
 
-The library is opened and held against the interface, and what it declares becomes parameters of the
-method.
+How it works: the library is opened and held against the interface, and what it declares becomes
+parameters of the method. One row of numbers has inputs, outputs, and what the functions are given,
+each as the structs of ev_laws.h have them. Plain Python fills the row and calls the C function;
+compiled code does the same by an adapter, without Python.
 """
 
 from __future__ import annotations
@@ -54,21 +56,23 @@ _files: dict[Path, list[os.stat_result]] = {}
 
 
 def _opened(path: Path) -> ctypes.CDLL:
-    """The file that is there now: the loader gives the one that was there before for the same text of a path.
+    """The file that is there now.
 
-    OSError if it cannot be loaded, or was written over in place, so that the law that came out of
-    it is damaged.
+    The loader gives the one that was there before for the same text of a path. OSError if it cannot
+    be loaded, or was written over in place, so that the law that came out of it is damaged.
     """
-    before, found = _files.setdefault(path, []), path.stat()
+    before = _files.setdefault(path, [])
+    found = path.stat()
     known = [os.path.samestat(each, found) for each in before]
     place = known.index(True) if True in known else len(before)
-    if any(known) and (before[place].st_mtime_ns, before[place].st_size) != (
-        found.st_mtime_ns,
-        found.st_size,
-    ):
-        raise OSError(
-            "it was written over while it was in use, expected a new file in its place, or a new process"
-        )
+    if any(known):
+        then = before[place]
+        if (then.st_mtime_ns, then.st_size) != (found.st_mtime_ns, found.st_size):
+            raise OSError(
+                "it was written over while it was in use, "
+                "expected a new file in its place, or a new process"
+            )
+    # Each file that was there gets another text of the path, so that the loader looks again.
     opened = ctypes.CDLL(f"{path.parent}{'/.' * place}/{path.name}")
     if not any(known):
         before.append(found)
@@ -123,12 +127,10 @@ class Library:
         self._refuse_other_header(declared)
         self.reads = tuple(signal for signal in reads_of(role) if declared.reads & bit(signal))
         self.state_size = declared.state_size
-        self.start, self.step = declared.start or 0, declared.step or 0
-        if (
-            not self.step
-            or not self.reads
-            or max(self.state_size, declared.number_of_parameters) > _MOST
-        ):
+        self.start = declared.start or 0
+        self.step = declared.step or 0
+        declares_too_much = max(self.state_size, declared.number_of_parameters) > _MOST
+        if not self.step or not self.reads or declares_too_much:
             raise self.refused(
                 "it lacks a step function, reads nothing of its role, or declares absurdly much"
             )
@@ -153,22 +155,19 @@ class Library:
         return ParameterError(f"{self.role} method {self.name}: {why}", "method")
 
     def _refuse_other_header(self, declared: _Declared) -> None:
-        numbers = 1 + size_of(reads_of(self.role)), size_of(ROLES[self.role].writes), GIVEN
-        sizes = dict(
-            zip(
-                ("inputs_size", "outputs_size", "given_size"),
-                (_WORD * n for n in numbers),
-                strict=True,
-            )
-        )
-        for name, other in {"version": VERSION, "layout": layout(), **sizes}.items():
-            if (one := getattr(declared, name)) != other:
-                shown = (
-                    f"{one:#010x}, here it is {other:#010x}"
-                    if name == "layout"
-                    else f"{one}, here it is {other}"
-                )
-                what = f"{name.removesuffix('_size')} {shown}"
+        expected = {
+            "version": VERSION,
+            "layout": layout(),
+            "inputs_size": _WORD * (1 + size_of(reads_of(self.role))),
+            "outputs_size": _WORD * size_of(ROLES[self.role].writes),
+            "given_size": _WORD * GIVEN,
+        }
+        for name, here in expected.items():
+            found = getattr(declared, name)
+            if found != here:
+                # The layout is a check number, which means nothing as a decimal.
+                form = "#010x" if name == "layout" else "d"
+                what = f"{name.removesuffix('_size')} {found:{form}}, here it is {here:{form}}"
                 raise self.refused(
                     f"compiled with another ev_laws.h: {what}; compile it again with that of here"
                 )
@@ -176,20 +175,17 @@ class Library:
     def _fields(self, declared: _Declared) -> Iterator[tuple[str, type, Any]]:
         seen: set[str] = set()
         for each in declared.parameters[: declared.number_of_parameters]:
-            name, low, high = _text(each.name), each.low, each.high
-            if name in seen or iskeyword(name) or name.startswith("_"):
-                allowed = (
-                    "expected once"
-                    if name in seen
-                    else "expected a name of Python's without _ before it"
-                )
-                raise self.refused(f"parameter {quoted(name)} is refused, {allowed}")
+            name = _text(each.name)
+            low = each.low
+            high = each.high
+            if name in seen:
+                raise self.refused(f"parameter {quoted(name)} is refused, expected once")
+            if iskeyword(name) or name.startswith("_"):
+                expected = "a name of Python's without _ before it"
+                raise self.refused(f"parameter {quoted(name)} is refused, expected {expected}")
             seen.add(name)
-            if (
-                not name.isidentifier()
-                or not low <= each.value <= high
-                or not math.isfinite(each.value)
-            ):
+            is_within = low <= each.value <= high and math.isfinite(each.value)
+            if not name.isidentifier() or not is_within:
                 raise self.refused(
                     f"parameter {quoted(name)} needs a name and a finite value between its bounds"
                 )
@@ -229,7 +225,10 @@ def _made(role: str, name: str, path: Path, _file: tuple[int, ...]) -> Method:
 
 
 class NativeLaw:
-    """One object of a law: its state, and in one row what the functions are given, as ev_laws.h has it."""
+    """One object of a law.
+
+    It has a state, and in one row what the functions are given, as in ev_laws.h.
+    """
 
     def __init__(
         self, library: Library, parameters: Any, car: Sequence[float], period: float
@@ -246,6 +245,7 @@ class NativeLaw:
         self.given = self.outputs + size_of((self._written,))
         values = list(number_tree(parameters).values())
         self.row = np.array([*[0.0] * self.given, period, 0.0, *car, *values])
+        # Two words are addresses: of the function, and of the parameters behind the car.
         words = self.row.view(np.int64)
         words[0] = library.step
         words[self.given + 1] = self.address(self.given + GIVEN)
@@ -260,7 +260,10 @@ class NativeLaw:
         return self.row.ctypes.data + 8 * place
 
     def step(self, instant: Instant, *signals: Any) -> Any:
-        """The answer to the signals that the law reads; SignalError if the function returns anything else than 0."""
+        """The answer to the signals that the law reads.
+
+        SignalError if the function returns anything else than 0.
+        """
         self.row[INPUTS] = instant.time
         for kind, signal in zip(self.library.reads, signals, strict=True):
             shape = shape_of(kind)
@@ -274,11 +277,11 @@ class NativeLaw:
     @property
     def error(self) -> SignalError:
         """Error of a function that has not returned 0, or of its answer."""
-        if not self.row[STATUS]:  # a number is negative that must not be
+        # Without a status of its own it is the answer: a number is negative that must not be.
+        if not self.row[STATUS]:
             shape = shape_of(self._written)
-            return shape.negative(
-                self.row[self.outputs : self.given].tolist(), shape.never_negative
-            )
+            answer = self.row[self.outputs : self.given].tolist()
+            return shape.negative(answer, shape.never_negative)
         return SignalError(f"{self.library.name}: step returned {self.row[STATUS]:g}, expected 0")
 
     @property

@@ -1,4 +1,10 @@
-"""Files of data: their folders, opened so that none blocks or fills the memory; tables in CSV, and signals."""
+"""Files of data: their folders, and tables in CSV and signals that are read from them.
+
+How it works: a name that is no absolute path is looked for in the config folders, those of the user
+before those of packages. A path that stands in a file of others' leads no further than data does. A
+file is opened only if it is a regular one of some size at most, so that none blocks or fills the
+memory. What is opened can be listened to (`files_read`): results are kept by their inputs.
+"""
 
 from __future__ import annotations
 
@@ -32,13 +38,16 @@ _all_entry_points: Callable[[], Any] = cache(metadata.entry_points)
 
 
 def entry_points(**wanted: str) -> Iterable[metadata.EntryPoint]:
-    """Entry points of a `group`, and of a `name` if it is given. Packages are searched once: that takes 10 ms."""
+    """Entry points of a `group`, and of a `name` if it is given.
+
+    Packages are searched once, which takes 10 ms.
+    """
     points: Iterable[metadata.EntryPoint] = _all_entry_points().select(**wanted)
     return points
 
 
 def config_folders() -> tuple[Path, ...]:
-    """The folders that EV_STACK_CONFIG names, separated as in PATH, and behind them those of installed packages.
+    """The folders that EV_STACK_CONFIG names, and behind them those of installed packages.
 
     What stands in several of them is taken from the first. FileNotFoundError, with a message for
     the user, if one that is named is not there.
@@ -63,12 +72,19 @@ def _installed() -> tuple[Path, ...]:
 
 
 def find_in_config(name: str) -> Path | None:
-    """The file or folder of a name such as cycles/nedc.csv in the first config folder that has it; None if none has."""
-    return next((path for folder in config_folders() if (path := folder / name).exists()), None)
+    """The file or folder of a name such as cycles/nedc.csv in the config folders.
+
+    The first folder that has it counts; None if none has it.
+    """
+    for folder in config_folders():
+        path = folder / name
+        if path.exists():
+            return path
+    return None
 
 
 def files_in_config(kind: str) -> Mapping[str, Path]:
-    """Every YAML file of a kind (`scenarios`, `vehicles`, `surfaces`), by its name without suffix."""
+    """YAML files of a kind (`scenarios`, `vehicles`, `surfaces`), by name without suffix."""
     found: dict[str, Path] = {}
     for folder in config_folders():
         for path in sorted((folder / kind).glob("*.yaml")):
@@ -77,9 +93,11 @@ def files_in_config(kind: str) -> Mapping[str, Path]:
 
 
 MEGABYTE = 2**20
-# the largest size of a file, by its kind
-TEXT, TABLE, SIGNALS = 4 * MEGABYTE, 64 * MEGABYTE, 4096 * MEGABYTE
-# those of `files_read`
+# The largest size of a file, by its kind.
+TEXT = 4 * MEGABYTE
+TABLE = 64 * MEGABYTE
+SIGNALS = 4096 * MEGABYTE
+# The dictionaries of `files_read`, for each block around the present place.
 _listening: ContextVar[tuple[dict[str, str], ...]] = ContextVar("listening", default=())
 _KINDS = (
     (stat.S_ISDIR, "a folder"),
@@ -103,21 +121,26 @@ class TextOfFile(str):
 
 
 def refuse_outside(name: str, path: Path) -> None:
-    """ParameterError if a file has named a path that leads out of its folder, config folders and working directory."""
+    """Refuse a path in a file that leads out of all folders of data.
+
+    These are its own folder, the config folders and the working directory.
+    """
     if "\0" in name:
         raise ParameterError(f"{quoted(str(name))} is refused, expected the path of a file")
     if isinstance(name, TextOfFile):
+        # Links are followed first, for they may lead out as well.
         roots = [root.resolve() for root in (name.file.parent, *config_folders(), Path())]
         if not any(path.resolve().is_relative_to(root) for root in roots):
             raise ParameterError(
-                f"{quoted(str(name))} is refused, allowed in {name.file} is a file below {name.file.parent}, "
-                "a config folder or the working directory; further away it is named on the command line"
+                f"{quoted(str(name))} is refused, allowed in {name.file} is a file below "
+                f"{name.file.parent}, a config folder or the working directory; "
+                "further away it is named on the command line"
             )
 
 
 @contextmanager
 def files_read() -> Iterator[dict[str, str]]:
-    """SHA-256 of every file of data that this thread opens in the block, or reports as needed, by path."""
+    """SHA-256, by path, of each file of data that this thread opens or reports in the block."""
     read: dict[str, str] = {}
     before = _listening.set((*_listening.get(), read))
     try:
@@ -127,7 +150,10 @@ def files_read() -> Iterator[dict[str, str]]:
 
 
 def tell(path: Path | str) -> None:
-    """Report that a file is needed, which is not opened each time: it is a library, or was read before."""
+    """Report that a file is needed, which is not opened each time.
+
+    It is a library, or was read before.
+    """
     if _listening.get():
         with Path(path).open("rb") as file:
             _tell(path, file)
@@ -140,13 +166,14 @@ def _tell(path: Path | str, file: BufferedReader) -> None:
 
 
 def open_data(path: Path | str, most: int, is_input: bool = True) -> IO[bytes]:
-    """Open a regular file of at most so many bytes; OSError, with the expected kind in its strerror, for another one.
+    """Open a regular file of at most so many bytes.
 
-    `files_read` leaves it out unless it `is_input`: a file of a cache would be made again without
-    it.
+    OSError, with the expected kind in its strerror, for another one. `files_read` leaves it out
+    unless it `is_input`: a file of a cache would be made again without it.
     """
     if "\0" in os.fspath(path):
         raise OSError(errno.EINVAL, "it has a null byte, expected the path of a file", str(path))
+    # Without waiting: opening a pipe would block until something writes into it.
     opened = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY)
     try:
         found = os.fstat(opened)
@@ -167,8 +194,12 @@ def open_data(path: Path | str, most: int, is_input: bool = True) -> IO[bytes]:
 
 
 def read_data(path: Path | str, most: int, is_input: bool = True) -> bytes:
-    """The bytes of a file of data; OSError as `open_data`, also if it has more of them than its size, as in /proc."""
+    """The bytes of a file of data.
+
+    OSError as `open_data`, also if it has more of them than its size, as in /proc.
+    """
     with open_data(path, most, is_input) as file:
+        # One byte more shows that there is more, without reading all of it.
         content = file.read(most + 1)
     if len(content) > most:
         allowed = (
@@ -182,14 +213,16 @@ T = TypeVar("T")
 
 
 def find_file(name: str) -> Path:
-    """The file that a parameter names: a relative name counts from the config folders, else from the working directory.
+    """The file that a parameter names.
 
+    A relative name counts from the config folders, else from the working directory.
     FileNotFoundError if the name is relative and a config folder that is named is not there;
     ParameterError if another file has named it and it leads further than that file may
     (`data_file`).
     """
     path = Path(name)
-    path = path if path.is_absolute() else find_in_config(name) or path
+    if not path.is_absolute():
+        path = find_in_config(name) or path
     refuse_outside(name, path)
     return path
 
@@ -228,10 +261,10 @@ class RecordingError(ValueError):
 
 
 def read_arrays(path: Path | str) -> dict[str, np.ndarray]:
-    """The arrays of signals.npz by name; FileNotFoundError, or RecordingError if they are damaged or too large.
+    """The arrays of signals.npz by name.
 
-    Nothing is allocated by the sizes in the file before these agree: a few bytes can claim any
-    size.
+    FileNotFoundError, or RecordingError if they are damaged or too large. Nothing is allocated by
+    the sizes in the file before these agree: a few bytes can claim any size.
     """
     try:
         with open_data(path, SIGNALS) as file, zipfile.ZipFile(file) as archive:
@@ -243,11 +276,10 @@ def read_arrays(path: Path | str) -> dict[str, np.ndarray]:
         raise
     except OSError as error:
         raise RecordingError(f"{path} holds no signals: {error.strerror or error}") from None
-    # whatever numpy, zip and zlib raise for bytes that are none of theirs
     except Exception as error:
-        raise RecordingError(
-            f"{path} holds no signals: {' '.join(str(error).split())[:200]}"
-        ) from None
+        # Numpy, zip and zlib raise all kinds of errors for bytes that are none of theirs.
+        reason = " ".join(str(error).split())[:200]
+        raise RecordingError(f"{path} holds no signals: {reason}") from None
 
 
 def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> np.ndarray:
@@ -255,10 +287,8 @@ def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> np.ndarray:
     with archive.open(member) as file:
         format.read_magic(file)
         shape, _, kind = format.read_array_header_1_0(file)
-        if (
-            kind.kind not in "fiu"
-            or len(shape) != 1
-            or shape[0] * kind.itemsize != member.file_size - file.tell()
-        ):
+        is_series = kind.kind in "fiu" and len(shape) == 1
+        # The header has to agree with the size of the file before memory is taken for it.
+        if not is_series or shape[0] * kind.itemsize != member.file_size - file.tell():
             raise ValueError(f"{quoted(member.filename)} is no series of numbers")
         return np.frombuffer(bytearray(file.read()), kind)

@@ -1,7 +1,9 @@
-"""Parameters as data: one frozen dataclass field carries default, unit, range, description and source.
+"""Parameters as data.
 
+How it works: a field of a frozen dataclass carries default, unit, range, description and source.
 Everything that needs to know a parameter (ROS declaration, validation, YAML check, reference page)
-is derived from the field, so a parameter is written down exactly once.
+is derived from the field, so a parameter is written down exactly once. A field that is a dataclass
+itself is a group: its name stands before those of its parameters.
 """
 
 import types
@@ -67,14 +69,16 @@ class Spec:
         unit = f" {self.unit}" if self.unit and self.unit != "1" else ""
         if self.low is None and self.high is None:
             return "any value of its type"
-        low, high = (
-            f"{end:g}" if isinstance(end, float) else str(end) for end in (self.low, self.high)
-        )
         if self.high is None:
-            return f"at least {low}{unit}"
+            return f"at least {_in_words(self.low)}{unit}"
         if self.low is None:
-            return f"at most {high}{unit}"
-        return f"{low} to {high}{unit}"
+            return f"at most {_in_words(self.high)}{unit}"
+        return f"{_in_words(self.low)} to {_in_words(self.high)}{unit}"
+
+
+def _in_words(end: float | None) -> str:
+    """An end of a range; whole numbers keep all their digits."""
+    return f"{end:g}" if isinstance(end, float) else str(end)
 
 
 def parameter(default: Any, *, about: str, source: str = _ASSUMED, **more: Any) -> Any:
@@ -97,12 +101,18 @@ def is_declared(field: Field[Any]) -> bool:
 
 
 def setting(default: Any, **about: Any) -> Any:
-    """Declare a field as `parameter` does, with a value that is chosen or describes a thing, and so has no source."""
+    """Declare a field as `parameter` does, without a source.
+
+    Its value is chosen, or describes a thing.
+    """
     return parameter(default, source="", **about)
 
 
 def own(default: Any, **about: Any) -> Any:
-    """Declare a `setting` for which everything that it describes states a value: no default can stand for that."""
+    """Declare a `setting` for which everything that it describes states a value.
+
+    No default can stand for that.
+    """
     return setting(default, own=True, **about)
 
 
@@ -123,8 +133,13 @@ class Entry:
 
 
 def entries(of: type | object, prefix: str = "") -> tuple[Entry, ...]:
-    """All parameters of a parameter dataclass, groups flattened to dotted names, in order of declaration."""
-    return _entries_by_default(of, prefix) if isinstance(of, type) else tuple(_entries(of, prefix))
+    """All parameters of a parameter dataclass, in order of declaration.
+
+    Groups are flattened to dotted names.
+    """
+    if isinstance(of, type):
+        return _entries_by_default(of, prefix)
+    return tuple(_entries(of, prefix))
 
 
 @cache
@@ -167,7 +182,10 @@ def _element_type(hint: Any) -> tuple[type, bool]:
 
 
 def flatten(instance: Any, prefix: str = "") -> dict[str, Any]:
-    """Dotted names and values of a parameter dataclass, as `entries` have them; the inverse of `build`."""
+    """Dotted names and values of a parameter dataclass, as `entries` have them.
+
+    `build` makes the dataclass of them again.
+    """
     found: dict[str, Any] = {}
     kind: type = type(instance)
     for name, _ in _names_and_choices(kind):
@@ -194,10 +212,11 @@ def number_tree(instance: Any) -> dict[str, Any]:
         if type(value) is float:  # nearly all are
             tree[name] = value
         elif isinstance(value, str):
-            if isinstance(_default(kind, name), Choice):
-                raise TypeError(
-                    f"{name} is the text {value}, expected a member of {type(_default(kind, name)).__name__}"
-                )
+            # Code may have put a text where the declaration has a Choice.
+            default = _default(kind, name)
+            if isinstance(default, Choice):
+                expected = type(default).__name__
+                raise TypeError(f"{name} is the text {value}, expected a member of {expected}")
             if choices:
                 tree[name] = float(choices.index(value))
         elif is_dataclass(value):
@@ -216,6 +235,8 @@ def _default(of: type, name: str) -> Any:
 @cache
 def _names_and_choices(of: type) -> tuple[tuple[str, tuple[str, ...]], ...]:
     """Names of the parameters of a dataclass, and what those that are texts may be."""
-    return tuple(
-        (f.name, f.metadata[_SPEC].choices if _SPEC in f.metadata else ()) for f in fields(of)
-    )
+    found: list[tuple[str, tuple[str, ...]]] = []
+    for f in fields(of):
+        choices = f.metadata[_SPEC].choices if is_declared(f) else ()
+        found.append((f.name, choices))
+    return tuple(found)

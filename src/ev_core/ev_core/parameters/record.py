@@ -48,7 +48,7 @@ def wheel_places(name: str, unit: str, about: str = "") -> tuple[Place, ...]:
 
 
 def row(places: Sequence[Place]) -> Any:
-    """Numbers that are worked on as one array, such as by an integrator, though each has a name and a unit."""
+    """Numbers with names and units that are worked on as one array, as by an integrator."""
     return field(default_factory=lambda: [0.0] * len(places), metadata={"places": tuple(places)})
 
 
@@ -63,7 +63,10 @@ def each_wheel(of: type) -> Any:
 
 
 def record_type(values: Any) -> np.dtype:
-    """The layout of a record, or of a tree of mappings, in compiled code: float64 in order of declaration."""
+    """The layout of a record, or of a tree of mappings, in compiled code.
+
+    All numbers are float64, in order of declaration.
+    """
     return _type_of(shape_of_record(values))
 
 
@@ -82,17 +85,24 @@ def _element_type(shape: Any) -> tuple[Any, ...]:
 
 
 def shape_of_record(values: Any) -> tuple[Any, ...]:
-    """Key of a record's layout: its names, and for each of them None for a number, a shape, or a count and a shape."""
+    """Key of a record's layout.
+
+    Its names, and for each of them None for a number, a shape, or a count and a shape.
+    """
     items = _items(values)
     return tuple([name for name, _ in items]), tuple([_shape(value) for _, value in items])
 
 
 def _shape(value: Any) -> Any:
-    if type(value) is float or _is_number(value):  # nearly all are the first
+    # Nearly all are floats, so they are asked for first.
+    if type(value) is float or _is_number(value):
         return None
     if not isinstance(value, (list, tuple, np.ndarray, Sequence)):
         return shape_of_record(value)
-    return len(value), None if not len(value) or _is_number(value[0]) else shape_of_record(value[0])
+    # Elements of a list are alike, so the first one stands for all.
+    if not len(value) or _is_number(value[0]):
+        return len(value), None
+    return len(value), shape_of_record(value[0])
 
 
 def memory_type(of: type) -> np.dtype:
@@ -122,7 +132,10 @@ def _with_attributes(name: str, kind: np.dtype) -> np.dtype:
 
 
 def working_memory(layout: np.dtype) -> np.ndarray:
-    """One record of zeros, shape (1,), until the function that asks for it returns; compiled it lies on the stack."""
+    """One record of zeros, shape (1,), until the function that asks for it returns.
+
+    Compiled it lies on the stack.
+    """
     return np.zeros(1, layout)
 
 
@@ -154,11 +167,9 @@ class Held(NamedTuple):
     @property
     def value(self) -> Any:
         """The number as it is held now."""
-        return (
-            self.holder[self.key]
-            if isinstance(self.holder, list)
-            else getattr(self.holder, self.key)
-        )
+        if isinstance(self.holder, list):
+            return self.holder[self.key]
+        return getattr(self.holder, self.key)
 
     def set(self, number: float) -> None:
         """Put a number into its place."""
@@ -171,7 +182,8 @@ class Held(NamedTuple):
 def places(record: Any, prefix: str = "") -> Iterator[Held]:
     """All numbers of a declared record, in the order of `numbers`."""
     for declared in fields(record):
-        value, name = getattr(record, declared.name), prefix + declared.name
+        value = getattr(record, declared.name)
+        name = prefix + declared.name
         if is_dataclass(value):
             yield from places(value, f"{name}.")
         elif isinstance(value, list):
@@ -186,9 +198,10 @@ def places(record: Any, prefix: str = "") -> Iterator[Held]:
 
 
 def _element_names(name: str, elements: Sequence[Any], row: Sequence[Place] | None) -> list[str]:
-    """Names of the elements of a list: those of wheels end with the wheel, others with their place in the list.
+    """Names of the elements of a list.
 
-    The places of a `row` have names of their own, on the level of the record's entries.
+    Those of wheels end with the wheel, others with their place in the list. The places of a `row`
+    have names of their own, on the level of the record's entries.
     """
     if row is not None:
         before = name[: name.rfind(".") + 1]
@@ -228,7 +241,10 @@ def _append(found: list[float], value: Any) -> None:
 
 
 def fill(record: Any, row: Sequence[float]) -> None:
-    """Set all numbers of a record from a row as `numbers` gives it; ValueError if its length is another one."""
+    """Set all numbers of a record from a row as `numbers` gives it.
+
+    ValueError if its length is another one.
+    """
     there = list(places(record))
     if len(there) != len(row):
         more = "more" if len(there) > len(row) else "fewer"

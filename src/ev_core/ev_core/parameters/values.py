@@ -1,4 +1,4 @@
-"""Values for declared parameters, also with a unit ("80 km/h"), checked and refused in one clear line.
+"""Values for declared parameters, also with a unit ("80 km/h"), checked or refused.
 
 Numbers with a unit as people write them, "80 km/h", made into the unit in which a parameter is
 declared. A list and no algebra of units: the accepted units can be read here, and a refusal lists
@@ -20,7 +20,9 @@ from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 
 # By declared unit, what may be written instead: a number is multiplied by the first and divided by
 # the second.
-_TURN, _KILO = 2.0 * math.pi, (1e3, 1.0)
+# Two exact numbers, so that "80 km/h" is what 80/3.6 is in Python, to the last bit.
+_TURN = 2.0 * math.pi
+_KILO = (1e3, 1.0)
 ACCEPTED: dict[str, dict[str, tuple[float, float]]] = {
     "1": {"%": (1.0, 100.0)},
     "m": {"mm": (1.0, 1e3), "cm": (1.0, 100.0), "km": _KILO},
@@ -46,7 +48,8 @@ _FORM = re.compile(r"\s*(?P<number>[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?)\s*(?P<
 
 def units_for(unit: str) -> tuple[str, ...]:
     """The units in which a parameter of a declared unit may be written; none for texts and such."""
-    return (*((unit,) if unit not in ("", "1") else ()), *ACCEPTED.get(unit, ()))
+    own = () if unit in ("", "1") else (unit,)
+    return (*own, *ACCEPTED.get(unit, ()))
 
 
 def number_of(text: str, unit: str) -> float | None:
@@ -63,9 +66,10 @@ _ELEMENTS = {float: "numbers", int: "whole numbers", bool: "true or false", str:
 
 
 def check(entry: Entry, value: Any) -> Any:
-    """The value as the dataclass keeps it (numbers as float where a float is meant, arrays as tuples).
+    """The value as the dataclass keeps it.
 
-    Raises ParameterError for a wrong type, a value out of range, NaN or infinity.
+    A number is a float where a float is meant, an array is a tuple. Raises ParameterError for a
+    wrong type, a value out of range, NaN or infinity.
     """
     value = plain(value)
     if entry.is_array:
@@ -76,15 +80,17 @@ def check(entry: Entry, value: Any) -> Any:
 
 
 def refuse_undeclared(label: str, parameters: Any) -> None:
-    """TypeError, in one line that begins with `label`, unless a class has declared parameters with allowed defaults."""
+    """Refuse a class unless its parameters are declared and their defaults accepted.
+
+    The line of the TypeError begins with `label`.
+    """
     if not isinstance(parameters, type) or not is_dataclass(parameters):
-        given = (
-            f"class {parameters.__name__}"
-            if isinstance(parameters, type)
-            else type(parameters).__name__
-        )
+        given = type(parameters).__name__
+        if isinstance(parameters, type):
+            given = f"class {parameters.__name__}"
         raise TypeError(
-            f"{label}: parameters are {given}, expected a class marked @dataclass(frozen=True, slots=True)"
+            f"{label}: parameters are {given}, "
+            "expected a class marked @dataclass(frozen=True, slots=True)"
         )
     for f in fields(parameters):
         is_group = f.default_factory is not dataclasses.MISSING and is_dataclass(
@@ -96,13 +102,11 @@ def refuse_undeclared(label: str, parameters: Any) -> None:
             )
     for entry in entries(parameters):
         if entry.type not in _ELEMENTS:
-            kind = (
-                getattr(entry.type, "__name__", entry.type)
-                if isinstance(entry.type, type)
-                else entry.type
-            )
+            # An annotation may be anything, also an object without a name.
+            kind = entry.type.__name__ if isinstance(entry.type, type) else entry.type
             raise TypeError(
-                f"{label}: {entry.name} is declared as {kind}, expected float, int, bool, str or tuple[one, ...]"
+                f"{label}: {entry.name} is declared as {kind}, "
+                "expected float, int, bool, str or tuple[one, ...]"
             )
         try:
             check(entry, entry.default)
@@ -120,6 +124,7 @@ def _check_element(entry: Entry, value: Any) -> Any:
     if entry.type is float:
         if isinstance(value, str):
             value = _with_unit(entry, value)
+        # To Python true is a number, to a user it is none.
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             raise _refused(entry, value, f"a number, {spec.allowed}")
         try:
@@ -164,9 +169,10 @@ def _refused(entry: Entry, value: Any, allowed: str) -> ParameterError:
 
 
 def build(of: type[P], values: Mapping[str, Any], prefix: str = "") -> P:
-    """An instance of a parameter dataclass from dotted names and values; what is not named keeps its default.
+    """An instance of a parameter dataclass from dotted names and values.
 
-    Raises ParameterError for unknown names and bad values; nothing is built then.
+    What is not named keeps its default. Raises ParameterError for unknown names and bad values;
+    nothing is built then.
     """
     return replaced(of(), values, prefix)
 

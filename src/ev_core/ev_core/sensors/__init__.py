@@ -1,1 +1,4 @@
-"""Sensors that change the true numbers of a frame: noise, bias, quantisation, delay, drop-out (docs/sensors.md)."""
+"""Sensors that change the true numbers of a frame.
+
+Noise, bias, quantisation, delay, drop-out (docs/sensors.md).
+"""

@@ -3,32 +3,43 @@
 A row of numbers has the settings of the sensors behind one object, another one what lasts between
 periods:
 
-    constants  total  size of the state  sensors  then for each sensor the numbers from KIND to FIRST
-    state      period                             then for each sensor whether it has begun, its output, what is on
-                                                  its way
+    constants  total  size of the state  sensors
+               then for each sensor the numbers from KIND to FIRST
+    state      period
+               then for each sensor whether it has begun, its output, what is on its way
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import auto
 from functools import cache
 from typing import Protocol
 
 import numpy as np
 
 from ev_core.elementary import atan2, cos, isfinite, remainder, sin
-from ev_core.parameters.declaration import setting
+from ev_core.parameters.declaration import Choice, setting
 from ev_core.sensors.random_numbers import TAU, WORD, normals, philox, uniform
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.refusal import ParameterError
 
-DISTRIBUTIONS = ("gaussian", "uniform")
-GAUSSIAN, UNIFORM = range(len(DISTRIBUTIONS))
+
+class Distribution(Choice):
+    """Distributions of a random error."""
+
+    GAUSSIAN = auto()
+    UNIFORM = auto()
+
+
 _NO_RANGE = 1e30
 
 
 @cache
 def sensor_parameters(unit: str, largest: float) -> type:
-    """The parameter dataclass of a sensor for numbers in `unit` and errors up to `largest`; by default it is ideal."""
+    """The parameter dataclass of a sensor for numbers in `unit` and errors up to `largest`.
+
+    By default it is ideal.
+    """
 
     @dataclass(frozen=True, slots=True)
     class SensorParameters:
@@ -66,10 +77,10 @@ def sensor_parameters(unit: str, largest: float) -> type:
             high=1.0,
             about="random error over lowest to highest, on top of `noise`",
         )
-        distribution: str = setting(
-            "gaussian",
-            choices=DISTRIBUTIONS,
-            about="of the random error; gaussian: its standard deviation is `noise`; uniform: `noise` is its bound",
+        distribution: Distribution = setting(
+            Distribution.GAUSSIAN,
+            about="of the random error; gaussian: its standard deviation is `noise`; uniform: "
+            "`noise` is its bound",
         )
         lowest: float = setting(
             -_NO_RANGE,
@@ -115,16 +126,17 @@ def sensor_parameters(unit: str, largest: float) -> type:
         @property
         def offset(self) -> float:
             """Constant error in all."""
-            return self.bias + (
-                self.bias_of_range * (self.highest - self.lowest) if self.bias_of_range else 0.0
-            )
+            # Without a range its width is so large that a share of 0 would not be 0.
+            if not self.bias_of_range:
+                return self.bias
+            return self.bias + self.bias_of_range * (self.highest - self.lowest)
 
         @property
         def least_noise(self) -> float:
             """Size of the random error of a true value of 0."""
-            return self.noise + (
-                self.noise_of_range * (self.highest - self.lowest) if self.noise_of_range else 0.0
-            )
+            if not self.noise_of_range:
+                return self.noise
+            return self.noise + self.noise_of_range * (self.highest - self.lowest)
 
     return SensorParameters
 
@@ -181,23 +193,29 @@ def measure(frame: Numbers, state: Numbers, sensors: Sequence[float]) -> None:
 
 @compilable
 def show(frame: Numbers, state: Numbers, c: Sequence[float], period: int) -> None:
-    """One sensor: gain, bias, noise, range, quantisation, delay, drop-out of all its numbers at once."""
+    """One sensor with all its numbers.
+
+    Gain, bias, noise, range, quantisation, delay and drop-out act in this order.
+    """
     count, begun, delay = int(c[COUNT]), int(c[MEMORY]), int(c[DELAY])
     shown, is_first = begun + 1, state[begun] == 0.0
     is_lost = not is_first and is_dropped(c, period)
     spare = 0.0
     for i in range(count):
+        # Random numbers come in pairs: one for this number, the spare one for the next.
         normal = spare
         if c[NOISE] + c[NOISE_OF_READING] > 0.0 and i % 2 == 0:
             w0, w1, w2, w3 = words(c, period, int(c[FIRST]) + i // 2, FOR_NOISE)
-            if c[DISTRIBUTION] == UNIFORM:
+            if c[DISTRIBUTION] == Distribution.UNIFORM:
                 normal, spare = 2.0 * uniform(w0, w1) - 1.0, 2.0 * uniform(w2, w3) - 1.0
             else:
                 normal, spare = normals(w0, w1, w2, w3)
         value = sampled(true_number(frame, c, i), normal, c)
         if delay > 0:
+            # A line of `delay` values: the one from so many periods ago gives way to the newest.
             line = shown + count + i
             if is_first:
+                # As if the first value had always been there.
                 for age in range(delay):
                     state[line + age * count] = value
             here = line + (period % delay) * count
@@ -226,18 +244,21 @@ def is_dropped(c: Sequence[float], period: int) -> bool:
 
 @compilable
 def sampled(true: float, normal: float, c: Sequence[float]) -> float:
-    """A number with its systematic and random errors, at the nearest of the values that can be shown."""
+    """A number with systematic and random errors, at the nearest value that can be shown."""
     size = c[NOISE]
-    if c[NOISE_OF_READING] > 0.0:  # of an infinite number a share of 0 would be none
+    # A share of 0 of an infinite number would be no number.
+    if c[NOISE_OF_READING] > 0.0:
         size += c[NOISE_OF_READING] * abs(true)
     value = c[GAIN] * true + c[BIAS] + size * normal
-    if not isfinite(value):  # the publisher names that number
+    # Passed on as it is: the part names a number that is not finite.
+    if not isfinite(value):
         return value
     value = min(max(value, c[LOWEST]), c[HIGHEST])
     if c[QUANTISATION] == 0.0:
         return value
     value -= remainder(value, c[QUANTISATION])
-    if value > c[HIGHEST]:  # the nearest step lies beyond the range: the one before
+    # Where the nearest step lies beyond the range, it shows the one before.
+    if value > c[HIGHEST]:
         value -= c[QUANTISATION]
         value -= remainder(value, c[QUANTISATION])
     elif value < c[LOWEST]:

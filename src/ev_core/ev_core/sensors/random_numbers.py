@@ -1,9 +1,11 @@
-"""Random numbers that need no memory, each a function of a key and a counter; and one seed for everything random.
+"""Random numbers that need no memory, and one seed for everything random.
 
-Philox4x32-10 of J. K. Salmon, M. A. Moraes, R. O. Dror and D. E. Shaw, "Parallel random numbers: as
-easy as 1, 2, 3", SC '11 (2011), doi 10.1145/2063384.2063405. Words are of 32 bits. A product of two
-of them may wrap around in compiled code, where an integer has 64 bits and a sign, but both its
-words come out right.
+How it works: each number is a function of a key and a counter, Philox4x32-10 of J. K. Salmon, M. A.
+Moraes, R. O. Dror and D. E. Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC '11 (2011), doi
+10.1145/2063384.2063405. The key is a seed and a name, the counter the control period and a purpose:
+so a number does not depend on what else is drawn. Words are of 32 bits. A product of two of them
+may wrap around in compiled code, where an integer has 64 bits and a sign, but both its words come
+out right.
 """
 
 import dataclasses
@@ -48,9 +50,10 @@ def uniform(high: int, low: int) -> float:
 
 @compilable
 def normals(w0: int, w1: int, w2: int, w3: int) -> tuple[float, float]:
-    """Two independent standard normal numbers of four words; G. E. P. Box and M. E. Muller, Ann. Math. Stat. 29 (1958).
+    """Two independent standard normal numbers of four words.
 
-    None is larger than sqrt(2 log(2^53)) = 8.6.
+    G. E. P. Box and M. E. Muller, Ann. Math. Stat. 29 (1958). None is larger than sqrt(2 log(2^53))
+    = 8.6.
     """
     radius = sqrt(-2.0 * log(1.0 - uniform(w0, w1)))
     sine, cosine = sin_cos(TAU * uniform(w2, w3))
@@ -64,11 +67,11 @@ _OWN = "seed"
 
 
 def seeded(parameters: P, seed: int, prefix: str = "") -> P:
-    """Parameters as their method is given them: with the node's seed 0 as they are, else with other own seeds.
+    """Parameters for a method, with seeds of its own by that of the node; 0 leaves them alone.
 
-    An own seed is a parameter `seed` of a group, such as `road.seed`; its name, its value and the
-    node's seed make the new one, within its declared range. A group with a false `is_random` keeps
-    it, and so remains what it is.
+    An own seed is a parameter `seed`
+    of a group, such as `road.seed`; its name, its value and the node's seed make the new one,
+    within its declared range. A group with a false `is_random` keeps it, and so remains what it is.
     """
     changed: dict[str, Any] = {}
     of: Any = parameters
@@ -76,7 +79,8 @@ def seeded(parameters: P, seed: int, prefix: str = "") -> P:
     if seed == 0 or not _has_seeds(kind):
         return parameters
     for field in dataclasses.fields(of):
-        value, name = getattr(of, field.name), prefix + field.name
+        value = getattr(of, field.name)
+        name = prefix + field.name
         if dataclasses.is_dataclass(value):
             made = seeded(value, seed, f"{name}.")
             if made is not value:
@@ -89,7 +93,10 @@ def seeded(parameters: P, seed: int, prefix: str = "") -> P:
 
 
 def _within(spec: Spec, drawn: int) -> int:
-    """A number of 31 random bits within the range of a parameter, most of which hold all of them."""
+    """A number of 31 random bits within the range of a parameter.
+
+    Most ranges hold all 31 bits.
+    """
     low = int(spec.low or 0)
     if spec.high is None:
         return low + drawn

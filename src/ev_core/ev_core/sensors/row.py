@@ -1,6 +1,7 @@
-"""The sensors behind one object: the quantities that they measure, and their settings and state as two rows of numbers.
+"""The sensors behind one object.
 
-The quantities are the fields of the signals, by the sensor that each of them names.
+The quantities that they measure, and their settings and state as two rows of numbers. The
+quantities are the fields of the signals, by the sensor that each of them names.
 """
 
 import zlib
@@ -51,10 +52,11 @@ _SPECIAL = {
 
 @dataclass(frozen=True)
 class Quantity:
-    """Fields of a signal that one sensor measures; its parameters accept errors up to `largest`, in `unit`.
+    """Fields of a signal that one sensor measures.
 
-    `kind` is the form of what is measured in the fields: its numbers; z and w of a quaternion; or a
-    share and the amount that this is of a further field, `whole`.
+    Its parameters accept errors up to `largest`, in `unit`. `kind` is the form of what is measured
+    in the fields: its numbers; z and w of a quaternion; or a share and the amount that this is of a
+    further field, `whole`.
     """
 
     name: str
@@ -66,11 +68,9 @@ class Quantity:
     @property
     def unit(self) -> str:
         """Unit of the numbers and of the sensor's errors."""
-        return (
-            "rad"
-            if self.kind == measuring.HEADING
-            else shape_of(self.signal).fields[self.fields[0]].unit
-        )
+        if self.kind == measuring.HEADING:
+            return "rad"  # of the angle, not of the parts of a quaternion
+        return shape_of(self.signal).fields[self.fields[0]].unit
 
     @property
     def largest(self) -> float:
@@ -99,11 +99,19 @@ class Quantity:
         return len(self.places) if self.kind == measuring.NUMBERS else 1
 
     def parts(self, driven: Collection[str]) -> list[range]:
-        """Ranges of these numbers that exist with wheels `driven`: a test bench has circuits for their axles only."""
+        """Ranges of these numbers that exist with wheels `driven`.
+
+        A test bench has circuits for their axles only.
+        """
         if self.signal not in _OF_CIRCUITS:
             return [range(self.count)]
-        axles = [any(wheel in driven for wheel in WHEEL_NAMES[i : i + 2]) for i in (0, 2)]
-        return [range(i, i + 2) for i in range(0, self.count, 2) if axles[i // 2 % 2]]
+        found: list[range] = []
+        # Two numbers for an axle, front and rear by turns.
+        for begin in range(0, self.count, 2):
+            axle = WHEEL_NAMES[begin % 4 : begin % 4 + 2]
+            if any(wheel in driven for wheel in axle):
+                found.append(range(begin, begin + 2))
+        return found
 
 
 def _quantities(signal: type) -> list[Quantity]:
@@ -112,14 +120,11 @@ def _quantities(signal: type) -> list[Quantity]:
     for name, field in shape_of(signal).fields.items():
         if field.sensor:
             fields[field.sensor] = (*fields.get(field.sensor, ()), name)
-    kinds = {
-        sensor: _SPECIAL.get(sensor, (measuring.NUMBERS, names, ""))
-        for sensor, names in fields.items()
-    }
-    return [
-        Quantity(sensor, signal, names, kind, whole)
-        for sensor, (kind, names, whole) in kinds.items()
-    ]
+    found: list[Quantity] = []
+    for sensor, own in fields.items():
+        kind, names, whole = _SPECIAL.get(sensor, (measuring.NUMBERS, own, ""))
+        found.append(Quantity(sensor, signal, names, kind, whole))
+    return found
 
 
 QUANTITIES = tuple(quantity for signal in _MEASURED for quantity in _quantities(signal))
@@ -135,10 +140,10 @@ def sensors_for(signals: tuple[type, ...]) -> type:
 
 
 class Row:
-    """Sensors or faults behind one object: rows of their settings, `width` behind a `head`, and of their state.
+    """Sensors or faults behind one object.
 
-    Those with the same settings at `key` remember the same numbers; their place in the state is the
-    one at `memory`.
+    Rows of their settings, `width` behind a `head`, and of their state. Those with the same
+    settings at `key` remember the same numbers; their place in the state is the one at `memory`.
     """
 
     constants: list[float]
@@ -153,7 +158,10 @@ class Row:
         self.state = [0.0] * self._size
 
     def go_on_from(self, other: Any) -> None:
-        """Take over the memory of the same sensors or faults; others begin with the present numbers."""
+        """Take over the memory of the same sensors or faults.
+
+        Others begin with the present numbers.
+        """
         before = dict(other.memories())
         for name, place in self.memories():
             if name in before:
@@ -162,6 +170,7 @@ class Row:
     def memories(self) -> Iterator[tuple[tuple[float, ...], slice]]:
         """Name of each one, and the slice of its numbers in the state."""
         places = range(self.head, len(self.constants), self.width)
+        # The memory of each one ends where that of the next begins.
         begins = [int(self.constants[n + self.memory]) for n in places]
         for n, begin, end in zip(places, begins, [*begins[1:], len(self.state)], strict=False):
             yield tuple(self.constants[n + k] for k in self.key), slice(begin, end)
@@ -174,12 +183,14 @@ class SensorRow(Row):
     numbers as `measuring` has them, the state all that lasts.
     """
 
-    head, width, memory = measuring.SENSORS_HEAD, measuring.SENSOR_WIDTH, measuring.MEMORY
+    head = measuring.SENSORS_HEAD
+    width = measuring.SENSOR_WIDTH
+    memory = measuring.MEMORY
     key = (measuring.SENSOR_NAME, measuring.FIRST, measuring.COUNT, measuring.DELAY)
 
     def __init__(self, parameters: Any, seed: int, driven: Collection[str] = WHEEL_NAMES) -> None:
         self.constants = [0.0] * measuring.SENSORS_HEAD
-        self._size = 1
+        self._size = 1  # the first number of the state is the period
         for quantity, errors in imperfect(parameters):
             for part in quantity.parts(driven):
                 self.constants += self._numbers_of(quantity, errors, seed, part)
@@ -192,48 +203,49 @@ class SensorRow(Row):
         self.start()
 
     def _numbers_of(self, quantity: Quantity, errors: Any, seed: int, part: range) -> list[float]:
-        places = (
-            quantity.places[part.start : part.start + 1]
-            if quantity.kind == measuring.NUMBERS
-            else quantity.places
-        )
-        memory, self._size = self._size, self._size + 1 + len(part) * (1 + errors.delay)
-        numbers = [
+        places = quantity.places
+        if quantity.kind == measuring.NUMBERS:
+            places = places[part.start : part.start + 1]  # the others follow the first one
+        memory = self._size
+        # Whether it has begun; then for each number its output, and what is on its way.
+        self._size += 1 + len(part) * (1 + errors.delay)
+        # In the order of the settings in `measuring`.
+        settings = (
             quantity.kind,
             *places,
             *[0] * (3 - len(places)),
             len(part),
             shape_of(quantity.signal).has_single,
-        ]
-        numbers += [
             memory,
             errors.offset,
             errors.least_noise,
             errors.quantisation,
             errors.delay,
             errors.dropout,
-        ]
-        numbers += [
             seed,
             zlib.crc32(quantity.name.encode()),
             errors.gain,
             errors.lowest,
             errors.highest,
-        ]
-        numbers += [
-            measuring.DISTRIBUTIONS.index(errors.distribution),
+            errors.distribution,
             errors.noise_of_reading,
             part.start // 2,
-        ]
-        return [float(value) for value in numbers]
+        )
+        return [float(value) for value in settings]
 
     def go_on_from(self, other: Any) -> None:
-        """Go on in the period where others were; a sensor that has another delay or was not there begins with it."""
+        """Go on in the period where others were.
+
+        A sensor that has another delay or was not there begins with it.
+        """
         self.state[0] = other.state[0]
         super().go_on_from(other)
 
     def step(self, frame: measuring.Numbers) -> None:
-        """Put what the sensors show into a frame of true numbers; once per period, the first time at the start."""
+        """Put what the sensors show into a frame of true numbers.
+
+        Once per period, the first time at the start.
+        """
         measuring.measure(frame, self.state, self.constants)
 
 

@@ -8,7 +8,8 @@ from ev_msgs_py.refusal import ParameterError
 
 _of_cell = partial(
     parameter,
-    source="assumption for a Winston WB-LYP60AHA, whose data are lost in the dissertation (figure 4.8)",
+    source="assumption for a Winston WB-LYP60AHA, whose data are lost in the dissertation (figure "
+    "4.8)",
 )
 
 
@@ -63,7 +64,8 @@ class Cells:
         unit="degC",
         low=-60.0,
         high=120.0,
-        about="no current at the first and the last, all of it between the middle two, linear between",
+        about="no current at the first and the last, all of it between the middle two, linear "
+        "between",
         source="assumption, usual for LiFePO4",
     )
     charge_temperature: tuple[float, ...] = parameter(

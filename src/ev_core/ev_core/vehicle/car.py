@@ -1,6 +1,7 @@
-"""The car as a law sees it: the numbers of the vehicle description, and what follows from them alone.
+"""The car as a law sees it.
 
-What a method needs of the layout is declared, and checked before anything is made.
+The numbers of the vehicle description, and what follows from them alone. What a method needs of the
+layout is declared, and checked before anything is made.
 """
 
 from collections.abc import Callable
@@ -24,7 +25,10 @@ GRAVITY = 9.81  # [m/s^2], as in all sources
 
 
 class Car(Vehicle):
-    """Numbers that a law may ask of `car`; for annotations only, the object itself is a tree of numbers."""
+    """Numbers that a law may ask of `car`.
+
+    For annotations only, the object itself is a tree of numbers.
+    """
 
     driven: list[float]
     number_driven: float
@@ -47,28 +51,34 @@ class Car(Vehicle):
 def car_numbers(vehicle: Vehicle) -> dict[str, Any]:
     """The numbers of a vehicle as a tree, and with them
 
-    - `driven`: 1 for a wheel with a motor, else 0, in the order of Wheels, and `number_driven`, their sum,
-    - `driven_wheel_inertia`: of each wheel, where it is driven with its rotors behind their gear [kg m^2],
-    - `constant_rolling_resistance`: the rolling resistance coefficient at rest, f_0 or A/(m g) of the road load [1],
+    - `driven`: 1 for a wheel with a motor, else 0, in the order of Wheels, and `number_driven`,
+      their sum,
+    - `driven_wheel_inertia`: of each wheel, where it is driven with its rotors behind their gear
+      [kg m^2],
+    - `constant_rolling_resistance`: the rolling resistance coefficient at rest, f_0 or A/(m g) of
+      the road load [1],
     - `rolling_resistance_growth`: of the rolling resistance coefficient over V^2 [s^2/m^2],
-    - `front_roll_share`: of the front axle in the lateral load transfer [1], by roll stiffness where that is given,
-    - `pitch_height`, `roll_height`: height of the centre of mass [m] by which longitudinal and lateral acceleration
-      move the wheel loads, 0 for what `load_transfer` leaves out,
+    - `front_roll_share`: of the front axle in the lateral load transfer [1], by roll stiffness
+      where that is given,
+    - `pitch_height`, `roll_height`: height of the centre of mass [m] by which longitudinal and
+      lateral acceleration move the wheel loads, 0 for what `load_transfer` leaves out,
     - those of its drives, `driveline.drive_train_numbers`.
     """
     driven = [float(name in vehicle.driven_wheels) for name in WHEEL_NAMES]
+    height = vehicle.centre_of_mass_height
+    # The road load of a dynamometer has the resistance as a force, laws count with a coefficient.
+    of_road_load = vehicle.road_load.constant / (vehicle.mass * GRAVITY)
     return {
         **number_tree(vehicle),
         "driven": driven,
         "number_driven": sum(driven),
         "driven_wheel_inertia": wheel_inertias(vehicle),
-        "constant_rolling_resistance": vehicle.rolling_resistance
-        + vehicle.road_load.constant / (vehicle.mass * GRAVITY),
+        "constant_rolling_resistance": vehicle.rolling_resistance + of_road_load,
         "rolling_resistance_growth": vehicle.rolling_resistance_growth,
         "front_roll_share": vehicle.front_share_of_roll,
-        "pitch_height": vehicle.centre_of_mass_height if vehicle.load_transfer == "both" else 0.0,
+        "pitch_height": height if vehicle.load_transfer == "both" else 0.0,
         **drive_train_numbers(vehicle),
-        "roll_height": 0.0 if vehicle.load_transfer == "none" else vehicle.centre_of_mass_height,
+        "roll_height": 0.0 if vehicle.load_transfer == "none" else height,
     }
 
 
@@ -80,11 +90,11 @@ def speed_along_path(body: BodyVelocity) -> float:
 
 @compilable
 def turning_length(wheelbase: float, understeer: float, speed: float) -> float:
-    """L + K u |u| [m] of the steady linear car r = u delta/(L + K u |u|), at a speed u, negative in reverse [m/s].
+    """L + K u |u| [m] of the steady linear car r = u delta/(L + K u |u|).
 
-    K is the understeer gradient [rad s^2/m] of the tyres: they push against their way aside
-    wherever they roll, so that in reverse the car turns more than a neutral one. At least L/10:
-    beyond its critical speed it has no steady turn.
+    The speed u [m/s] is negative in reverse. K is the understeer gradient [rad s^2/m] of the tyres:
+    they push against their way aside wherever they roll, so that in reverse the car turns more than
+    a neutral one. At least L/10: beyond its critical speed it has no steady turn.
     """
     return max(wheelbase + understeer * speed * abs(speed), 0.1 * wheelbase)
 
@@ -93,11 +103,11 @@ def turning_length(wheelbase: float, understeer: float, speed: float) -> float:
 def front_wheel_tangents(
     mean: float, wheelbase: float, front_track: float, parallel: float
 ) -> tuple[float, float]:
-    """Tangents of the left and the right front wheel's angle from that of the mean one; a number or an array (n,).
+    """Tangents of the left and the right front wheel's angle from that of the mean one.
 
-    Ackermann geometry, or with `parallel` 1 both alike, by `steering_geometry` of the vehicle; left
-    positive, lengths in m. With the mean tangent in the numerator straight ahead needs no case of
-    its own. Source: Shchur 2019, eq 8.
+    A number or an array (n,). Ackermann geometry, or with `parallel` 1 both alike, by
+    `steering_geometry` of the vehicle; left positive, lengths in m. With the mean tangent in the
+    numerator straight ahead needs no case of its own. Source: Shchur 2019, eq 8.
     """
     outward = mean * (0.5 * front_track) * (1.0 - parallel)
     return wheelbase * mean / (wheelbase - outward), wheelbase * mean / (wheelbase + outward)
@@ -114,11 +124,9 @@ def driven(*needed: str) -> Need:
     def lacks(_parameters: Any, vehicle: Vehicle) -> str:
         if not set(needed) <= set(vehicle.driven_wheels):
             return f"{listed(needed)} among the driven wheels"
-        return (
-            ""
-            if set(needed) <= set(single_wheels(vehicle))
-            else f"a motor or a clutch for each of {listed(needed)}"
-        )
+        if not set(needed) <= set(single_wheels(vehicle)):
+            return f"a motor or a clutch for each of {listed(needed)}"
+        return ""
 
     return lacks
 
@@ -127,11 +135,9 @@ def only_driven(*needed: str) -> Need:
     """These wheels must be the driven ones."""
 
     def lacks(_parameters: Any, vehicle: Vehicle) -> str:
-        return (
-            ""
-            if set(needed) == set(vehicle.driven_wheels)
-            else f"{listed(needed)} as the only driven wheels"
-        )
+        if set(needed) == set(vehicle.driven_wheels):
+            return ""
+        return f"{listed(needed)} as the only driven wheels"
 
     return lacks
 
@@ -150,11 +156,9 @@ def each_driven(_parameters: Any, vehicle: Vehicle) -> str:
 
 def equal_motors(_parameters: Any, vehicle: Vehicle) -> str:
     """Need the same motor and gear at all driven wheels."""
-    return (
-        ""
-        if has_equal_motors(vehicle)
-        else "equal motors and gears at all driven wheels, and no engine"
-    )
+    if has_equal_motors(vehicle):
+        return ""
+    return "equal motors and gears at all driven wheels, and no engine"
 
 
 FRONT_WHEELS_DRIVEN = driven("front_left", "front_right")
@@ -174,15 +178,12 @@ def refusal(
     for need in needs:
         lacking = need(parameters, vehicle)
         if not isinstance(lacking, str | None):
-            raise TypeError(
-                f"a need gives {type(lacking).__name__}, expected a text: what the vehicle lacks, or nothing"
-            )
+            expected = "a text: what the vehicle lacks, or nothing"
+            raise TypeError(f"a need gives {type(lacking).__name__}, expected {expected}")
         if lacking:
             drives = ", ".join(vehicle.driven_wheels) or "none"
-            how = (
-                f" with {' and '.join(couplings(vehicle))}"
-                if single_wheels(vehicle) != vehicle.driven_wheels
-                else ""
-            )
-            return f"{role} method {method} needs {lacking}, vehicle {vehicle.name} drives {drives}{how}"
+            if single_wheels(vehicle) != vehicle.driven_wheels:
+                drives += f" with {' and '.join(couplings(vehicle))}"
+            needs_it = f"{role} method {method} needs {lacking}"
+            return f"{needs_it}, vehicle {vehicle.name} drives {drives}"
     return ""

@@ -1,4 +1,4 @@
-"""The vehicle description, and what springs, links and bushes of the axles do to loads and angles of the wheels."""
+"""The vehicle description, and springs, links and bushes of its axles."""
 
 import math
 from dataclasses import dataclass
@@ -14,7 +14,10 @@ from ev_msgs_py.refusal import ParameterError
 
 @dataclass(frozen=True, slots=True)
 class Suspension:
-    """Roll stiffness, roll centres and compliance steer; the defaults are an axle without any of them."""
+    """Roll stiffness, roll centres and compliance steer.
+
+    The defaults are an axle without any of them.
+    """
 
     front_roll_stiffness: float = setting(
         0.0,
@@ -41,21 +44,24 @@ class Suspension:
         unit="s",
         low=0.0,
         high=1.0,
-        about="time in which the loads follow a lateral acceleration; 0 for the plant's `load_transfer_lag`",
+        about="time in which the loads follow a lateral acceleration; 0 for the plant's "
+        "`load_transfer_lag`",
     )
     front_compliance_steer: float = setting(
         0.0,
         unit="rad/N",
         low=-1e-4,
         high=1e-4,
-        about="angle by which a side force on the front axle turns its wheels out of the bend: understeer",
+        about="angle by which a side force on the front axle turns its wheels out of the bend: "
+        "understeer",
     )
     rear_compliance_steer: float = setting(
         0.0,
         unit="rad/N",
         low=-1e-4,
         high=1e-4,
-        about="angle by which a side force on the rear axle turns its wheels into the bend: understeer",
+        about="angle by which a side force on the rear axle turns its wheels into the bend: "
+        "understeer",
     )
 
     def __post_init__(self) -> None:
@@ -68,17 +74,17 @@ class Suspension:
 
     @property
     def has_roll_stiffness(self) -> bool:
-        """True if the share of the axles in the lateral load transfer follows from stiffness and roll centres."""
+        """True if stiffness and roll centres give the shares of the lateral load transfer."""
         return self.front_roll_stiffness > 0.0
 
     def front_roll_share(self, height: float, front_load_share: float) -> float:
-        """Share of the front axle in the lateral load transfer [1], of a body that rolls about its roll axis.
+        """Share of the front axle in the lateral load transfer [1].
 
-        A side force acts in the roll centres without rolling the body, the rest of its moment by
-        the arm of the centre of mass (`height` [m], share of the front axle in the weight [1]) over
-        the roll axis is shared by stiffness. Source: Milliken & Milliken, Race Car Vehicle
-        Dynamics, 1995, chapter 18; the moment of the weight that moves out with the roll angle is
-        left out.
+        The body rolls about its roll axis. A side force acts in the roll centres without rolling
+        the body, the rest of its moment by the arm of the centre of mass (`height` [m], share of
+        the front axle in the weight [1]) over the roll axis is shared by stiffness. Source:
+        Milliken & Milliken, Race Car Vehicle Dynamics, 1995, chapter 18; the moment of the weight
+        that moves out with the roll angle is left out.
         """
         axis = (
             front_load_share * self.front_roll_centre_height
@@ -92,7 +98,7 @@ class Suspension:
 
 @dataclass(frozen=True, slots=True)
 class RoadLoad:
-    """Resistance of a car on a level road, A + B V + C V^2, as a coast-down or a dynamometer gives it."""
+    """Resistance of a car on a level road, A + B V + C V^2, from a coast-down."""
 
     constant: float = setting(
         0.0,
@@ -114,9 +120,10 @@ LOAD_TRANSFERS = ("both", "lateral", "none")
 
 @dataclass(frozen=True, slots=True)
 class Vehicle:
-    """Mass, geometry and resistance of a car; the files in config/vehicles give the values and their sources.
+    """Mass, geometry and resistance of a car.
 
-    The defaults are the Audi A2 of Shchur (2019).
+    The files in config/vehicles give the values and their sources. The defaults are the Audi A2 of
+    Shchur (2019).
     """
 
     name: str = own("audi_a2", about="name of the vehicle file")
@@ -141,7 +148,8 @@ class Vehicle:
         unit="1",
         low=0.5,
         high=2.0,
-        about="true radius of each wheel over `wheel_radius`, in the planar plant; laws know `wheel_radius` alone",
+        about="true radius of each wheel over `wheel_radius`, in the planar plant; laws know "
+        "`wheel_radius` alone",
         source="dissertation, chapter 2: r_k,i of the i-th wheel",
         per_wheel=True,
     )
@@ -180,12 +188,14 @@ class Vehicle:
         unit="s^2/m^2 or h^2/km^2",
         low=0.0,
         high=1e-3,
-        about="growth of the rolling resistance with V^2, k_f; the unit by `rolling_resistance_reading`",
+        about="growth of the rolling resistance with V^2, k_f; the unit by "
+        "`rolling_resistance_reading`",
     )
     rolling_resistance_reading: str = parameter(
         "added",
         choices=("added", "relative"),
-        about="added: f = f_0 + k_f V^2 with V in m/s; relative: f = f_0 (1 + k_f V^2) with V in km/h",
+        about="added: f = f_0 + k_f V^2 with V in m/s; relative: f = f_0 (1 + k_f V^2) with V in "
+        "km/h",
         source="dissertation, eq 2.8, which leaves the unit of V open: added is its literal form",
     )
     yaw_inertia: float = own(
@@ -205,12 +215,14 @@ class Vehicle:
         unit="1",
         low=0.0,
         high=1.0,
-        about="share of the lateral load transfer that the front axle takes, unless `suspension` has roll stiffness",
+        about="share of the lateral load transfer that the front axle takes, unless `suspension` "
+        "has roll stiffness",
     )
     load_transfer: str = parameter(
         "both",
         choices=LOAD_TRANSFERS,
-        about="accelerations that move the wheel loads; a source may leave out the longitudinal one, or both",
+        about="accelerations that move the wheel loads; a source may leave out the longitudinal "
+        "one, or both",
         source="lateral: Ge & Ni 2005; none: Tatar & Chudzik",
     )
     wheel_inertia: float = own(1.0, unit="kg m^2", low=1e-3, high=1e4, about="of each wheel, J_w")
@@ -237,7 +249,8 @@ class Vehicle:
         unit="1",
         low=-1.0,
         high=1.0,
-        about="angle of both rear wheels over the mean road-wheel angle of the front ones, in the planar plant",
+        about="angle of both rear wheels over the mean road-wheel angle of the front ones, in the "
+        "planar plant",
         source="Ge & Ni 2005, eq 3: delta_r",
     )
     maximum_road_wheel_angle: float = setting(
@@ -276,14 +289,12 @@ class Vehicle:
             )
         if len(self.wheel_radius_ratio) != 4:
             raise ParameterError("wheel_radius_ratio needs four elements, one for each wheel")
-        largest, across = (
-            self.maximum_road_wheel_angle,
-            math.atan2(2.0 * self.wheelbase, self.front_track),
-        )
+        largest = self.maximum_road_wheel_angle
+        across = math.atan2(2.0 * self.wheelbase, self.front_track)
         if self.steering_geometry == "ackermann" and largest >= across:
             raise ParameterError(
-                f"maximum_road_wheel_angle: {largest:g} is refused, expected below {across:.4g}, where by "
-                "steering_geometry ackermann the inner front wheel stands across the car"
+                f"maximum_road_wheel_angle: {largest:g} is refused, expected below {across:.4g}, "
+                "where by steering_geometry ackermann the inner front wheel stands across the car"
             )
         given = [
             name for name in ("rolling_resistance", "drag_coefficient") if getattr(self, name) > 0.0
@@ -300,7 +311,8 @@ class Vehicle:
                 )
             if not 0.0 <= self.front_share_of_roll <= 1.0:
                 raise ParameterError(
-                    f"suspension gives the front axle {self.front_share_of_roll:.3g} of the lateral load transfer, "
+                    f"suspension gives the front axle {self.front_share_of_roll:.3g} of the "
+                    "lateral load transfer, "
                     "expected 0 to 1"
                 )
 

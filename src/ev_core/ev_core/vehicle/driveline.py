@@ -1,7 +1,7 @@
-"""The driveline of a vehicle: gears, differentials and clutches between its motors or its engine and the wheels.
+"""The driveline of a vehicle.
 
-Behind the declaration stands what follows from motors, driveline and engine together, wheel by
-wheel.
+Gears, differentials and clutches between its motors or its engine and the wheels. Behind the
+declaration stands what follows from motors, driveline and engine together, wheel by wheel.
 """
 
 from __future__ import annotations
@@ -37,7 +37,8 @@ def _coefficient(place: str) -> Any:
         unit="1",
         low=0.0,
         high=100.0,
-        about=f"K of a Torsen or DCCD as {place} differential; 0 for the middle of what it is made for",
+        about=f"K of a Torsen or DCCD as {place} differential; 0 for the middle of what it is made "
+        "for",
         source=f"{_SURVEY}: Torsen 1, 2, 3 and DCCD by place",
     )
 
@@ -66,19 +67,25 @@ def _size(place: str) -> Any:
         unit="1",
         low=0.01,
         high=100.0,
-        about=f"torque, power, losses and inertia of each {place} motor over those of `motor`: 2 is two side by side",
+        about=f"torque, power, losses and inertia of each {place} motor over those of `motor`: 2 "
+        "is two side by side",
     )
 
 
 @dataclass(frozen=True, slots=True)
 class Driveline:
-    """Path of the drive torque to the wheels; an axle without a value of its own has that of the car."""
+    """Path of the drive torque to the wheels.
+
+    An axle without a value of its own has that of the car.
+    """
 
     coupling: str = setting(
         "individual",
         choices=COUPLINGS,
-        about="individual: a motor for each driven wheel; open, limited_slip: a motor for each driven axle, with a "
-        "differential; clutch: one motor with clutches that share its torque as commanded; centre: one motor, with a "
+        about="individual: a motor for each driven wheel; open, limited_slip: a motor for each "
+        "driven axle, with a "
+        "differential; clutch: one motor with clutches that share its torque as commanded; centre: "
+        "one motor, with a "
         "centre differential and one in each axle",
     )
     front: str = _axle("front")
@@ -129,19 +136,18 @@ class Driveline:
 
     def __post_init__(self) -> None:
         for place in (*AXLES, "centre"):
-            device, lock = getattr(self, place), getattr(self, f"{place}_lock")
+            device = getattr(self, place)
+            lock = getattr(self, f"{place}_lock")
             made = LOCK_COEFFICIENTS.get((device, place))
             if device in TORSENS and made is None:
                 places = [where for what, where in LOCK_COEFFICIENTS if what == device]
-                raise ParameterError(
-                    f"{place}: {device} is refused, it is made as {' and '.join(places)} differential"
-                )
+                made_as = f"{' and '.join(places)} differential"
+                raise ParameterError(f"{place}: {device} is refused, it is made as {made_as}")
+            # 0 stands for the middle of what the device is made for.
             if lock and not (made and made[0] <= lock <= made[1]):
-                allowed = (
-                    f"{made[0]:g} to {made[1]:g}"
-                    if made
-                    else f"0: K is that of a Torsen or DCCD, not {device}"
-                )
+                allowed = f"0: K is that of a Torsen or DCCD, not {device}"
+                if made:
+                    allowed = f"{made[0]:g} to {made[1]:g}"
                 raise ParameterError(f"{place}_lock: {lock:g} is refused, expected {allowed}")
         if self.has_one_input:
             if self.coupling == "clutch" and (self.front, self.rear) != ("same", "same"):
@@ -199,8 +205,8 @@ def refuse_drive_train(vehicle: Vehicle) -> None:
     one_axle = len(axles) == 1 and driven == set(_wheels(axles[0]))
     if not (driven and (driveline.has_one_input or one_axle)):
         raise ParameterError(
-            "engine needs one shaft that it drives: driveline.coupling clutch or centre, or one driven axle with a "
-            "differential"
+            "engine needs one shaft that it drives: "
+            "driveline.coupling clutch or centre, or one driven axle with a differential"
         )
     if (driveline.front_size, driveline.rear_size) != (1.0, 1.0):
         raise ParameterError(
@@ -215,16 +221,18 @@ def refuse_drive_train(vehicle: Vehicle) -> None:
 def drive_train_numbers(vehicle: Vehicle) -> dict[str, Any]:
     """The numbers of `car` about its drives.
 
-    - `gear`: motor speed over wheel speed of each wheel [1], and `motors`: how many of `motor` there are at it [1],
-    - `differential`: 1 for an axle with a differential, front and rear, with its locking torque at no drive torque
-      `axle_preload` [N m] and over its drive torque `axle_locking` [1]; `centre_preload`, `centre_locking` likewise,
-    - `one_input`: 1 if one motor drives all wheels, and `engine_driven`: 1 if an engine stands in the place of motors.
+    - `gear`: motor speed over wheel speed of each wheel [1], and `motors`: how many of `motor`
+      there are at it [1],
+    - `differential`: 1 for an axle with a differential, front and rear, with its locking torque at
+      no drive torque `axle_preload` [N m] and over its drive torque `axle_locking` [1];
+      `centre_preload`, `centre_locking` likewise,
+    - `one_input`: 1 if one motor drives all wheels, and `engine_driven`: 1 if an engine stands in
+      the place of motors.
     """
-    driveline, locking = vehicle.driveline, [vehicle.driveline.locking(axle) for axle in AXLES]
-    front, rear = (
-        driveline.front_gear * vehicle.gear_ratio,
-        driveline.rear_gear * vehicle.gear_ratio,
-    )
+    driveline = vehicle.driveline
+    locking = [driveline.locking(axle) for axle in AXLES]
+    front = driveline.front_gear * vehicle.gear_ratio
+    rear = driveline.rear_gear * vehicle.gear_ratio
     centre_preload, centre_locking = driveline.locking("centre")
     return {
         "gear": [front, front, rear, rear],
@@ -245,20 +253,26 @@ def drive_train_numbers(vehicle: Vehicle) -> dict[str, Any]:
 
 
 def single_wheels(vehicle: Vehicle) -> tuple[str, ...]:
-    """Driven wheels with a motor or a clutch of their own, so that a law can choose their torques one by one."""
+    """Driven wheels with a motor or a clutch of their own.
+
+    A law can choose their torques one by one.
+    """
     if vehicle.driveline.coupling == "clutch":
         return vehicle.driven_wheels
     if vehicle.driveline.coupling == "centre":
         return ()
-    coupled = {wheel for axle in AXLES if _coupled(vehicle, axle) for wheel in _wheels(axle)}
+    coupled: set[str] = set()
+    for axle in AXLES:
+        if _coupled(vehicle, axle):
+            coupled.update(_wheels(axle))
     return tuple(wheel for wheel in vehicle.driven_wheels if wheel not in coupled)
 
 
 def has_own_motors(vehicle: Vehicle) -> bool:
     """Return whether each driven wheel has a motor, and nothing between that and the wheel."""
-    return (
-        vehicle.driveline.coupling != "clutch" and single_wheels(vehicle) == vehicle.driven_wheels
-    )
+    # Clutches give single torques, but of one motor.
+    is_shared = vehicle.driveline.coupling == "clutch"
+    return not is_shared and single_wheels(vehicle) == vehicle.driven_wheels
 
 
 def couplings(vehicle: Vehicle) -> tuple[str, ...]:
@@ -273,23 +287,28 @@ def couplings(vehicle: Vehicle) -> tuple[str, ...]:
 def has_equal_motors(vehicle: Vehicle) -> bool:
     """Return whether the drives of all wheels are the vehicle's `motor` behind its `gear_ratio`."""
     of = vehicle.driveline
-    return vehicle.engine.peak_power == 0.0 and {
-        of.front_gear,
-        of.rear_gear,
-        of.front_size,
-        of.rear_size,
-    } == {1.0}
+    ratios = {of.front_gear, of.rear_gear, of.front_size, of.rear_size}
+    return vehicle.engine.peak_power == 0.0 and ratios == {1.0}
 
 
 def wheel_inertias(vehicle: Vehicle) -> list[float]:
-    """Inertia of each wheel, with its rotors behind their gear where it is driven, J = J_w + n i^2 J_r [kg m^2]."""
-    numbers, rotor = drive_train_numbers(vehicle), vehicle.motor.rotor_inertia
-    return [
-        vehicle.wheel_inertia + vehicle.carried_inertia + gear * gear * rotor * motors
-        if name in vehicle.driven_wheels
-        else vehicle.wheel_inertia * vehicle.undriven_inertia_ratio + vehicle.carried_inertia
-        for name, gear, motors in zip(WHEEL_NAMES, numbers["gear"], numbers["motors"], strict=True)
-    ]
+    """Inertia of each wheel, with its rotors where it is driven [kg m^2].
+
+    J = J_w + n i^2 J_r with the gear ratio i.
+    """
+    numbers = drive_train_numbers(vehicle)
+    rotor = vehicle.motor.rotor_inertia
+    found: list[float] = []
+    for i, name in enumerate(WHEEL_NAMES):
+        gear = numbers["gear"][i]
+        motors = numbers["motors"][i]
+        if name in vehicle.driven_wheels:
+            wheel = vehicle.wheel_inertia + vehicle.carried_inertia
+            found.append(wheel + gear * gear * rotor * motors)
+        else:
+            bare = vehicle.wheel_inertia * vehicle.undriven_inertia_ratio
+            found.append(bare + vehicle.carried_inertia)
+    return found
 
 
 def wheel_inertia(vehicle: Vehicle, wheel: str) -> float:
@@ -298,8 +317,12 @@ def wheel_inertia(vehicle: Vehicle, wheel: str) -> float:
 
 
 def motors_behind(vehicle: Vehicle, wheel: str) -> float:
-    """Number of the vehicle's `motor` that can drive a wheel, also through clutches and differentials of others."""
+    """Number of motors that can drive a wheel.
+
+    Clutches and differentials may lie between.
+    """
     axle = AXLES[0] if wheel in _wheels(AXLES[0]) else AXLES[1]
+    # Through clutches and differentials the motors of all driven wheels may pull at one.
     size: float = getattr(vehicle.driveline, f"{axle}_size")
     alone = wheel in single_wheels(vehicle) and vehicle.driveline.coupling != "clutch"
     return size * (1 if alone else len(vehicle.driven_wheels))

@@ -1,9 +1,13 @@
-"""Files that a vehicle description names, read into it: efficiency maps (CSV) and tyre property files (.tir)."""
+"""Files that a vehicle description names, read into it.
+
+Efficiency maps (CSV) and tyre property files (.tir).
+"""
 
 import dataclasses
 import math
 from collections import Counter
 from collections.abc import Mapping
+from itertools import product
 from typing import Any
 
 from ev_core.parameters.data_file import TEXT, find_file, read_csv, read_data
@@ -23,7 +27,7 @@ _COLUMNS = (
 
 
 def with_map_from_file(vehicle: Vehicle) -> Vehicle:
-    """The same vehicle with the efficiency map of its motor from `map_file` in place of the file's name.
+    """The vehicle with the efficiency map of `map_file` in place of the file's name.
 
     A vehicle without a file comes back as it is. The file is a CSV with a header; the columns
     torque_nm, efficiency and one of speed_radps and speed_rpm are read, one row for each pair of a
@@ -47,18 +51,22 @@ def _grid(
     speed: tuple[float, ...], torque: tuple[float, ...], efficiency: tuple[float, ...]
 ) -> dict[str, tuple[float, ...]]:
     """The map's axes and rows from single points."""
-    times = Counter(zip(speed, torque, strict=True))
-    speeds, torques = sorted(set(speed)), sorted(set(torque))
-    grid = [(s, t) for s in speeds for t in torques]
-    for s, t in grid:
+    points = list(zip(speed, torque, strict=True))
+    times = Counter(points)
+    value = dict(zip(points, efficiency, strict=True))
+    speeds = sorted(set(speed))
+    torques = sorted(set(torque))
+    rows: list[float] = []
+    for s, t in product(speeds, torques):
+        # The map is a grid without holes, as the plant interpolates in it.
         if times[s, t] != 1:
             point = f"the point of {s:g} rad/s and {t:g} N m"
             raise ParameterError(f"{point} is there {times[s, t]} times, expected once")
-    value = dict(zip(zip(speed, torque, strict=True), efficiency, strict=True))
+        rows.append(value[s, t])
     return {
         "map_speed": tuple(speeds),
         "map_torque": tuple(torques),
-        "map_efficiency": tuple(value[point] for point in grid),
+        "map_efficiency": tuple(rows),
     }
 
 
@@ -97,7 +105,7 @@ _UNITS = {"LENGTH": "meter", "FORCE": "newton", "ANGLE": "radians"}
 
 
 def with_tyres_from_files(vehicle: Vehicle) -> Vehicle:
-    """The same vehicle with the coefficients of its tyres from the files that `tyre` names in place of their names.
+    """The vehicle with the coefficients of its tyres' files in place of their names.
 
     A vehicle without a file comes back as it is. Raises ParameterError, in one line that names the
     file, if it cannot be read, is meant for another formula or in other units, lacks a coefficient
@@ -115,7 +123,10 @@ def with_tyres_from_files(vehicle: Vehicle) -> Vehicle:
 
 
 def read_tyre(parameter: str, name: str) -> tuple[float, ...]:
-    """The numbers of MfTyres in a tyre property file; ParameterError, see `with_tyres_from_files`."""
+    """The numbers of MfTyres in a tyre property file.
+
+    ParameterError, see `with_tyres_from_files`.
+    """
     try:
         return mf_numbers(_entries(read_data(find_file(name), TEXT).decode("latin-1")))
     except OSError as error:
@@ -125,16 +136,20 @@ def read_tyre(parameter: str, name: str) -> tuple[float, ...]:
 
 
 def mf_numbers(entries: Mapping[str, str]) -> tuple[float, ...]:
-    """The numbers of MfTyres from the entries of a file, scaled and at its pressure; ParameterError if some lack."""
+    """The numbers of MfTyres from the entries of a file, scaled and at its pressure.
+
+    ParameterError if some lack.
+    """
     for unit, wanted in _UNITS.items():
         given = entries.get(unit, wanted).lower()
         if given.rstrip("s") != wanted.rstrip("s"):
             raise ParameterError(f"{unit} is {quoted(given)}, expected {quoted(wanted)}")
     takes_tangent = _takes_tangent(entries)
     needed = [name for name in MF_NAMES if name != "takes_tangent"]
-    lacking = [
-        name.upper() for name in needed if name.upper() not in entries and name not in OPTIONAL
-    ]
+    lacking: list[str] = []
+    for name in needed:
+        if name.upper() not in entries and name not in OPTIONAL:
+            lacking.append(name.upper())
     if lacking:
         raise ParameterError(f"lacks {', '.join(lacking)}")
     change = _pressure_change(entries)
@@ -142,10 +157,14 @@ def mf_numbers(entries: Mapping[str, str]) -> tuple[float, ...]:
 
 
 def _pressure_change(entries: Mapping[str, str]) -> float:
-    """Relative excess of the inflation pressure over the nominal one [1]; 0 where a file has not both."""
+    """Relative excess of the inflation pressure over the nominal one [1].
+
+    0 where a file has not both.
+    """
     if "INFLPRES" not in entries or "NOMPRES" not in entries:
         return 0.0
-    given, nominal = (_number(entries, key, 0.0) for key in ("INFLPRES", "NOMPRES"))
+    given = _number(entries, "INFLPRES", 0.0)
+    nominal = _number(entries, "NOMPRES", 0.0)
     for key, value in (("INFLPRES", given), ("NOMPRES", nominal)):
         if value <= 0.0:
             raise ParameterError(f"{key} is {value:g}, expected above 0")
@@ -156,14 +175,14 @@ def _takes_tangent(entries: Mapping[str, str]) -> bool:
     if "FITTYP" in entries:
         kind = _number(entries, "FITTYP", 0.0)
         if kind not in _FIT_TYPES:
-            raise ParameterError(
-                f"FITTYP is {kind:g}, expected one of {', '.join(f'{k:g}' for k in _FIT_TYPES)}"
-            )
+            known = ", ".join(f"{each:g}" for each in _FIT_TYPES)
+            raise ParameterError(f"FITTYP is {kind:g}, expected one of {known}")
         return _FIT_TYPES[kind]
     written = entries.get("PROPERTY_FILE_FORMAT", "")
     if written not in _FORMATS:
+        known = ", ".join(_FORMATS)
         raise ParameterError(
-            f"PROPERTY_FILE_FORMAT is {quoted(written)} without FITTYP, expected one of {', '.join(_FORMATS)}"
+            f"PROPERTY_FILE_FORMAT is {quoted(written)} without FITTYP, expected one of {known}"
         )
     return _FORMATS[written]
 
@@ -211,5 +230,8 @@ def _entries(text: str) -> dict[str, str]:
 
 
 def with_files(vehicle: Vehicle) -> Vehicle:
-    """The vehicle with the numbers of its files in place of their names; ParameterError, in one line, as they raise."""
+    """The vehicle with the numbers of its files in place of their names.
+
+    ParameterError, in one line, as they raise.
+    """
     return with_tyres_from_files(with_map_from_file(vehicle))

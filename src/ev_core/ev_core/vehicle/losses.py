@@ -11,7 +11,10 @@ from ev_msgs_py.refusal import ParameterError
 
 
 class EfficiencyMap(NamedTuple):
-    """Shaft speeds [rad/s], shaft torques [N m], and for each speed a row of efficiencies [1]; empty without a map."""
+    """Shaft speeds [rad/s], shaft torques [N m], and for each speed a row of efficiencies [1].
+
+    Empty without a map.
+    """
 
     speed: tuple[float, ...]
     torque: tuple[float, ...]
@@ -54,12 +57,12 @@ def map_loss_power(
     torques: Sequence[float],
     efficiency: Sequence[float],
 ) -> float:
-    """Loss [W] from an efficiency map, for each speed a row over the torques, bilinear, its edge kept outside.
+    """Loss [W] from an efficiency map, bilinear, with its edge kept outside.
 
-    Driving P_loss = |P| (1/eta - 1), generating P_loss = |P| (1 - eta), with P the mechanical power. Towards standstill
-    P vanishes but the copper loss does not: below the lowest speed of the map above zero the
-    driving loss stays what it is there, and the generating loss goes over into it linearly, so that
-    both are one at rest.
+    Driving P_loss = |P| (1/eta - 1), generating P_loss = |P| (1 - eta), with P the mechanical
+    power, for each speed a row over the torques. Towards standstill P vanishes but the copper loss
+    does not: below the lowest speed of the map above zero the driving loss stays what it is there,
+    and the generating loss goes over into it linearly, so that both are one at rest.
     """
     lowest = speeds[0] if speeds[0] > 0.0 else speeds[1]
     turns, magnitude = max(abs(speed), lowest), abs(torque)

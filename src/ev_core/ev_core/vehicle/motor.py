@@ -1,4 +1,4 @@
-"""Drives of a vehicle: motors with winding, temperatures, inverter and gear, or an engine in their place.
+"""Drives of a vehicle: motors with inverter and gear, or an engine in their place.
 
 The engine has a torque converter and a gearbox.
 """
@@ -44,7 +44,8 @@ class Winding:
         unit="1",
         low=0.1,
         high=1.0,
-        about="of the largest phase voltage, V_dc/sqrt(3), that field weakening makes use of; the rest is left to the "
+        about="of the largest phase voltage, V_dc/sqrt(3), that field weakening makes use of; the "
+        "rest is left to the "
         "resistance of the winding and to the current control",
     )
 
@@ -172,7 +173,8 @@ class Motor:
     )
     map_file: str = setting(
         "",
-        about="CSV file with the columns speed_radps or speed_rpm, torque_nm and efficiency, instead of the map; empty "
+        about="CSV file with the columns speed_radps or speed_rpm, torque_nm and efficiency, "
+        "instead of the map; empty "
         "for none",
     )
     winding: Winding = group(Winding)
@@ -196,13 +198,16 @@ LEAST_SPEED = 1e-9  # [rad/s], of a power divided by it
 
 @inlined
 def speed_fade(maximum: float, turns: float) -> float:
-    """Share [1] of the torque that is left near the maximum speed, at a speed of this magnitude [rad/s]."""
+    """Share [1] of the torque that is left near the maximum speed, at a speed [rad/s]."""
     return min(max((maximum - turns) / (SPEED_FADE * maximum), 0.0), 1.0)
 
 
 @inlined
 def driving_torque(motor: Motor, most: float, share: float, turns: float) -> float:
-    """Largest torque [N m] at a speed of this magnitude [rad/s], of `most` [N m] and a share of the peak power [1]."""
+    """Largest torque [N m] at a speed [rad/s].
+
+    `most` [N m] and a share of the peak power [1] bound it.
+    """
     return min(most, share * motor.peak_power / max(turns, LEAST_SPEED)) * speed_fade(
         motor.maximum_speed, turns
     )
@@ -210,7 +215,10 @@ def driving_torque(motor: Motor, most: float, share: float, turns: float) -> flo
 
 @inlined
 def generating_torque(motor: Motor, most: float, share: float, turns: float) -> float:
-    """The same of a motor that is driven, with its generator's torque and power; no speed is too much for it."""
+    """The same of a motor that is driven, with its generator's torque and power.
+
+    No speed is too much for it.
+    """
     return min(
         most, motor.generator_torque, share * motor.generator_power / max(turns, LEAST_SPEED)
     )
@@ -221,7 +229,10 @@ _of_engine = partial(parameter, source="assumption for a medium car")
 
 @dataclass(frozen=True, slots=True)
 class Gearbox:
-    """An automatic gearbox that shifts by the speed of its input; the final drive is the vehicle's `gear_ratio`."""
+    """An automatic gearbox that shifts by the speed of its input.
+
+    The final drive is the vehicle's `gear_ratio`.
+    """
 
     ratios: tuple[float, ...] = _of_engine(
         (3.6, 2.2, 1.45, 1.0, 0.8),
@@ -252,7 +263,8 @@ class Gearbox:
         unit="rad/s",
         low=0.0,
         high=100.0,
-        about="of the output, below which the sign of the wanted torque chooses between forwards and reverse",
+        about="of the output, below which the sign of the wanted torque chooses between forwards "
+        "and reverse",
         source="assumption: a driver that wants to go the other way moves the selector at rest",
     )
 
@@ -262,14 +274,18 @@ class Gearbox:
         widest = max((a / b for a, b in pairwise(self.ratios)), default=1.0)
         if self.upshift_speed <= widest * self.downshift_speed:
             raise ParameterError(
-                f"upshift_speed: {self.upshift_speed:g} is refused, expected more than {widest:.3g}, the widest step "
+                f"upshift_speed: {self.upshift_speed:g} is refused, expected more than "
+                f"{widest:.3g}, the widest step "
                 "between gears, times downshift_speed: it would shift down again at once"
             )
 
 
 @dataclass(frozen=True, slots=True)
 class Engine:
-    """Spark ignition engine, torque converter and gearbox; without peak power there are motors instead."""
+    """Spark ignition engine, torque converter and gearbox.
+
+    Without peak power there are motors instead.
+    """
 
     peak_power: float = setting(
         0.0, unit="W", low=0.0, high=1e7, about="at full load; 0 for no engine"

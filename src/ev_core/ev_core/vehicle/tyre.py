@@ -14,7 +14,7 @@ OPTIONAL = {**dict.fromkeys(_ZERO.split(), 0.0), "pky4": 2.0}
 
 @dataclass(slots=True)
 class MfTyres:
-    """Tyres of MF-Tyre 5.2 or 6.x that stand upright at their nominal pressure, alike to both sides, by wheel.
+    """Tyres of MF-Tyre 5.2 or 6.x by wheel: upright, at nominal pressure, alike to both sides.
 
     Coefficients of terms with camber, pressure or turn slip are left out, and so are those that
     make a force without slip or one that differs from left to right (conicity, ply steer: P_H, P_V,
@@ -83,17 +83,21 @@ _LIMITS = {
 
 
 def mf_tyres(front: Sequence[float], rear: Sequence[float]) -> MfTyres:
-    """The tyres of a car from the numbers of an axle's each, those of the record where there are none."""
+    """The tyres of a car from the numbers of the tyres of each axle.
+
+    An axle without numbers has those of the record.
+    """
     if not front:
         return MfTyres()
     return MfTyres(*([f, f, r, r] for f, r in zip(front, rear, strict=True)))
 
 
 def refuse_mf_tyre(axle: str, numbers: Sequence[float]) -> None:
-    """ParameterError if the numbers of an axle's tyre are not those of MfTyres or give no friction."""
+    """Refuse numbers of an axle's tyre that are not those of MfTyres or give no friction."""
     if len(numbers) != len(MF_NAMES):
         raise ParameterError(
-            f"curve mf_tyre needs {axle}_file, or {axle}_mf with {len(MF_NAMES)} elements, not {len(numbers)}"
+            f"curve mf_tyre needs {axle}_file, or {axle}_mf with {len(MF_NAMES)} elements, not "
+            f"{len(numbers)}"
         )
     for name in ("fnomin", "pcx1", "pdx1", "pkx1", "pcy1", "pdy1", "pky1", "pky2"):
         value = numbers[MF_NAMES.index(name)]
@@ -123,16 +127,18 @@ POSITIVE_COEFFICIENTS = {
 
 @dataclass(frozen=True, slots=True)
 class Tyre:
-    """Friction curve, combined slip and carcass of the tyres; all four are alike, but for `mf_tyre`, axle by axle.
+    """Friction curve, combined slip and carcass of the tyres.
 
-    The carcass values are assumptions: no source gives them, and a passenger-car tyre has about
-    these (relaxation lengths of 0.2 to 0.4 m). Steady driving does not depend on them.
+    All four are alike, but for `mf_tyre`, axle by axle. The carcass values are assumptions: no
+    source gives them, and a passenger-car tyre has about these (relaxation lengths of 0.2 to 0.4
+    m). Steady driving does not depend on them.
     """
 
     curve: str = own(
         "burckhardt",
         choices=tuple(POSITIVE_COEFFICIENTS),
-        about="friction curve over slip; mf_tyre: tyres front and rear by the Magic Formula with load dependence, from "
+        about="friction curve over slip; mf_tyre: tyres front and rear by the Magic Formula with "
+        "load dependence, from "
         "tyre property files",
     )
     coefficients: tuple[float, ...] = setting(
@@ -140,21 +146,25 @@ class Tyre:
         unit="1",
         low=-50.0,
         high=1000.0,
-        about="coefficients on dry asphalt, in the order of the curve (rational: peak, peak slip; two_exponential: "
+        about="coefficients on dry asphalt, in the order of the curve (rational: peak, peak slip; "
+        "two_exponential: "
         "mu_s, S0, S1; magic_formula: B, C, D, E; linear: slope; dry_friction: mu_A, v_A, "
         "mu_S, v_S [m/s]); burckhardt takes those of the surface",
     )
     combined: str = setting(
         "slip_vector",
         choices=("slip_vector", "uncoupled", "weighted"),
-        about="slip_vector: one curve over the resulting slip; uncoupled: each direction on its own; weighted: by the "
+        about="slip_vector: one curve over the resulting slip; uncoupled: each direction on its "
+        "own; weighted: by the "
         "weighting functions of mf_tyre, which needs it",
     )
     lateral_curve: str = parameter(
         "same",
         choices=("same", "linear", "constant_stiffness"),
-        about="lateral curve. same: that of the friction; linear: F_y = -C alpha N/N_static, which follows the load; "
-        "constant_stiffness: F_y = -C alpha, whatever the load. Both lines need `uncoupled` and know no friction limit",
+        about="lateral curve. same: that of the friction; linear: F_y = -C alpha N/N_static, which "
+        "follows the load; "
+        "constant_stiffness: F_y = -C alpha, whatever the load. Both lines need `uncoupled` and "
+        "know no friction limit",
         source="constant_stiffness: Ge & Ni 2005",
     )
     lateral_ratio: float = setting(
@@ -183,7 +193,8 @@ class Tyre:
         unit="1",
         low=0.0,
         high=1.0,
-        about="degressive load: friction and slip stiffness over load fall by this share for each `nominal_load` more; "
+        about="degressive load: friction and slip stiffness over load fall by this share for each "
+        "`nominal_load` more; "
         "mf_tyre has its own",
     )
     nominal_load: float = setting(
@@ -238,7 +249,8 @@ class Tyre:
         unit="m",
         low=0.01,
         high=1.0,
-        about="rolled distance in which the slip of the contact patch settles, about half of its length",
+        about="rolled distance in which the slip of the contact patch settles, about half of its "
+        "length",
     )
 
     def __post_init__(self) -> None:
@@ -249,12 +261,14 @@ class Tyre:
         needed = POSITIVE_COEFFICIENTS[self.curve]
         if min(self.coefficients[:needed], default=1.0) <= 0.0:
             raise ParameterError(
-                f"coefficients {list(self.coefficients)} give no friction: curve {self.curve} needs the first "
+                f"coefficients {list(self.coefficients)} give no friction: curve {self.curve} "
+                "needs the first "
                 f"{needed} positive"
             )
         if (self.combined == "weighted") != (self.curve == "mf_tyre"):
             raise ParameterError(
-                f"combined is {self.combined} with curve {self.curve}: mf_tyre and weighted go together"
+                f"combined is {self.combined} with curve {self.curve}: mf_tyre and weighted go "
+                "together"
             )
         if self.curve == "dry_friction" and (
             self.combined != "slip_vector" or self.coefficients[3] <= self.coefficients[1]
@@ -271,5 +285,6 @@ class Tyre:
                     refuse_mf_tyre(axle, getattr(self, f"{axle}_mf"))
         if self.lateral_curve != "same" and self.combined != "uncoupled":
             raise ParameterError(
-                f"lateral_curve {self.lateral_curve} needs combined uncoupled: a line has no share of a slip vector"
+                f"lateral_curve {self.lateral_curve} needs combined uncoupled: a line has no share "
+                "of a slip vector"
             )
