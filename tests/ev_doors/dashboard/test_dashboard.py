@@ -50,7 +50,7 @@ def started(folder: Path) -> Dashboard:
         "--no-record",
         "--no-report",
         "--out",
-        str(folder),
+        str(folder / "run"),
     ]
     with (folder / "output.txt").open("w") as output:
         process = subprocess.Popen(
