@@ -31,6 +31,8 @@ def segment_at(start: tuple[float, ...], distance: float, previous: int) -> int:
 
     `start` [m] rises.
     """
+    # Both ways, because a car in reverse comes back to segments that it has passed. In a step it
+    # moves by one segment at most, so this costs a comparison or two.
     index = previous
     while index + 1 < len(start) and distance >= start[index + 1]:
         index += 1
@@ -45,6 +47,7 @@ def interpolate(
 ) -> tuple[float, int]:
     """Linear interpolation between points, constant outside, and the index of the point before."""
     index = segment_at(distances, distance, previous)
+    # Behind the last point, and before the first one, where `segment_at` gives the first, too.
     if index + 1 >= len(distances) or distance <= distances[index]:
         return values[index], index
     share = (distance - distances[index]) / (distances[index + 1] - distances[index])
@@ -166,6 +169,7 @@ def random_segments(
     while starts[-1] < distance:
         draw, length = generator.random(), generator.uniform(*length_range)
         chosen.append(surfaces[bisect_right(share, draw)])
+        # Lengths are drawn behind surfaces in one stream: their order is part of what a seed means.
         starts.append(starts[-1] + float(length))
     return tuple(starts[:-1]), tuple(chosen)
 
@@ -357,11 +361,14 @@ def left_and_right(road: RoadParameters) -> tuple[Segments, Segments]:
         road.random_distance,
     )
     left_side, right_side = (
-        random_segments(np.random.default_rng((road.seed, side)), *drawn) for side in (0, 1)
+        # Each side has a stream of its own: more segments on one do not change the other.
+        random_segments(np.random.default_rng((road.seed, side)), *drawn)
+        for side in (0, 1)
     )
     return Segments(*left_side), Segments(*right_side)
 
 
 def _in_order(surfaces: tuple[str, ...], length: tuple[float, ...]) -> Segments:
+    # The last segment needs no length, it has no end.
     lengths = [length[min(n, len(length) - 1)] for n in range(len(surfaces) - 1)]
     return Segments((-_FAR, *(float(end) for end in np.cumsum(lengths))), surfaces)

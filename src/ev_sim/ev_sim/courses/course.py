@@ -126,6 +126,8 @@ def _placed(
     line = np.array((x, y)).T
     across = normals(line)
     middle = line + across * (0.5 * (np.array(left) - np.array(right)))[:, None]
+    # The normal (-sin, cos) of the first point holds the heading there, by which all is turned
+    # back.
     moved, (minus_sine, cosine) = middle - middle[0], normals(middle)[0]
     return {
         "x": tuple((moved[:, 0] * cosine - moved[:, 1] * minus_sine).tolist()),
@@ -167,6 +169,7 @@ def _refuse_folds(course: CourseParameters) -> None:
     leg = np.roll(middle_of(course), -1, axis=0) - middle_of(course)
     for side, edge in zip(("left", "right"), edges(course), strict=True):
         on = np.roll(edge, -1, axis=0) - edge
+        # An edge must lead the way of the middle of the road, leg by leg.
         if (folds := np.flatnonzero((on * leg).sum(axis=1) <= 0.0)).size:
             raise ParameterError(
                 f"point {folds[0] + 1}: the {side} edge runs backwards, the road is wider than its "

@@ -92,6 +92,8 @@ def second_differences(points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.n
 
 def _least_curvature(middle: np.ndarray, across: np.ndarray, bound: np.ndarray) -> np.ndarray:
     """Offsets (n,) within +-`bound` (n,) [m] along `across`: least 1/2 a'Ha + g'a."""
+    # H and g of the sum of squared second derivatives of middle + across a: entries on the
+    # diagonal, to the next point, and to the one after that.
     before, at, behind = second_differences(middle)
     own = np.roll(behind, 1) ** 2 + at * at + np.roll(before, -1) ** 2
     next_one = _dot(across, np.roll(across, -1, axis=0)) * (at * behind + np.roll(before * at, -1))
@@ -102,6 +104,8 @@ def _least_curvature(middle: np.ndarray, across: np.ndarray, bound: np.ndarray) 
     gradient = _dot(across, pull + at[:, None] * bent)
     a = np.zeros_like(bound)
     low, high = np.full_like(bound, 0.1), np.full_like(bound, 0.1)  # multipliers of the bounds
+    # Newton steps on the conditions of the optimum, with multiplier x room = sigma x gap for each
+    # bound.
     for _ in range(_ITERATIONS):
         to_low, to_high = a + bound, bound - a
         gap = (math.fsum(to_low * low) + math.fsum(to_high * high)) / (2 * len(a))
@@ -112,8 +116,12 @@ def _least_curvature(middle: np.ndarray, across: np.ndarray, bound: np.ndarray) 
         residual = (product + gradient) + (high - low)
         wanted_low, wanted_high = _SIGMA * gap / to_low - low, _SIGMA * gap / to_high - high
         stiffness = own + (low / to_low + high / to_high)
+        # The multipliers are eliminated: they only add to the diagonal, so the band stays as
+        # narrow.
         step = _solved(stiffness, next_one, second, (wanted_low - wanted_high) - residual)
         low_step, high_step = wanted_low - low / to_low * step, wanted_high + high / to_high * step
+        # No farther than just before a bound, or before a multiplier gets to zero; at most a whole
+        # step.
         share = _BACK * min(_most(to_low, step), _most(to_high, -step), 1.0 / _BACK)
         dual = _BACK * min(_most(low, low_step), _most(high, high_step), 1.0 / _BACK)
         a = a + share * step
@@ -140,12 +148,15 @@ def _solved(
     L D L' of the folded order.
     """
     n = len(own)
+    # 0, n-1, 1, n-2, ...: neighbours on the ring are then near each other in the row, and a band
+    # takes in the corners of the cyclic matrix.
     order = [m for pair in zip(range(n), range(n - 1, -1, -1), strict=True) for m in pair][:n]
     place = {point: where for where, point in enumerate(order)}
     rows = [[0.0] * _BAND + [float(own[point])] for point in order]  # row i: columns i - _BAND to i
     for apart, entries in ((1, next_one), (2, second)):
         for point, value in enumerate(entries.tolist()):
             one, other = place[point], place[(point + apart) % n]
+            # Only the lower half is kept; on short rings two entries may meet.
             rows[max(one, other)][_BAND - abs(one - other)] += value
     x, diagonal = [float(right[point]) for point in order], [0.0] * n
     for i, row in enumerate(rows):
@@ -162,6 +173,7 @@ def _solved(
             x[i] -= factor * x[j]
         diagonal[i] = row[_BAND]
     for i in range(n - 1, -1, -1):
+        # Back substitution; the forward one went along with the factors.
         x[i] /= diagonal[i]
         for k in range(i + 1, min(i + _BAND + 1, n)):
             x[i] -= rows[k][i - k + _BAND] * x[k]

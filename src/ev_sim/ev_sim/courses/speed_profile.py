@@ -98,6 +98,7 @@ class _Drives:
         """Acceleration by motors or engine beyond the drag, without regard to tyres."""
         vehicle, car = self._vehicle, self._car
         force = 0.0
+        # An engine counts with its peak power; below 1 m/s that would be an ever larger force.
         if vehicle.engine.peak_power > 0.0:
             return vehicle.engine.peak_power / (vehicle.mass * max(speed, 1.0)) - self.drag(speed)
         for driven, gear, motors in zip(car["driven"], car["gear"], car["motors"], strict=True):
@@ -120,6 +121,7 @@ def speed_profile(
     """
     drives, bends = _Drives(vehicle), [abs(each) for each in curvature]
     squares = [min(ellipse.lateral / max(bend, _STRAIGHT), _FASTEST * _FASTEST) for bend in bends]
+    # The line ends at rest, which the pass of braking carries back.
     squares[-1] = 0.0
     ends = list(zip(pairwise(range(len(bends))), step, strict=True))
     for (here, there), length in ends:
@@ -127,11 +129,14 @@ def speed_profile(
         by_tyres = _on_ellipse(
             square, max(bends[here], bends[there]), length, ellipse.lateral, ellipse.driving
         )
+        # Tyres give what is left on the ellipse, and the drag slows down besides; motors have it
+        # deducted already.
         growth = min(
             by_tyres - square - 2.0 * length * drives.drag(speed),
             2.0 * length * drives.driving(speed),
         )
         squares[there] = min(squares[there], max(square + growth, _SLOWEST * _SLOWEST))
+    # Braking counts without the drag, which would only help.
     for (here, there), length in reversed(ends):
         by_tyres = _on_ellipse(
             squares[there], max(bends[here], bends[there]), length, ellipse.lateral, ellipse.braking

@@ -103,9 +103,12 @@ def laps_of(p: LapDriverParameters, vehicle: Vehicle, period: float) -> Laps:
         _path(line.points[places], steps),
         speed_profile(ellipse, vehicle, at["curvature"], steps),
         at["curvature"],
+        # From the edge to the centre of mass while the outer wheel is on it.
         tuple(room - 0.5 * track for room in at["left"]),
         tuple(room - 0.5 * track for room in at["right"]),
         *dataclasses.astuple(ellipse),
+        # A proportional control gives K (v_ahead - v), and v_ahead - v is about a t: t = m r/K
+        # makes it m r a.
         vehicle.mass * vehicle.wheel_radius / gain if gain > 0.0 else 0.0,
         preview_of(p.preview, vehicle, period),
     )
@@ -118,6 +121,7 @@ def _unrolled(step: np.ndarray, laps: int) -> np.ndarray:
     run_up = min(_RUN_UP, 0.25 * float(step.sum()))
     length = 0.0
     while length < run_up:
+        # Negative places count back from the end of the closed line, as numpy has them.
         before -= 1
         length += step[before]
     behind, length = laps * n, 0.0
@@ -155,6 +159,7 @@ def wanted_speed(p: LimitParameters, c: Laps, distance: float, leg: int, speed: 
     It is that of the profile, as far as the bend leaves acceleration at the present speed.
     """
     wanted = p.scale * speed_ahead(c, distance + abs(speed) * c.ahead, leg)
+    # Accelerations go with the square of the speed.
     all_of_it = p.scale * p.scale
     across = (
         speed
@@ -162,6 +167,7 @@ def wanted_speed(p: LimitParameters, c: Laps, distance: float, leg: int, speed: 
         * max(abs(c.curvature[leg]), abs(c.curvature[leg + 1]))
         / (all_of_it * c.lateral)
     )
+    # What the friction ellipse leaves along the line, as a difference of speed at the time ahead.
     left = all_of_it * c.ahead * sqrt(max(1.0 - across * across, 0.0))
     return max(min(max(wanted, speed - left * c.braking), speed + left * c.driving), 0.0)
 

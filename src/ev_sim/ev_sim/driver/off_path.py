@@ -21,6 +21,7 @@ def _distances(path: Path, x: np.ndarray, y: np.ndarray, found: np.ndarray) -> N
         square = math.inf
         for leg in range(last + 1):
             passed = passed_on(path, leg, x[i], y[i])
+            # The first leg goes on for ever backwards, the last one forwards.
             if leg > 0:
                 passed = max(passed, 0.0)
             if leg < last:

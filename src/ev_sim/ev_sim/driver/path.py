@@ -129,6 +129,8 @@ def nearest(path: Path, x: float, y: float, leg: int) -> tuple[float, int]:
     It is searched from a leg near by.
     """
     last = len(path.x) - 1
+    # Forwards first, then back; both only on the outer side of a corner, where the point is past
+    # one leg and before the next.
     passed = passed_on(path, leg, x, y)
     while passed > path.length[leg] and leg < last:
         leg += 1
@@ -137,6 +139,7 @@ def nearest(path: Path, x: float, y: float, leg: int) -> tuple[float, int]:
         leg -= 1
         passed = passed_on(path, leg, x, y)
     # The first and the last leg go on for ever.
+    # Outside of a corner it is the corner itself that is next.
     if passed < 0.0 and leg > 0:
         passed = 0.0
     elif passed > path.length[leg] and leg < last:
@@ -165,6 +168,7 @@ def point_at(path: Path, distance: float, leg: int) -> tuple[float, float]:
 def _along_arcs(p: PathParameters) -> list[tuple[float, float]]:
     points, heading = [(p.start_x, p.start_y)], p.start_heading
     for length, curvature in zip(p.length, p.curvature, strict=True):
+        # A straight needs no chords.
         chords = math.ceil(length / _ARC_STEP) if curvature else 1
         turn = curvature * length / chords
         chord = length / chords * (sin(turn / 2) / (turn / 2) if turn else 1.0)
@@ -287,6 +291,8 @@ def speed_plan(p: SpeedPlanParameters, path: Path) -> SpeedPlan:
     for n in range(1, len(path.x)):
         across = path.along_x[n - 1] * path.along_y[n] - path.along_y[n - 1] * path.along_x[n]
         along = path.along_x[n - 1] * path.along_x[n] + path.along_y[n - 1] * path.along_y[n]
+        # A circle that touches both legs at a distance t from the corner has the radius
+        # t/tan(phi/2).
         half = 0.5 * atan2(abs(across), along)
         touch, cosine = 0.5 * min(path.length[n - 1], path.length[n]), cos(half)
         around.append(
@@ -300,11 +306,13 @@ def speed_plan(p: SpeedPlanParameters, path: Path) -> SpeedPlan:
     legs = range(len(path.x))
     begin = []
     run = []
+    # Circles that fill the leg leave no straight on which the speed could change: it is a chord.
     bent = [around[n] + around[n + 1] > _BENT * path.length[n] for n in legs]
     for n in legs:
         begin.append(0.0 if bent[n] else around[n])
         run.append(path.length[n] if bent[n] else path.length[n] - around[n] - around[n + 1])
         point[n + 1] = min(point[n + 1], point[n] + 2.0 * p.acceleration * run[n])
+    # Back from the end: early enough braking before each corner.
     for n in reversed(legs):
         point[n] = min(point[n], point[n + 1] + 2.0 * p.acceleration * run[n])
     leg = [max(point[n], point[n + 1]) if bent[n] else _UNBOUNDED_SQUARE for n in legs]

@@ -125,6 +125,8 @@ def follow_speed(
     there all goes to the brakes.
     """
     standing = abs(speed) <= p.standstill_speed
+    # Once held, the brake stays on until the driver wants to drive, however the car rocks on its
+    # tyres.
     s.holds = 1.0 if wanted_speed == 0.0 and (standing or s.holds == 1.0) else 0.0
     if s.holds == 1.0:
         s.integral = 0.0
@@ -132,6 +134,7 @@ def follow_speed(
     low, high = -p.max_drive_torque, p.max_drive_torque
     regenerative = p.max_regenerative_torque * (1.0 - car.engine_driven)
     slowing = regenerative + p.max_brake_torque
+    # Brakes only act against the motion, so they widen the limit on that side alone.
     if speed > p.standstill_speed:
         low = -slowing
     elif speed < -p.standstill_speed:
@@ -139,6 +142,7 @@ def follow_speed(
     error = wanted_speed - speed
     direct, growth = p.proportional_gain * error, p.integral_gain * period * error
     torque, s.integral = limited_pid(direct, growth, s.integral, low, high)
+    # The part of a slowing torque that the drives do not take.
     brake = abs(torque) - regenerative
     if standing or torque * speed >= 0.0 or brake <= 0.0:
         return torque, 0.0

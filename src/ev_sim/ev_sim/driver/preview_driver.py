@@ -95,6 +95,7 @@ def preview_of(p: PreviewParameters, vehicle: Vehicle, period: float) -> Preview
 
 def steady_circle(vehicle: Vehicle, ahead: float) -> SteadyCircle:
     """The linear car that goes forwards, `ahead` 1, or in reverse, -1."""
+    # With equal angles in front and behind the length would be L/0.
     learns = vehicle.rear_steering_ratio < _TURNS_ALONG
     steered = 1.0 - min(vehicle.rear_steering_ratio, _TURNS_ALONG)
     length, gradient = (
@@ -140,12 +141,15 @@ def look_ahead(
     s.leg = float(leg)
     here_x, here_y = paths.point_at(path, distance, leg)
     next_x, next_y = paths.point_at(path, distance + reach, leg)
+    # In reverse the eyes look back, yet all directions are those in which the front of the car
+    # points.
     along_x, along_y = s.direction * (next_x - here_x), s.direction * (next_y - here_y)
     z, w = pose.orientation_z, pose.orientation_w
     cosine, sine = w * w - z * z, 2.0 * z * w  # of the heading, from its quaternion
     heading = _turn(along_x, along_y, cosine, sine)
     aside = along_x * (pose.y - here_y) - along_y * (pose.x - here_x)
     lateral = aside / (gains.speed * POINT_STEP)
+    # Both estimates divide by the speed.
     if abs(speed) > GAIN_SPEEDS[0]:
         _learn(p, c, s, period, car)
     state = (
@@ -159,6 +163,7 @@ def look_ahead(
     )
     feedback, preview = c.gains.feedback, c.gains.preview
     points = int(c.gains.points)
+    # Linear between the rows of the speeds below and above.
     before, row = gains.row - 1, gains.row
     rate = 0.0
     for n in range(_SIZE):

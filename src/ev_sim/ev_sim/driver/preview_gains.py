@@ -137,23 +137,28 @@ def preview_gains(p: PreviewParameters, vehicle: Vehicle) -> PreviewGains:
     weight = np.zeros_like(a)
     weight[:, LATERAL_ERROR, LATERAL_ERROR] = 1.0 / (p.lateral_error * p.lateral_error)
     minded = 1.0 / (p.lateral_rate * p.lateral_rate)
+    # (v + V psi)^2, the squared speed away from the path, written out.
     weight[:, ASIDE, ASIDE] = minded
     weight[:, ASIDE, HEADING_ERROR] = weight[:, HEADING_ERROR, ASIDE] = minded * speed
     weight[:, HEADING_ERROR, HEADING_ERROR] = minded * speed * speed
     effort = 1.0 / (p.steering_rate * p.steering_rate)
     a_turned, b_turned = a.swapaxes(1, 2), b.swapaxes(1, 2)
+    # Riccati recursion from the end of the horizon back to now.
     cost = weight
     for _ in range(_HORIZON):
         by_steering = _product(b_turned, cost)
         share = effort + _product(by_steering, b)
         feedback = _product(by_steering, a) / share
         cost = weight + _product(_product(a_turned, cost), a - _product(b, feedback))
+        # Rounding would let the two halves of the symmetric matrix drift apart.
         cost = 0.5 * (cost + cost.swapaxes(1, 2))
+    # A turn of the path ahead acts as a step of the heading error when the car gets there.
     kept = (a - _product(b, feedback)).swapaxes(1, 2)
     ahead, preview = cost[:, :, HEADING_ERROR, None], []
     for _ in range(points + _HORIZON):
         preview.append((_product(b_turned, ahead) / share)[:, 0, 0])
         ahead = _product(kept, ahead)
+    # The last point also stands for the same turn at all points behind it.
     preview[points - 1 :] = [sum(preview[points - 1 :])]
     return PreviewGains(_flat(feedback), _flat(np.array(preview).T), float(points))
 
@@ -169,10 +174,13 @@ def _model(
     rear = vehicle.centre_of_mass_to_rear_axle
     ahead, back = (axle_cornering_stiffnesses(vehicle, ahead=way) for way in (1.0, -1.0))
     stiffnesses = (np.where(speed > 0.0, *of_axle) for of_axle in zip(ahead, back, strict=True))
+    # Distance of each axle ahead of the centre of mass, with its stiffness for this direction.
     axles = zip((vehicle.wheelbase - rear, -rear), stiffnesses, strict=True)
     a, b = np.zeros((len(speed), len(STATES), len(STATES))), np.zeros((len(speed), len(STATES), 1))
     for (place, stiffness), steered in zip(axles, (1.0, vehicle.rear_steering_ratio), strict=True):
         for state, inertia in ((ASIDE, vehicle.mass), (TURNING, vehicle.yaw_inertia / place)):
+            # F = C (delta V - v - r x)/|V|: side force by the slip angle of the axle, either way of
+            # driving.
             force = stiffness / inertia / np.abs(speed)
             a[:, state, ASIDE] -= force
             a[:, state, TURNING] -= force * place
@@ -193,6 +201,8 @@ def _stepped(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     size = a.shape[1]
     both = np.zeros((len(a), size + 1, size + 1))
     both[:, :size, :size], both[:, :size, size:] = a, b
+    # exp of the block matrix ((A, B), (0, 0)) holds both results; scaled down, by a series, and
+    # squared as often as it was halved.
     both *= math.ldexp(POINT_STEP, -_HALVINGS)
     found = term = np.zeros_like(both) + np.eye(size + 1)
     for n in range(1, _SERIES):

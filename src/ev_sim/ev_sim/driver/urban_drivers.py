@@ -226,6 +226,8 @@ def tracking(p: CycleDriverParameters, car: Car, s: CycleState, period: float, p
     never asks for more than packed snow carries, so all torque controls come out alike
     (docs/dissertation.md).
     """
+    # Behind a window of slowing down the integral is below zero, and would hold the foot off the
+    # pedal.
     s.speed_control.integral = max(s.speed_control.integral, 0.0)
     drive, _ = follow_speed(p.speed_control, car, s.speed_control, period, pull.wanted, pull.speed)
     return max(drive, 0.0)

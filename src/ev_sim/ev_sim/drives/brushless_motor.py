@@ -95,6 +95,8 @@ def enter_sector(s: DriveState, electrical_speed: float) -> None:
         s.sector_angle = SECTOR
     else:
         return
+    # Even: high stays, so off and low change places, and the low phase carries -(high + off). Odd:
+    # low stays, so high and off change places. Both ways alike.
     if lower_sector % 2 == 0:
         s.off_current = -(s.high_current + s.off_current)
     else:
@@ -214,11 +216,14 @@ def controlled_voltage(
     Advances `s.voltage_integral`. Where the bus limits the voltage, the integral takes only as much
     of the error as the motor has seen (back-calculation). Currents in A, shaft speed in rad/s.
     """
+    # Two phases in series have 2 L and 2 R; the ratio of the gains, R/L, is the zero on the motor's
+    # pole.
     proportional_gain = controller.bandwidth * 2.0 * motor.inductance
     integral_gain = controller.bandwidth * 2.0 * motor.resistance
     emf = torque_constant(motor) * held.speed
     wanted = proportional_gain * error + s.voltage_integral + controller.emf_feedforward * emf
     voltage = min(max(wanted, -held.bus_voltage), held.bus_voltage)
+    # The error that would just have asked for the limited voltage.
     seen = error + (voltage - wanted) / proportional_gain
     s.voltage_integral += sampling_period * integral_gain * seen
     return voltage
@@ -259,6 +264,7 @@ def advance_averaged(
     motor, constant = p.motor, torque_constant(p.motor)
     current_reference = torque_reference / constant
     emf = constant * held.speed
+    # Whole samples in a step; rounding does not make one more.
     samples = max(1, math.ceil(duration / p.averaged.sampling_period - 1e-9))
     period = duration / samples
     half_decay = period * motor.resistance / (2.0 * motor.inductance)

@@ -149,14 +149,18 @@ def conduct(
         brushless_motor.enter_sector(s, electrical_speed)
         high, off = s.high_current, s.off_current
         current = pair_current(high, off)
+        # At its limit already, or beyond by a commutation: the rails are exchanged without delay.
         if sign * (current - limit) >= 0.0:
             break
 
         to_edge = brushless_motor.time_to_edge(s.sector_angle, electrical_speed)
         step = min(remaining, p.switched.micro_step, to_edge)
+        # The EMF of the off phase in the middle of the step, as the midpoint rule has it.
         middle = s.sector_angle + electrical_speed * step / 2.0
         crossing = crossing_shape(s.sector, middle)
         off_conducts, off_voltage = _off_phase(off, emf * crossing, bus_voltage)
+        # The mean of what all conducting phases have of the bus less their EMFs; those of high and
+        # low cancel, so with two phases half of the bus is left.
         if off_conducts:
             neutral = (bus_voltage + off_voltage - emf * crossing) / 3.0
             off_drive = off_voltage - neutral - emf * crossing
@@ -168,12 +172,16 @@ def conduct(
         next_off = _after(off, off_drive, motor, step)
         blocks = off * next_off < 0.0
         if blocks:
+            # The midpoint rule, solved for the step that ends at no current: -L i/h = drive - R
+            # i/2.
             step = off * motor.inductance / (off * motor.resistance / 2.0 - off_drive)
             next_off = 0.0
         next_high = _after(high, high_drive, motor, step)
         next_current = pair_current(next_high, next_off)
         at_limit = sign * (next_current - limit) > 0.0
         if at_limit:
+            # Within a step the current is as good as straight, so the instant follows by
+            # proportion.
             step *= (limit - current) / (next_current - current)
             next_off = _after(off, off_drive, motor, step)
             next_high = _after(high, high_drive, motor, step)
@@ -181,12 +189,18 @@ def conduct(
         mean_high = (high + next_high) / 2.0
         mean_off = (off + next_off) / 2.0
         impulse += step * phase_torque(motor, crossing, mean_high, mean_off)
+        # The low phase carries back the sum of the two others.
         power = high_voltage * mean_high - low_voltage * (mean_high + mean_off)
         energy += step * (power + off_voltage * mean_off)
         s.high_current = next_high
         s.off_current = next_off
         s.sector_angle = brushless_motor.turned(
-            s.sector_angle, electrical_speed, step, step == to_edge
+            # A step that was cut at the edge ends on it exactly: rounding short of it, the rotor
+            # would never enter the next sector.
+            s.sector_angle,
+            electrical_speed,
+            step,
+            step == to_edge,
         )
         remaining -= step
         if at_limit:
@@ -285,6 +299,7 @@ def _chop_by_carrier(
         voltage = brushless_motor.controlled_voltage(s, controller, p.motor, error, held, period)
         positive = period * (1.0 + voltage / held.bus_voltage) / 2.0
         negative = (period - positive) / 2.0
+        # A limit out of reach: only the carrier exchanges the rails.
         for sign, span in ((-1.0, negative), (1.0, positive), (-1.0, negative)):
             _, more_impulse, more_energy = conduct(s, p, sign, sign * math.inf, held, span)
             impulse += more_impulse

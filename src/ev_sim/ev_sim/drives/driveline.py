@@ -54,6 +54,7 @@ def shaft_speeds(car: Car, wheel_speed: Sequence[float], shaft: MutableSequence[
             mean = 0.5 * (wheel_speed[left] + wheel_speed[right])
             shaft[left] = shaft[right] = mean
     if coupling == CENTRE:
+        # Both wheels of an axle have its mean already, so either stands for it.
         share = car.driveline.front_share
         mean = share * shaft[0] + (1.0 - share) * shaft[2]
         for i in range(4):
@@ -115,6 +116,7 @@ def follow_shares(
     total = (command[0] * driven[0] + command[1] * driven[1]) + (
         command[2] * driven[2] + command[3] * driven[3]
     )
+    # 0/0 has no shares; a driver who coasts does not move the clutches.
     if total == 0.0:
         return
     for i in range(4):
@@ -147,6 +149,7 @@ def wheel_torques(
         wheel[i] = motor[i]
     if driveline.coupling == CENTRE:
         total = (motor[0] + motor[1]) + (motor[2] + motor[3])
+        # Positive where the front axle is faster: then it loses torque to the rear one.
         apart = 0.5 * (speed[0] + speed[1]) - 0.5 * (speed[2] + speed[3])
         locking = car.centre_preload + car.centre_locking * abs(total)
         front = driveline.front_share * total - 0.5 * locking * tanh(
@@ -175,6 +178,7 @@ def converter_torques(size: float, pump: float, turbine: float) -> tuple[float, 
     coupling point (assumption: the source ends at equal speeds). One that turns backwards counts as
     at rest (assumption).
     """
+    # The fits hold for a turbine that turns forwards, up to their coupling point.
     slow = max(turbine, 0.0)
     if slow < COUPLING_POINT * pump:
         taken = 3.4325e-3 * pump * pump + 2.2210e-3 * pump * slow - 4.6041e-3 * slow * slow
@@ -241,6 +245,7 @@ def begin_engine(s: EngineState, e: Engine, ratios: tuple[float, ...], shaft: fl
     while 0.0 < s.gear < len(ratios) and ratios[int(s.gear)] * shaft > e.gearbox.downshift_speed:
         s.gear += 1.0
     s.since_shift = e.gearbox.dwell
+    # Without slip in the converter, unless it would stall the engine.
     s.speed = max(gear_ratio(e, ratios, s.gear) * shaft, e.idle_speed)
     s.shaft = shaft
 
@@ -269,8 +274,10 @@ def advance_engine(
     ratio = gear_ratio(e, ratios, s.gear)
     turbine = ratio * shaft
     taken, given = converter_torques(e.converter_size, s.speed, turbine)
+    # Below the coupling point the stator multiplies the torque, so the engine has to give less.
     multiplied = given / taken if given > taken > 0.0 else 1.0
     asked = wanted / ratio
+    # Losses in the gearbox: more to drive with, less to brake with.
     asked = asked / e.gearbox.efficiency if asked >= 0.0 else asked * e.gearbox.efficiency
     most, least = full_load_torque(e, s.speed), -(e.drag_torque + e.drag_growth * s.speed)
     target = max(
@@ -280,6 +287,7 @@ def advance_engine(
     )
     if asked < least and turbine > abs(ratio) * e.gearbox.selector_speed:
         s.refused = 1.0
+    # Implicit Euler: stable for any lag, also one of zero.
     s.torque += h / (e.torque_lag + h) * (min(target, most) - s.torque)
     gain = ratio * (e.gearbox.efficiency if given * turbine >= 0.0 else 1.0 / e.gearbox.efficiency)
     # Geared low, or large, a converter is stiffer than any step suits: its torques are then those
@@ -292,6 +300,7 @@ def advance_engine(
     parting = (s.torque - taken) / e.inertia - ratio * turning
     stiffness = slope * (1.0 / e.inertia + ratio * gain * yielding)
     squared = stiffness * stiffness
+    # Faded in with the square of the stiffness, see above: a soft converter stays explicit.
     moved = slope * parting / (1.0 + stiffness) * (squared / (1.0 + squared))
     taken, given = taken + moved, given + moved
     before = s.speed

@@ -30,6 +30,7 @@ def open_circuit_voltage(table: tuple[float, ...], state_of_charge: float) -> fl
     """Voltage without current [V], by a table at equally spaced states of charge from 0 to 1."""
     last = len(table) - 1
     place = min(max(state_of_charge, 0.0), 1.0) * last
+    # A full battery is at the end of the last interval, not at the begin of one behind it.
     index = min(int(place), last - 1)
     return table[index] + (place - index) * (table[index + 1] - table[index])
 
@@ -93,6 +94,7 @@ def cell_power_limits(
     into a full one. `discharging` and `charging` are the shares of the currents that the
     temperature leaves [1].
     """
+    # E/(2 R) gives the largest power; more current would give less.
     out = min(battery.cells.discharge_current * discharging, voltage / (2.0 * resistance))
     into = battery.cells.charge_current * charging
     give = min((voltage - resistance * out) * out, battery.discharge_power)

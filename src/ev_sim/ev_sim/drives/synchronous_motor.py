@@ -57,11 +57,14 @@ def voltage_limited_torque(winding: Winding, voltage: float, speed: float) -> fl
     inductance = winding.inductance
     most = ROOT_2 * winding.largest_current
     reach = _reach(winding, voltage, speed)
+    # i_d where both circles meet, kept between no weakening and the middle of the circle of
+    # voltage.
     crossing = (reach * reach - flux * flux - inductance * most * inductance * most) / (
         2.0 * flux * inductance
     )
     direct = min(max(crossing, -flux / inductance), 0.0)
     left = flux + inductance * direct
+    # i_q^2 within the circle of current, and within that of voltage.
     by_current = most * most - direct * direct
     by_voltage = (reach * reach - left * left) / (inductance * inductance)
     return torque_per_current(winding) * sqrt(max(min(by_current, by_voltage), 0.0))
@@ -79,6 +82,7 @@ def is_weakened(winding: Winding, voltage: float, speed: float) -> bool:
     )
     turns = winding.pole_pairs * speed
     return (
+        # Both sides squared, and times 3 for the root in U = share V/sqrt(3): no root, no division.
         3.0 * turns * turns * (winding.flux_linkage * winding.flux_linkage + most * most)
         > held * held
     )
@@ -194,6 +198,7 @@ def speed_control_without_windup(
     """
     held = min(max(integral, control.least), control.most)
     asked, moved = speed_control(control, integral, error)
+    # Beyond a limit the integral may only go back.
     grows = asked > control.most and moved > held
     falls = asked < control.least and moved < held
     if grows or falls:

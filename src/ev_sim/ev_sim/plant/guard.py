@@ -101,6 +101,7 @@ def guarded_steering(
 @compilable
 def accepted(guard: GuardState, value: float, otherwise: float, low: float, high: float) -> float:
     """A value within its range; `otherwise` if it is not finite."""
+    # NaN fails both comparisons, so one test lets all good values pass.
     if low <= value <= high:
         return value
     if not isfinite(value):

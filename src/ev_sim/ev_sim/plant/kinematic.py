@@ -180,6 +180,7 @@ def move_with_dry_friction(
                 speed + acceleration * duration / 2.0
             ) * duration
         distance = -speed * speed / (2.0 * acceleration)
+        # speed/acceleration is minus the time in which the motion stops.
         duration += speed / acceleration
     if abs(force) <= friction:
         return 0.0, distance
@@ -240,6 +241,7 @@ def kinematic(
         rolling_resistance + ((brake[0] + brake[1]) + (brake[2] + brake[3])) / car.wheel_radius
     )
     drag = 0.5 * car.air_density * car.drag_coefficient * car.frontal_area + car.road_load.quadratic
+    # A period of a whole number of sub-steps gets no more than that by rounding.
     sub_steps = max(1, math.ceil(period / p.sub_step - 1e-9))
     step = period / sub_steps
     speed_before = s.speed

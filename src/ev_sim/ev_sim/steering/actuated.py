@@ -115,21 +115,27 @@ def turn(
     gear, work = p.gear_ratio, 0.0
     target = min(max(wanted, -p.max_angle), p.max_angle)
     for _ in range(int(c.steps)):
+        # The outer loop asks for a rate, within what the actuator may turn; the inner one for a
+        # torque.
         missing = min(max(p.position_gain * (target - s.angle), -p.max_rate), p.max_rate) - s.rate
         asked = c.inertia * p.rate_gain * missing / gear + s.held
         speed = gear * abs(s.rate)
+        # Compared as a product: at rest a power allows any torque.
         most = p.peak_torque if p.peak_torque * speed <= p.peak_power else p.peak_power / speed
+        # The integral stands still at the limit, so that it does not wind up.
         if -most <= asked <= most:
             s.held += c.h * p.integral_gain * c.inertia * p.rate_gain * missing / gear
         else:
             asked = min(max(asked, -most), most)
         s.torque = min(max(s.torque + c.lag_share * (asked - s.torque), -most), most)
+        # Damping is taken implicitly: it may be as large as one likes.
         rate = (s.rate + c.h * (gear * s.torque + moment) / c.inertia) / (
             1.0 + c.h * p.damping / c.inertia
         )
         mean = 0.5 * (s.rate + rate)
         s.angle += c.h * mean
         s.rate = rate
+        # The stops take all kinetic energy.
         if abs(s.angle) >= p.max_angle:
             s.angle = min(max(s.angle, -p.max_angle), p.max_angle)
             s.rate = 0.0

@@ -68,6 +68,7 @@ def oscillator(
     """
     decay = damping / (2 * inertia)
     discriminant = decay * decay - stiffness / inertia
+    # sin(w t)/w and sinh(w t)/w would be 0/0.
     split = sqrt(abs(discriminant)) or 1e-8 * decay
     free = FreeMotion(inertia, stiffness, decay, split, float(discriminant < 0.0))
     return Oscillator(dry_friction, stop, period, free, transition(free, period))
@@ -81,10 +82,14 @@ def oscillated(o: Oscillator, angle: float, rate: float, torque: float) -> tuple
         direction = _direction(o, angle, rate, torque)
         if direction == 0.0:
             return angle, 0.0
+        # While the direction lasts dry friction is a constant torque: it only shifts the
+        # equilibrium.
         equilibrium = (torque - direction * o.dry_friction) / o.free.stiffness
         reversal = _time_to_reversal(o.free, abs(rate), direction * (equilibrium - angle))
         duration = min(remaining, reversal)
         next_angle, next_rate = _move(o, angle, rate, equilibrium, duration)
+        # The end of the phase is beyond the stop, and the motion towards it is monotone: the impact
+        # is within.
         if direction * next_angle > o.stop:
             duration = _time_to_stop(o, angle, rate, equilibrium, direction, duration)
             next_angle, next_rate = direction * o.stop, 0.0
@@ -121,9 +126,12 @@ def _time_to_reversal(free: FreeMotion, speed: float, lead: float) -> float:
     Its speed is at least 0, its equilibrium so far ahead. The speed is e^(-decay t) (speed C(t) +
     slope S(t)) with the C and S of `transition`.
     """
+    # The rate is zero where speed C + slope S = 0, that is tan(split t) = -speed split/slope; tanh
+    # where nothing oscillates, which has no root unless the speed is small enough.
     slope = lead * free.stiffness / free.inertia - free.decay * speed
     split = free.split
     if free.oscillates == 1.0:
+        # From rest this is half a period of the oscillation.
         return atan2(speed * split, -slope) / split
     if speed * split < -slope:
         return atanh(speed * split / -slope) / split

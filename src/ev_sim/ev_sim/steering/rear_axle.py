@@ -148,6 +148,7 @@ def zero_sideslip(
     r/V, and V_y = 0: delta_r/delta_f = (m a V|V|/(L C_2) - b)/(m b V|V|/(L C_1) + a), a and b from
     the centre of mass to the axles.
     """
+    # The lengths of the docstring: a in front of the centre of mass, b behind it.
     b = car.centre_of_mass_to_rear_axle
     a = car.wheelbase - b
     speed = read.velocity.longitudinal

@@ -146,6 +146,8 @@ def steering_robot(
     reports no hand torque.
     """
     s.angle = s.next_angle
+    # The column answers for the instant one period later: `angle` is that of then, `next_angle`
+    # that of one period after it.
     s.next_angle = towards(p, period, s.angle, wanted_angle(p, c, now.time + 2 * period))
 
 
@@ -164,6 +166,7 @@ def sine_with_dwell(p: SineWithDwellParameters, amplitude: float, t: float) -> f
     The peak is at three quarters of the period.
     """
     since, second_peak = t - p.begin, 0.75 / p.frequency
+    # The clock of the sine stands still at the peak for as long as the dwell lasts.
     since -= min(max(since - second_peak, 0.0), p.dwell)
     if not 0.0 < since < 1 / p.frequency:
         return 0.0
@@ -271,8 +274,10 @@ def active_front(
     s.next_angle = towards(p, period, s.angle, wanted_angle(p, c, read.now.time + 2 * period))
     speed, added = read.body.longitudinal, 0.0
     if abs(speed) >= p.slowest:
+        # L + K V |V|, which turning_length keeps from zero.
         length = turning_length(car.wheelbase, p.understeer, speed)
         steered = speed * tan(s.angle / car.steering_ratio) / length
+        # A road that gives a_y allows a yaw rate of a_y/V.
         most = p.largest_acceleration / abs(speed)
         error = min(max(steered, -most), most) - read.body.yaw_rate
         added = min(

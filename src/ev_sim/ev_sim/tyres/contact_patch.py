@@ -65,6 +65,7 @@ def force_and_rate(
     Deflection u [m], slip velocity v [m/s], transport velocity V_t [m/s], secant stiffness f of the
     friction curve [N], carcass stiffness k [N/m] and damping d [N s/m]. Source: Rill 2006.
     """
+    # Carcass F = k u + d u', contact F = f (v - u')/V_t, solved for F and u'.
     spring = stiffness * deflection
     contact = 1.0 / (secant + transport * damping)
     force = secant * (spring + damping * slip_velocity) * contact
@@ -78,6 +79,7 @@ def slip_rate(slip: float, sliding: float, transport: float, contact_length: flo
 
     It slides with w = v - u' [m/s] at a transport velocity [m/s].
     """
+    # By travelled distance while the wheel rolls: over a length of the contact the slip is renewed.
     renewed = max(transport, RENEWAL) * slip
     return (sliding - renewed) / (contact_length + transport * SHORTEST_LAG)
 
@@ -99,6 +101,7 @@ def slip_vector(
         # Over the slip speed itself, which has no full slip.
         speed = max(resulting, SLIP_FLOOR)
         use = dry_friction(speed, on_road.c0, on_road.c1, on_road.c2, on_road.c3)
+        # `force_and_rate` divides by the transport velocity, which has no part in this friction.
         rubbed = transport * (use / speed)
         return rubbed, tyre.lateral_ratio * rubbed
     slip = resulting / transport
@@ -150,5 +153,7 @@ def weighted(
     tangent = max(abs(slip_y) * scale, SLIP_FLOOR)
     direction = 1.0 if slip_x * along >= 0.0 else -1.0
     force_x, force_y = forces(tyre, loaded, slip_ratio, tangent, direction)
+    # One division for both: each force is over its own slip, so the other slip cancels. Friction
+    # never pushes, whatever a formula gives far from where it was measured.
     secant = full / (rolling * slip_ratio * tangent)
     return max(force_x, 0.0) * (secant * tangent), max(force_y, 0.0) * (secant * slip_ratio)

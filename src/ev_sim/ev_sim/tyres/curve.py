@@ -171,6 +171,7 @@ def peak_slip(curve: str, coefficients: tuple[float, float, float, float]) -> fl
     def highest(places: range) -> int:
         return max(places, key=lambda place: friction(of, place * _STEP, c))
 
+    # The cell before and the one behind the highest coarse point hold the peak.
     coarse = highest(range(0, _STEPS + 1, _CELL))
     return highest(range(max(coarse - _CELL, 0), min(coarse + _CELL, _STEPS) + 1)) * _STEP
 

@@ -54,6 +54,7 @@ def front_wheels(car: Car, angle: float) -> tuple[float, float, float, float]:
     left, right = front_wheel_tangents(
         tan(angle), car.wheelbase, car.front_track, car.steering_geometry
     )
+    # cos = 1/sqrt(1 + tan^2) and sin = tan cos: no arc tangent, and always a direction of length 1.
     cos_left = 1.0 / sqrt(1.0 + left * left)
     cos_right = 1.0 / sqrt(1.0 + right * right)
     return cos_left, left * cos_left, cos_right, right * cos_right
@@ -62,6 +63,8 @@ def front_wheels(car: Car, angle: float) -> tuple[float, float, float, float]:
 @inlined
 def loads(y: Row, car: Car, gravity_z: float) -> Wheels:
     """Loads of the four wheels [N] under gravity that presses the car on the road [m/s^2]."""
+    # The transfer is a state that lags behind the tyre forces: forces depend on loads, and loads on
+    # the forces of the same instant would be an equation to solve in each evaluation.
     pitch_moment = car.pitch_height * car.mass * y[state.TRANSFER_X]
     roll_moment = car.roll_height * car.mass * y[state.TRANSFER_Y]
     return wheel_loads(car, car.mass * gravity_z, pitch_moment, roll_moment)
@@ -78,6 +81,7 @@ def wheel_loads(car: Car, normal: float, pitch_moment: float, roll_moment: float
     """
     offset, share = car.centre_of_mass_offset, car.front_roll_share
     front = (normal * car.centre_of_mass_to_rear_axle - pitch_moment) / car.wheelbase
+    # A moment that lifts a whole axle leaves all the weight on the other one.
     front = min(max(front, 0.0), normal)
     rear = normal - front
     # The moment that an axle takes before a wheel lifts.
@@ -85,8 +89,11 @@ def wheel_loads(car: Car, normal: float, pitch_moment: float, roll_moment: float
     rear_limit = 0.5 * rear * car.rear_track
     front_wanted = share * roll_moment - front * offset
     rear_wanted = (1.0 - share) * roll_moment - rear * offset
+    # What an axle is asked for beyond its limit goes to the other one below.
     front_excess = front_wanted - min(max(front_wanted, -front_limit), front_limit)
     rear_excess = rear_wanted - min(max(rear_wanted, -rear_limit), rear_limit)
+    # Where both wheels of a side have lifted, the rest of the moment is lost: this car cannot roll
+    # over.
     front_taken = min(max(front_wanted + rear_excess, -front_limit), front_limit)
     rear_taken = min(max(rear_wanted + front_excess, -rear_limit), rear_limit)
     # As shares of the limits, so that the load of a lifted wheel is exactly zero.
@@ -121,6 +128,7 @@ def rates(y: Row, dy: Row, mechanics: Mechanics, starts: bool) -> None:
     _, car, body, step = mechanics
     vx = y[state.VX]
     step.load[0], step.load[1], step.load[2], step.load[3] = loads(y, car, step.gravity_z)
+    # Behind the loads, because the friction of the contacts is over them.
     look(y, car, body, step, starts)
     rolling = car.constant_rolling_resistance + car.rolling_resistance_growth * vx * vx
     # Forces and powers of the wheels, summed as (front left + front right) + (rear left + rear
@@ -161,6 +169,8 @@ def _turn_wheel(
     step.force_y[i] = across_force
 
     radius = step.radius[i]
+    # Brake and rolling resistance are one dry friction: they oppose the rotation, and hold a wheel
+    # at rest as far as they go. The other torques are those of the drive and of the road.
     torque = step.drive[i] - radius * along_force
     dry = step.brake[i] + radius * step.load[i] * (rolling + step.tyre[i].rolling_resistance)
     if starts:
@@ -172,12 +182,14 @@ def _turn_wheel(
     dy[state.WHEEL_ANGLE + i] = wheel_speed
     dy[state.DISTANCE + i] = at.along[i]
 
+    # From the frame of the wheel into that of the body; the moment is x F_y - y F_x.
     body_x = along_force * at.cosine[i] - across_force * at.sine[i]
     body_y = along_force * at.sine[i] + across_force * at.cosine[i]
     return OfWheel(
         body_x,
         body_y,
         body.wheel_x[i] * body_y - body.wheel_y[i] * body_x,
+        # Force times slip velocity: what the contact turns into heat and the carcass stores.
         along_force * at.slip_x[i] + across_force * at.slip_y[i],
         step.motion[i] * dry * wheel_speed,
     )
@@ -227,6 +239,7 @@ def _move_body(y: Row, dy: Row, mechanics: Mechanics, specific_x: float, specifi
     # neither turns nor pitches the car.
     holding = 0.0
     if p.speed != SPEED_FREE:
+        # What is imposed is V_x' = a_x + r V_y, in the frame that turns with the body.
         wanted = step.imposed_acceleration - yaw_rate * vy
         holding = wanted - step.acceleration_x
         step.acceleration_x = wanted
@@ -235,9 +248,11 @@ def _move_body(y: Row, dy: Row, mechanics: Mechanics, specific_x: float, specifi
         side_drag = body.side_drag * abs(vy) * vy
         step.acceleration_y -= side_drag / car.mass
         dy[state.DRAG_WORK] += side_drag * vy
+    # In the frame that turns with the body: V_x' = a_x + r V_y, V_y' = a_y - r V_x.
     dy[state.VX] = step.acceleration_x + yaw_rate * vy
     dy[state.VY] = step.acceleration_y - yaw_rate * vx
     dy[state.HEADING] = yaw_rate
+    # Only forces at the road have a lever about the centre of mass; drag and gravity act in it.
     dy[state.TRANSFER_X] = (specific_x + holding - y[state.TRANSFER_X]) / p.load_transfer_lag
     roll_lag = car.suspension.roll_lag if car.suspension.roll_lag > 0.0 else p.load_transfer_lag
     dy[state.TRANSFER_Y] = (specific_y - y[state.TRANSFER_Y]) / roll_lag
@@ -264,9 +279,12 @@ def push_at_wheels(y: Row, mechanics: Mechanics) -> None:
     look(y, car, body, step, True)
     at = step.contact
     for i in range(4):
+        # The friction ellipse: sqrt(1 - (F_y/F_y_max)^2) of the longitudinal friction is left. A
+        # wheel off the ground has none; the 1 N keeps its division from 0/0.
         side = car.tyre.lateral_stiffness * y[state.DEFLECTION_Y + i] / max(at.largest_y[i], 1.0)
         left = at.largest_x[i] * sqrt(max(1.0 - side * side, 0.0))
         step.pushed[i] = 0.0
+        # At rest it drives: a brake torque would only hold.
         if force * vx >= 0.0:
             wanted = abs(force) * car.driven[i] / max(car.number_driven, 1.0)
             step.pushed[i] = copysign(step.radius[i] * min(wanted, left), force)
@@ -280,6 +298,7 @@ def push_at_wheels(y: Row, mechanics: Mechanics) -> None:
 def book_push(y: Row, step: Step) -> None:
     """Take what `push_at_wheels` added out of the drive torques: no motor gave it."""
     for i in range(4):
+        # The work counts what is taken from the car, so what the push gives is negative.
         y[state.HOLDING_WORK] -= step.pushed[i] * step.turned[i]
         step.drive[i] -= step.pushed[i]
 

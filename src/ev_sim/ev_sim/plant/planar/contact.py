@@ -64,7 +64,10 @@ def gravity_at(slope: Slope, distance: float, before: int) -> tuple[float, float
     Along the road, to the left, onto the road, and the segment of the slope, found from `before`.
     """
     rise, segment = interpolate(slope.distance, slope.grade, distance, before)
+    # Both profiles have the same distances, so the segment is found already.
     side_rise, _ = interpolate(slope.distance, slope.side_slope, distance, segment)
+    # The road is the plane z = rise x + side_rise y; its normal is (-rise, -side_rise, 1) over its
+    # length.
     onto = GRAVITY / sqrt(1.0 + rise * rise + side_rise * side_rise)
     return -rise * onto, -side_rise * onto, onto, segment
 
@@ -73,12 +76,14 @@ def gravity_at(slope: Slope, distance: float, before: int) -> tuple[float, float
 def _look_under(y: Row, body: BodyConstants, step: Step, track: Track, i: int, first: bool) -> None:
     """Set the tyre of wheel i from its track, where it has come to another segment."""
     distance = y[state.DISTANCE + i] + body.wheel_x[i]
+    # A step before may have left the radius of a flat tyre here.
     if first:
         step.radius[i] = body.wheel_radius[i]
         found = max(number_until(track.start, distance) - 1, 0)
     else:
         before = int(step.segment[i])
         found = segment_at(track.start, distance, before)
+        # Still on the same surface: the numbers are in the step.
         if found == before:
             return
     step.segment[i] = float(found)
@@ -103,6 +108,7 @@ def look(y: Row, car: Car, body: BodyConstants, step: Step, starts: bool) -> Non
         turning = y[state.WHEEL_SPEED + i]
         at.wheel_speed[i] = turning if starts or step.motion[i] * turning >= 0.0 else 0.0
     for i in range(4):
+        # Velocity of the wheel centre in the frame of the body: v + yaw rate x place.
         ground_x = y[state.VX] - body.wheel_y[i] * y[state.YAW_RATE]
         ground_y = y[state.VY] + body.wheel_x[i] * y[state.YAW_RATE]
         along = ground_x * at.cosine[i] + ground_y * at.sine[i]
@@ -110,6 +116,8 @@ def look(y: Row, car: Car, body: BodyConstants, step: Step, starts: bool) -> Non
         at.along[i] = along
         at.speed[i] = sqrt(along * along + across * across)
         at.rim[i] = step.radius[i] * at.wheel_speed[i]
+        # Positive as the force: a rim that is faster than the road drives, a wheel that goes to the
+        # left is pushed to the right.
         at.slip_x[i] = at.rim[i] - along
         at.slip_y[i] = -across
     if car.tyre.combined == SLIP_VECTOR:
@@ -134,6 +142,8 @@ def point(y: Row, car: Car, step: Step) -> None:
     if suspension.front_compliance_steer == 0.0 and suspension.rear_compliance_steer == 0.0:
         return
     for axle in range(2):
+        # A side force to the left, as in a left bend, turns front wheels out of the bend, to the
+        # right, and rear wheels into it, to the left.
         compliance = (
             suspension.rear_compliance_steer if axle else -suspension.front_compliance_steer
         )
@@ -142,6 +152,7 @@ def point(y: Row, car: Car, step: Step) -> None:
             y[state.DEFLECTION_Y + left] + y[state.DEFLECTION_Y + left + 1]
         )
         t = compliance * held  # a small angle, and its tangent
+        # Rotation of (cos, sin) by the small angle, kept at length 1.
         short = 1.0 / sqrt(1.0 + t * t)
         for i in range(left, left + 2):
             at.cosine[i] = (step.cos_steer[i] - step.sin_steer[i] * t) * short
@@ -211,6 +222,8 @@ def _two_curves(y: Row, car: Car, body: BodyConstants, step: Step, i: int) -> No
     at = step.contact
     carried = step.load[i] * sensitivity(tyre, step.load[i])
     transport_x = max(abs(at.rim[i]), abs(at.along[i]), STILL)
+    # Across, slip is over the speed of the wheel centre alone: the sine of the slip angle, however
+    # fast the wheel turns.
     transport_y = max(at.speed[i], STILL)
     slid = (at.slip_x[i], at.slip_y[i])
     contact = (y[state.SLIP_X + i], y[state.SLIP_Y + i])
@@ -218,12 +231,14 @@ def _two_curves(y: Row, car: Car, body: BodyConstants, step: Step, i: int) -> No
     limit = carried * largest(tyre.curve, on_road.friction, on_road)
     at.transport_x[i], at.transport_y[i] = transport_x, transport_y
     at.largest_x[i] = limit
+    # A line has no peak, so nothing scales its force down.
     at.largest_y[i] = limit if tyre.lateral_curve == SAME_CURVE else INFINITE
     at.secant_x[i], at.secant_y[i] = carried * along, carried * across
     if tyre.lateral_curve == LINEAR_CURVE:
         at.secant_y[i] = carried * body.cornering_stiffness[i]
     elif tyre.lateral_curve == CONSTANT_STIFFNESS:
         # Over the slip angle itself, while slips are sines of it.
+        # Rounding may put the sine above 1.
         sine = min(abs(at.slip_y[i]) / transport_y, 1.0)
         at.secant_y[i] = body.cornering_stiffness[i] * (asin(sine) / sine if sine > 0.0 else 1.0)
 
@@ -237,6 +252,7 @@ def within_friction(
     They are one for both on a circle.
     """
     if car.tyre.combined == SLIP_VECTOR:
+        # The square root is only taken beyond the circle, which is seldom.
         squared = force_x * force_x + force_y * force_y
         limit = at.largest_x[i]
         scale = limit / sqrt(squared) if squared > limit * limit else 1.0
@@ -257,6 +273,8 @@ def slips(y: Row, car: Car, body: BodyConstants, at: Contacts, i: int) -> tuple[
     In steady driving they are the slip ratio and the sine of the slip angle (with the sign of their
     force); at rest, where kinematic slip is 0/0, they stay meaningful and continuous.
     """
+    # The balance of carcass and contact of `force_and_rate`, solved for the slip in place of the
+    # force.
     spring_x = (
         car.tyre.longitudinal_stiffness * y[state.DEFLECTION_X + i] + body.damping_x * at.slip_x[i]
     )

@@ -222,6 +222,8 @@ def body_constants(vehicle: Vehicle) -> BodyConstants:
     rear_load = v.mass * GRAVITY - front_load
     front_stiffness, rear_stiffness = tyre.front_cornering_stiffness, tyre.rear_cornering_stiffness
     if tyre.lateral_curve == "linear":
+        # Stiffness of one tyre over its static load, half of the axle's. A centre of mass above the
+        # other axle leaves no load: 1 N keeps the division.
         front_stiffness = 2 * front_stiffness / max(front_load, 1.0)
         rear_stiffness = 2 * rear_stiffness / max(rear_load, 1.0)
     for axle, file in (("front", tyre.front_file), ("rear", tyre.rear_file)):
@@ -312,6 +314,7 @@ def find_faults(p: Any, faults: CarFaults, s: PlanarState, period: float) -> Non
     """
     f = s.faults
     for i in range(4):
+        # Until a motor sticks its last torque is noted: that is the one at which it will stick.
         if f.stuck[i] == 0.0:
             f.stuck_torque[i] = s.motor_torque[i]
     f.power = 1.0  # as if nothing were wrong; what is remembered stays
@@ -333,15 +336,19 @@ def find_faults(p: Any, faults: CarFaults, s: PlanarState, period: float) -> Non
             elif kind == MOTOR_STUCK:
                 f.stuck[i] = 1.0
             elif kind == INVERTER_TRIP:
+                # 0 stands for never, so a threshold of 0 becomes one that any torque exceeds.
                 f.trips_at[i] = max(value, 1e-9)
             elif kind == INVERTER_DELAY:
                 f.delay[i] = value
             elif kind == HALL_STUCK:
                 f.hall[i] = 1.0
             elif kind == FLAT_TYRE:
+                # The time at the end of this period; a puncture that takes no time is flat in its
+                # first one.
                 since = (s.periods - faults.begin[n] + 1.0) * period
                 f.flat[i] = value * min(since / max(p.puncture.time, period), 1.0)
     for i in range(4):
+        # An inverter that has tripped stays off as long as its fault lasts.
         if f.trips_at[i] == 0.0:
             f.tripped[i] = 0.0
 
@@ -351,6 +358,8 @@ def delay_commands(f: CarFaultState, periods: float, step: Step) -> None:
     """Give each inverter the drive torque asked for its delay ago, none before the start."""
     here = int(periods) % LONGEST_DELAY
     for i in range(4):
+        # The ring is written without a delay, too: one that begins later looks back before its
+        # begin. Reading comes first, for at the longest delay both places are the same.
         newest = step.drive_command[i]
         if f.delay[i] > 0.0:
             before = int(periods - f.delay[i])
@@ -367,6 +376,7 @@ def strike_motors(s: PlanarState, p: Any, car: Car, step: Step) -> None:
     for i in range(4):
         if car.driven[i] == 0.0:
             continue
+        # By the torque that is asked for, before another fault changes it.
         if f.trips_at[i] > 0.0 and abs(target[i]) > f.trips_at[i]:
             f.tripped[i] = 1.0
         if f.stuck[i] == 1.0:

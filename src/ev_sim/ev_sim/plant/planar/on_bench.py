@@ -136,6 +136,8 @@ def at_start(p: PlanarOnBenchParameters, car: Car, c: PlanarConstants) -> Planar
     """Begin as the planar plant does; the shafts rest."""
     s: PlanarOnBenchState = begin(p, car, c, PlanarOnBenchState)
     for i in range(4):
+        # As if the load machines had held the speed of the wheels before, so that nothing is apart
+        # at first.
         s.set_speed[i] = s.motion[WHEEL_SPEED + i]
     return s
 
@@ -237,6 +239,7 @@ def planar_on_bench(
 def _take_shaft(plant: Plant, period: float, shafts: BenchShafts, i: int) -> None:
     """Take torque and speeds that the bench has measured for wheel i."""
     p, car, c, s, _ = plant
+    # The acceleration of the shaft over the last period, w'.
     gained = (shafts.speed[i] - s.measured_speed[i]) / period
     torque = shafts.torque[i] + p.rotor_share * car.motor.rotor_inertia * gained
     most = _BEYOND * c.limits.drive[i] / car.gear_ratio
@@ -252,6 +255,8 @@ def _take_shaft(plant: Plant, period: float, shafts: BenchShafts, i: int) -> Non
         if p.load.follows != ROAD:
             set_point = accepted(s.guard, speed, set_point, -_MOST_SPEED, _MOST_SPEED)
             s.set_speed[i] = set_point
+        # Against the set-point of the period before, which is the one that the load machine has
+        # followed; where a constant is followed it is the measured speed, and nothing is apart.
         behind = speed - s.set_speed[i]
         s.apart[i] = accepted(s.guard, behind, 0.0, -_MOST_APART, _MOST_APART)
         s.set_speed[i] = set_point

@@ -127,10 +127,14 @@ def advance(
     s, c = plant.s, plant.c
     angle, rate = begin_period(plant, period, commanded)
     is_struck = s.faults.is_struck == 1.0
+    # The period counts that ends now; half a period against the rounding of n times the period.
     is_held = s.periods * period <= plant.p.initial_hold + 0.5 * period
     for n in range(int(c.steps)):
         # The rear angle goes on at its rate, too: 0 without an actuator.
+        # The angle in the middle of a step stands for all of it.
         time = (n + 0.5) * c.h
+        # A flat tyre changes what the look-up has left in the step, so with faults each step needs
+        # the tyres anew.
         find_ground(plant, n == 0 or is_struck)
         steer(plant.car, plant.step, angle + rate * time, s.rear_angle + s.rear_rate * time)
         apply(plant)
@@ -146,11 +150,14 @@ def begin_period(plant: Plant, period: float, commanded: Commanded) -> tuple[flo
     p, _, c, s, step = plant
     torques = guarded_torques(c.limits, s.guard, commanded.torques)
     angle, rate = guarded_steering(c.limits, s.guard, commanded.column, period)
+    # Also once after the last fault has gone from the parameters: that clears what it has left
+    # behind.
     if len(c.faults.kind) > 0 or s.faults.is_struck == 1.0:
         find_faults(p, c.faults, s, period)
     s.periods += 1.0
     s.imposed_acceleration = 0.0
     if p.speed == SPEED_IMPOSED:
+        # The speed at the end of this period, to which one constant acceleration leads.
         wanted = value_at(c.imposed, s.periods * period)
         s.imposed_acceleration = (wanted - s.motion[state.VX]) / period
     step.imposed_acceleration = s.imposed_acceleration
@@ -167,6 +174,7 @@ def hold_commands(plant: Plant, torques: WheelTorqueCommand) -> None:
         step.brake_command[i] = torques.brake[i]
         s.mean_drive[i] = 0.0
     if s.faults.is_struck == 1.0:
+        # The count is that of periods that have begun; the first one is number 0.
         delay_commands(s.faults, s.periods - 1.0, step)
 
 
@@ -192,6 +200,7 @@ def move(plant: Plant, is_held: bool) -> None:
     vy = y[state.VY]
     heading = y[state.HEADING]
     for i in range(4):
+        # Less the angle before the step; the one after it is added below.
         step.turned[i] = -y[state.WHEEL_ANGLE + i]
     integrate(y, mechanics, c.h)
     if is_held:
@@ -312,6 +321,7 @@ def with_speed_mode(
 def _apply_speed_control(plant: Plant) -> None:
     """Set the torques of a step as in torque mode, by what each speed control asks for."""
     command = plant.step.drive_command
+    # Kept aside, because `apply_drives` reads the command of the step.
     front_left, front_right = command[0], command[1]
     rear_left, rear_right = command[2], command[3]
     for i in range(4):
@@ -328,9 +338,11 @@ def _controlled_torque(plant: Plant, i: int) -> float:
     p, car, c, s, step = plant
     command, gear = step.drive_command[i], car.gear[i]
     fastest = car.motor.maximum_speed / gear
+    # A set-point that no motor reaches in the direction of the command; also any without a command.
     if s.set_point[i] * command >= fastest * abs(command):
         s.speed_integral[i] = command / gear
         return command
+    # The speed control only takes torque away: between none and the command, never against it.
     least = min(command, 0.0) / gear
     most = max(command, 0.0) / gear
     error = gear * (s.set_point[i] - s.motion[state.WHEEL_SPEED + i])

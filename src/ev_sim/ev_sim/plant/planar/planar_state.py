@@ -144,6 +144,7 @@ class PlanarState:
 
 _PLACES = {
     name.removesuffix(".front_left"): n
+    # Backwards, so that of numbers with one name the first place stays.
     for n, name in reversed(list(enumerate(names(PlanarState()))))
 }
 

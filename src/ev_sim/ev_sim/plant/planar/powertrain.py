@@ -33,6 +33,7 @@ def within_electrical_limits(
     winding = thermal.coolant + s.winding_rise[i]
     inverter = thermal.coolant + s.inverter_rise[i]
     share = electrical_side.derating_share(thermal, winding, inverter)
+    # Either way alike: voltage and temperature know no direction of the torque.
     most = voltage_limited_torque(car.motor.winding, voltage, speed)
     most = min(most, car.motor.peak_torque * share)
     return min(max(torque, -most), most)
@@ -81,8 +82,11 @@ def battery_scale(plant: Plant) -> float:
         left_idle = drive_loss(plant, left, 0.0, shaft[left])
         idle += left_idle + drive_loss(plant, right, 0.0, shaft[right])
     idle += car.battery.auxiliary_power
+    # A convex power lies below its chord from idle to wanted, so what is given stays within the
+    # limit.
     if too_much_given and wanted > idle:
         return min(max((give - idle) / (wanted - idle), 0.0), 1.0)
+    # mechanical < 0 scales alike, and losses above idle only leave less for the battery to take.
     if too_much_taken:
         return min(max((-take - idle) / mechanical, 0.0), 1.0)
     return 1.0
@@ -187,8 +191,10 @@ def account(plant: Plant) -> None:
         for axle in range(2):
             left, right = s.drives[2 * axle], s.drives[2 * axle + 1]
             loss += left.electrical_power + right.electrical_power
+        # A brushless drive books its electrical power; what is not mechanical of it is loss.
         loss -= mechanical
     if car.engine_driven == 1.0:
+        # The converter, from pump to the output of the gearbox.
         s.driveline_loss += (s.engine.taken - mechanical) * c.h
         loss = -mechanical  # of a battery that gives nothing to the engine
     s.motor_loss += loss * c.h * (1.0 - car.engine_driven)
@@ -226,6 +232,8 @@ def apply_drives(plant: Plant) -> None:
     for i in range(4):
         asked[i] = step.drive_command[i]
         if _is_blended(car, step, i):
+            # Drive and regenerative torque meet at the wheel, and the motor is asked for both in
+            # one.
             wanted = behind_gear(car, asked[i], wheel_speed[i])
             wanted -= _blended(car, i, wheel_speed[i], step.brake_command[i])
             asked[i] = before_gear(car, wanted, wheel_speed[i])
@@ -243,6 +251,7 @@ def apply_drives(plant: Plant) -> None:
         if _is_blended(car, step, i):
             # The friction brake fills up what the motor does not deliver, by its limits or its lag.
             delivered = behind_gear(car, step.drive_command[i], wheel_speed[i]) - step.drive[i]
+            # Positive where it slows the wheel down, whichever way this turns.
             delivered = delivered if wheel_speed[i] > 0.0 else -delivered
             step.brake[i] -= min(max(delivered, 0.0), step.brake_command[i])
 
@@ -266,6 +275,7 @@ def _drive_by_engine(plant: Plant) -> None:
         left, right = 2 * axle, 2 * axle + 1
         wanted += target[left] / gear[left] + target[right] / gear[right]
         if car.driven[left] == 1.0 or car.driven[right] == 1.0:
+            # One shaft drives all: any driven axle shows its speed.
             turning = shaft[left] * gear[left]
             yielding = gear[left] * gear[left] / car.motor.gear_efficiency
             yielding *= driveline.shaft_yielding(car, s.torque_share)
@@ -293,6 +303,7 @@ def _drive_by_motors(plant: Plant) -> None:
             motor[i] = target[i] = 0.0
             continue
         if p.drive == TORQUE_CONTROLLED:
+            # The mean comes first, since it starts from the torque at the beginning of the step.
             gap = scale * target[i] - s.motor_torque[i]
             motor[i] = s.motor_torque[i] + c.lags.torque_mean * gap
             s.motor_torque[i] += c.lags.torque * gap
@@ -332,6 +343,8 @@ def _limit_motors(plant: Plant) -> None:
 def behind_gear(car: Car, torque: float, speed: float) -> float:
     """Torque behind a gear [N m] that turns at a speed [rad/s], from that without losses."""
     efficiency = car.motor.gear_efficiency
+    # A braking wheel has the larger torque of both: the gear's loss helps to brake. Rest counts
+    # as driving.
     return torque * efficiency if torque * speed >= 0.0 else torque / efficiency
 
 
@@ -350,6 +363,8 @@ def _blended(car: Car, i: int, wheel_speed: float, brake: float) -> float:
     """
     motor, gear = car.motor, car.gear[i]
     fade = min(abs(wheel_speed) / car.blend_fade_speed, 1.0)
+    # The motors fade out towards rest, where they could not hold; the friction brakes do that
+    # alone.
     at_power = motor.generator_power / max(abs(wheel_speed) * gear, 1e-9)
     limit = min(motor.generator_torque, at_power) * gear * car.motors[i]
     part = min(brake, limit * fade)

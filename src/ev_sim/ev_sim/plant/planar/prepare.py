@@ -53,6 +53,7 @@ def longest_step(vehicle: Vehicle) -> float:
     radius = vehicle.wheel_radius * max(vehicle.wheel_radius_ratio)
     lightest = vehicle.wheel_inertia * min(vehicle.undriven_inertia_ratio, 1.0)
     wheel = min(lightest / (radius * radius), body)
+    # A longitudinal carcass moves the rotation of its wheel or the body, a lateral one the body.
     fastest = max(
         _fastest(tyre.longitudinal_stiffness, tyre.longitudinal_damping_time, wheel),
         _fastest(tyre.lateral_stiffness, tyre.lateral_damping_time, body),
@@ -69,6 +70,7 @@ def longest_step(vehicle: Vehicle) -> float:
 
 def _fastest(stiffness: float, damping_time: float, mass: float) -> float:
     squared = stiffness / mass
+    # Swinging, overdamped, and a carcass under a sliding contact, which unwinds by u' = -u/tau.
     return max(sqrt(squared), squared * damping_time, 1.0 / damping_time)
 
 
@@ -181,6 +183,7 @@ def prepare(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> Pl
         body=body_constants(vehicle),
         lags=lags_over(period / steps, vehicle),
         power=PowerConstants(
+            # The vehicle has it in A h.
             capacity=vehicle.battery.capacity * 3600.0,
             voltage=vehicle.battery.open_circuit_voltage,
             resistance=vehicle.battery.resistance,
@@ -244,6 +247,7 @@ def checked_initial_torque(parameters: PlanarParameters, vehicle: Vehicle) -> tu
 
 def number_of_steps(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> int:
     """Steps in a period, each as wide as it may be at most."""
+    # The lags of the loads are integrated as well: a step longer than one would overshoot.
     longest = min(parameters.step, longest_step(vehicle), parameters.load_transfer_lag)
     if vehicle.suspension.roll_lag > 0.0:
         longest = min(longest, vehicle.suspension.roll_lag)
@@ -267,6 +271,7 @@ def lags_over(h: float, vehicle: Vehicle) -> Lags:
     motor = vehicle.motor
     return Lags(
         torque=-expm1(-h / motor.torque_lag),
+        # Mean of 1 - exp(-t/tau) over the step: 1 - (1 - exp(-h/tau)) tau/h.
         torque_mean=1.0 + expm1(-h / motor.torque_lag) * motor.torque_lag / h,
         clutch=-expm1(-h / vehicle.driveline.clutch_lag),
         heat=-expm1(-h / motor.overload_time),

@@ -102,12 +102,14 @@ def begin_driven(s: PlanarState, car: Car, c: PlanarConstants) -> None:
     y, step = s.motion, Step()
     radius, speed = c.body.wheel_radius, s.motion[state.VX]
     find_road(y, c.body, step, c.road, True)
+    # At constant speed the forces at the road balance drag and slope.
     y[state.TRANSFER_X] = speed_resistance(car, c.body, speed) / car.mass - step.gravity_x
     load = loads(y, car, step.gravity_z)
     rolling = car.constant_rolling_resistance + car.rolling_resistance_growth * speed * speed
     efficiency = car.motor.gear_efficiency
     for i in range(4):
         asked, tyre = c.initial_drive_torque[i], step.tyre[i]
+        # Behind the gear, as `behind_gear`: less of what drives, more of what brakes.
         torque = asked * efficiency if asked * speed > 0.0 else asked / efficiency
         resistance = load[i] * (rolling + tyre.rolling_resistance)
         force = torque / radius[i] - (resistance if speed > 0.0 else -resistance)
@@ -133,6 +135,7 @@ def _slip_at(car: Car, curve: Coefficients, use: float) -> float | None:
     low, high = 0.0, peak_slip(FRICTION_CURVES[int(kind)], tuple(curve))
     if use > friction(kind, high, curve):
         return None
+    # By halving, for any curve: up to its peak each of them rises.
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
         if friction(kind, middle, curve) < use:
