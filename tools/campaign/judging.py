@@ -15,7 +15,7 @@ RIGHT, NAMED, INTERRUPTED, KILLED, SKIPPED, FAILED = (
 OUTCOMES = (RIGHT, NAMED, INTERRUPTED, KILLED, SKIPPED, FAILED)
 _LAST_WORD = re.compile(r"^(?:error: .*|stopped|run\.sh: error: .*|ev-stack: .*)$", re.MULTILINE)
 _OBEYED = re.compile(r"[^\n -~\xa0-\U0010ffff]")  # \r, as of a progress bar, is a line break here
-_NOTICED = re.compile(r"/ev/\w+: \d+ nodes \S+ publish \S+, expected one")
+_NOTICED = re.compile(r"/ev/\w+: \d+ nodes are called \S+, expected one")
 
 
 @dataclass(frozen=True)

@@ -44,13 +44,13 @@ class Reported:
 
     def __init__(self) -> None:
         self.notes: list[str] = []
-        self.warnings: list[str] = []
+        self.warnings: dict[str, str] = {}
 
     def note(self, _what: str, text: str) -> None:
         self.notes.append(text)
 
-    def warn(self, text: str) -> None:
-        self.warnings.append(text)
+    def warn_once(self, what: str, text: str) -> None:
+        self.warnings[what] = text
 
 
 @pytest.fixture
@@ -72,7 +72,7 @@ def test_the_node_of_the_role_is_admitted_and_another_one_is_named(wall):
     assert not judge.admits(ANOTHER)
     assert not judge.admits(ANOTHER)
     assert reported.notes == ["/ev/stranger is refused: /ev/imu is for /ev/plant alone"]
-    assert reported.warnings == []
+    assert not reported.warnings
     assert judge.refused == 2
 
 
@@ -87,9 +87,9 @@ def test_a_second_node_of_the_name_is_refused_and_makes_the_run_not_reproducible
         assert not judge.admits(ANOTHER)
         assert judge.admits(OURS)
     assert reported.notes == []
-    assert reported.warnings == [
-        "2 nodes /ev/plant publish /ev/imu, expected one: the run may not be reproducible"
-    ]
+    assert reported.warnings == {
+        "/ev/plant": "2 nodes are called /ev/plant, expected one: the run may not be reproducible"
+    }
 
 
 def test_of_two_nodes_of_the_name_that_were_there_before_none_is_admitted(wall):
@@ -108,7 +108,7 @@ def test_a_restarted_node_takes_the_place_of_the_one_that_has_left(wall):
     graph.names = {"another": "plant"}
     assert judge.admits(ANOTHER)
     assert successors == [ANOTHER]
-    assert reported.notes == reported.warnings == []
+    assert not reported.notes and not reported.warnings
 
 
 def test_a_publisher_whose_node_is_not_known_yet_is_admitted_when_it_is(wall):

@@ -30,7 +30,7 @@ from ev_stack.running.offline import RECORDER
 pytestmark = pytest.mark.slow
 
 OTHER = 7.0  # N m, a torque that the run does not give
-TWINS = "2 nodes /ev/asr publish /ev/torque_command, expected one: the run may not be reproducible"
+TWINS = "2 nodes are called /ev/asr, expected one: the run may not be reproducible"
 
 
 @contextmanager
@@ -66,37 +66,35 @@ def named_by(nodes: Graph) -> set[str]:
 
 
 def test_a_node_that_is_started_twice_is_named_and_the_first_one_counts(tmp_path: Path):
-    run = shchur(1.0)
+    """Time rests until both readers of the command have named the twin."""
+    run = shchur(1.0, plant__real_time_factor=0.5)
     with graph(run, tmp_path) as nodes, another_process(nodes) as elsewhere:
-        nodes.run(lambda: nodes.time >= 0.1)
+        nodes.run(lambda: nodes.time >= 0.1 and nodes.can_be_called())
+        nodes.call("pause")
         twin = Twin(nodes, elsewhere)
 
-        def commands() -> bool:
+        def is_named() -> bool:
             twin.command()
-            return nodes.nodes[RECORDER].done
+            return named_by(nodes) == {"/ev/plant", "/ev/recorder"}
 
-        nodes.run(commands)
+        nodes.run(is_named)
+        nodes.call("resume")
+        nodes.run(lambda: twin.command() or nodes.nodes[RECORDER].done)
         twin.node.destroy_node()
-        assert named_by(nodes) == {"/ev/plant", "/ev/recorder"}
     assert recorded_hash(tmp_path) == offline_hash(run)
 
 
 def test_numbers_of_a_wrong_node_that_was_there_first_are_never_without_a_line(tmp_path: Path):
-    """The plant follows the twin, which came first, until it leaves: the signals are others."""
+    """The plant follows the twin, which came first, until the other one is there: the signals are others."""
     run = shchur(1.0)
     with (
         graph(run, tmp_path, names=[name for name in NODES if name != "asr"]) as nodes,
         another_process(nodes) as elsewhere,
     ):
         twin = Twin(nodes, elsewhere)
-
-        def commands() -> bool:
-            twin.command()
-            return nodes.time >= 0.1
-
-        nodes.run(commands)
+        nodes.run(lambda: twin.command() or nodes.time >= 0.1)
         nodes.start("asr")
-        nodes.run(lambda: commands() and bool(named_by(nodes)))
+        nodes.run(lambda: bool(named_by(nodes)))
         twin.node.destroy_node()
         nodes.run()
     assert recorded_hash(tmp_path) != offline_hash(run)
@@ -107,10 +105,11 @@ def test_two_graphs_of_one_namespace_name_each_other_and_give_no_number(tmp_path
     run = shchur(0.3)
     with graph(run, tmp_path / "first") as nodes, another_process(nodes) as elsewhere:
         second = Graph(elsewhere, run, tmp_path / "second")
-        twins = "2 nodes /ev/plant publish /ev/"
+        twins = "2 nodes are called /ev/plant, expected one"
         while not any(twins in report for report in nodes.probe.reports):
             nodes.run_rounds()
             second.run_rounds()
+        assert len(nodes.probe.reports) == len(set(nodes.probe.reports)), "each node says it once"
         assert nodes.time == second.time == 0.0
         for name in list(second.nodes):
             second.kill(name)

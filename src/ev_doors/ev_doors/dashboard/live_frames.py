@@ -96,9 +96,9 @@ class _Refusals:
     def __init__(self, refuse: Callable[[str, str], None]) -> None:
         self.note = refuse
 
-    def warn(self, text: str) -> None:
-        """Report several nodes of one name, once."""
-        self.note(text, text)
+    def warn_once(self, what: str, text: str) -> None:
+        """Report several nodes of one name."""
+        self.note(what, text)
 
 
 # of the master, at every instant: one topic never goes back, several overtake each other

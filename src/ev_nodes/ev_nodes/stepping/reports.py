@@ -104,7 +104,8 @@ class Reports:
         self._part: Any = None
         self._reported: set[str] = set()
         self._noted: set[str] = set()
-        self._unheard: list[tuple[str, KeyValue]] = []
+        self._warned: set[str] = set()
+        self._unheard: list[tuple[str, tuple[KeyValue, ...]]] = []
         self._next_look = 0.0
 
     def warn(self, text: str) -> None:
@@ -112,7 +113,14 @@ class Reports:
         text = shown(text, LINE)
         self._node.get_logger().warning(text)
         self.runner.tell(Word(WARNING, text))
-        self._diagnose(DiagnosticStatus.WARN, text)
+        self._unheard.append((text, ()))
+        self._say_unheard()
+
+    def warn_once(self, what: str, text: str) -> None:
+        """Report a thing of this name once, as `warn` does."""
+        if what not in self._warned:
+            self._warned.add(what)
+            self.warn(text)
 
     def note(self, what: str, text: str) -> None:
         """Report, once of each node or topic, a thing that may cost time and changes no number: refused messages."""
@@ -122,14 +130,14 @@ class Reports:
         self._noted.add(what)
         self._node.get_logger().warning(text)
         self.runner.tell(Word(NOTE, text, what))
-        self._unheard.append((text, KeyValue(key=NOTED, value=what)))
+        self._unheard.append((text, (KeyValue(key=NOTED, value=what),)))
         self._say_unheard()
 
     def _say_unheard(self) -> None:
-        """Publish the notes that wait until a node that subscribes has found this one."""
+        """Publish what waits until a node that subscribes has found this one."""
         if self._unheard and self._publisher.get_subscription_count():
-            for text, what in self._unheard:
-                self._diagnose(DiagnosticStatus.WARN, text, what)
+            for text, more in self._unheard:
+                self._diagnose(DiagnosticStatus.WARN, text, *more)
             self._unheard.clear()
 
     def pass_on_now_and_then(self, part: Any) -> None:

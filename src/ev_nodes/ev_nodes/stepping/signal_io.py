@@ -50,8 +50,8 @@ class Refusals(Protocol):
     def note(self, what: str, text: str) -> None:
         """Report, once of each `what`, a thing that changes no number."""
 
-    def warn(self, text: str) -> None:
-        """Report why the run may not be reproducible."""
+    def warn_once(self, what: str, text: str) -> None:
+        """Report, once of each `what`, why the run may not be reproducible."""
 
 
 class Judge(Protocol):
@@ -78,7 +78,6 @@ class OnePublisher:
         self._refusals = refusals
         self._next_look: dict[bytes, float] = {}
         self._nameless_since: float | None = None
-        self._has_twin = False
         self.admitted: bytes | None = None
         self.succeeded: Callable[[bytes], None] = lambda _: None
         self.refused = 0
@@ -116,21 +115,16 @@ class OnePublisher:
             return
         if self.admitted == gid:
             self.admitted = None
-        if len(ours) > 1:
-            self._report_twin(len(ours))
+        if len(ours) > 1:  # numbers of the other one may have counted
+            self._refusals.warn_once(
+                self._expected,
+                f"{len(ours)} nodes are called {self._expected}, expected one: "
+                "the run may not be reproducible",
+            )
         senders = [names.get(gid, NAMELESS)] if gid else names.values()
         for name in senders:
             if name != self._expected:
                 self._report_foreign(gid, name, now)
-
-    def _report_twin(self, count: int) -> None:
-        """Report that several nodes have the expected name: numbers of the other may have counted."""
-        if not self._has_twin:
-            self._has_twin = True
-            self._refusals.warn(
-                f"{count} nodes {self._expected} publish {self._topic}, expected one: "
-                "the run may not be reproducible"
-            )
 
     def _report_foreign(self, gid: bytes, name: str, now: float) -> None:
         """Report another node on the topic, or one that the graph has not named for long."""
