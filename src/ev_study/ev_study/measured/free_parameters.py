@@ -1,4 +1,10 @@
-"""Free parameters of an identification: of car, plant and sensors, with bounds and scales."""
+"""Free parameters of an identification: of car, plant and sensors, with bounds and scales.
+
+How it works: a name of --free is that of a group, of a parameter, or of an element of an array
+(`vehicle.tyre.front_mf.pky1`). Each becomes a `FreeParameter`, whose bounds, unit and start are
+those of the declaration and of the car. The search works with numbers over their scales. `changes`
+turns points of the search into what differs between the cars of a batch.
+"""
 
 from __future__ import annotations
 
@@ -18,6 +24,7 @@ from ev_msgs_py.refusal import ParameterError, unknown_name
 _MF = {name: f"vehicle.tyre.{name}_mf" for name in AXLES}
 
 
+# Both axles: a car with different tyres in front and behind has two sets of coefficients.
 def _both(*names: str) -> tuple[str, ...]:
     return tuple(f"{_MF[axle]}.{name}" for axle in AXLES for name in names)
 
@@ -85,6 +92,8 @@ def free_parameters(
     to ten times the start is cut to that.
     """
     names = dict.fromkeys(name for each in asked for name in GROUPS.get(each, (each,)))
+    # The vehicle is common to all roles, so it is taken from one of them; all else has the role in
+    # front.
     known = {
         **{
             f"{role}.{e.name}": e
@@ -105,6 +114,7 @@ def _free(name: str, known: Mapping[str, Any]) -> FreeParameter:
     place, entry = -1, known.get(name)
     if entry is None and array in known and known[array].is_array:
         entry, values = known[array], known[array].default
+        # An empty array stands for a car whose tyres have another curve.
         if array in _MF.values() and not values:
             allowed = "a car with tyres of curve mf_tyre; of others the group curve"
             raise ParameterError(
@@ -123,10 +133,15 @@ def _free(name: str, known: Mapping[str, Any]) -> FreeParameter:
     low, high, unit = entry.spec.low, entry.spec.high, entry.spec.unit
     if array in _MF.values():
         low, high = _MF_ENDS.get(element, (low, high))
+    # None in a declaration is an open end.
     low, high = -np.inf if low is None else low, np.inf if high is None else high
     if start:
+        # A tenth and ten times the start, in either order, since a negative start turns them round.
+        # An end of the other sign stays: such a parameter may pass zero.
         low, high = max(low, min(0.1 * start, 10.0 * start)) if low * start >= 0 else low, high
         high = min(high, max(0.1 * start, 10.0 * start)) if high * start > 0 else high
+    # A start of zero has no magnitude; without finite ends it has no scale either, and is refused
+    # below.
     scale = abs(start) or 0.1 * (high - low)
     if not low <= start <= high or not np.isfinite(scale):
         raise ParameterError(
@@ -147,10 +162,14 @@ def changes(
     for point in points:
         car: dict[str, Any] = {}
         for each, number in zip(free, point, strict=True):
+            # All nodes of a run have the same car, so its parameters change for all of them at
+            # once.
             name = f"*.{each.array}" if each.is_of_vehicle else each.array
             if each.place < 0:
                 car[name] = float(number)
             else:
+                # A batch varies whole arrays: several free elements of one array go into the same
+                # copy.
                 array = car.setdefault(name, list(values[each.array]))
                 array[each.place] = float(number)
         found.append(car)

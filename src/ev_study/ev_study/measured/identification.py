@@ -1,4 +1,11 @@
-"""Parameters of a car from a record: least squares over windows that are replayed open loop, many cars at once."""
+"""Parameters of a car from a record: least squares over windows that are replayed open loop, many cars at once.
+
+How it works: the parameters are divided by their scales, so that one step and one tolerance fit all
+of them. For the derivatives a batch drives the car at a point and, for each parameter, a step
+beside it. A first fit weighs the signals roughly; what it leaves gives the weights of the fits that
+count, from one or several starts. A prior about the start is added as further rows of the least
+squares.
+"""
 
 from __future__ import annotations
 
@@ -15,6 +22,8 @@ from ev_study.studies.result_store import Answers
 
 # of a scale, for forward differences: far above rounding, far below any curvature of the errors
 STEP = 1e-3
+# Finite, so that the sum of squares stays one; large errors of other windows are cut at it too, so
+# that a car with numbers is never judged worse than one without.
 WORST = 50.0  # weighted error of a window in which the car has no finite numbers
 # Least weights where a mapping declares no noise: what good sensors of cars are off by, 0.2 deg/s
 # and 0.1 deg.
@@ -56,6 +65,7 @@ class Residuals:
         self._replay, self._free, self.weights, self._every = replay, free, weights, every
         self._answers = answers
         self.scale = np.array([each.scale for each in free])
+        # From here on all points are in scales; only `changes` gets numbers with units.
         self.begin = np.array([each.start for each in free]) / self.scale
         self.ends = np.array([[each.low, each.high] for each in free]).T / self.scale
         self._measured = {name: replay.measured(name)[:, ::every] for name in weights}
@@ -77,6 +87,8 @@ class Residuals:
             for n, w in self.weights.items()
         ]
         for each, measured in zip(errors, self._measured.values(), strict=True):
+            # Before NaN is replaced below: what is NaN there is the simulated car, here it is the
+            # record.
             each[:, ~np.isfinite(measured)] = 0.0  # not measured there
         return np.clip(np.nan_to_num(np.concatenate(errors, axis=2), nan=WORST), -WORST, WORST)
 
@@ -85,6 +97,8 @@ class Residuals:
 
         The result is (windows, signals times samples, parameters).
         """
+        # The batch that drives the point drives all its neighbours, too: one start of the compiled
+        # run.
         steps = np.where(point + STEP > self.ends[1], -STEP, STEP)
         found = self.at(np.vstack([point, point + np.diag(steps)]))
         return np.moveaxis((found[1:] - found[0]) / steps[:, None, None], 0, 2)
@@ -98,6 +112,8 @@ class Residuals:
         for name, errors in zip(
             self.weights, np.split(self.at(point[None])[0], len(self.weights), axis=1), strict=True
         ):
+            # Errors are zero where nothing was measured, so their sum is right and only the count
+            # has to know.
             count = np.isfinite(self._measured[name]).sum(axis=1)
             squares = (errors**2).sum(axis=1)[count > 0] / count[count > 0]
             found[name] = max(float(np.median(np.sqrt(squares))) * self.weights[name], floors[name])
@@ -105,7 +121,10 @@ class Residuals:
 
     def fit(self, begin: np.ndarray, most: int) -> OptimizeResult:
         """Least squares from a point on, with the loss soft_l1 beyond three weights, in at most so many steps."""
+        # The prior's rows pass through soft_l1 as the others do: three widths away it pulls
+        # linearly.
         low, high = self.ends
+        # A start that was drawn may lie beyond an end, which least_squares refuses.
         inside = np.clip(begin, low + 1e-6 * (high - low), high - 1e-6 * (high - low))
         prior = np.eye(len(begin)) / self._width
         return least_squares(
@@ -134,6 +153,7 @@ def moved_by_scales(
     """
     scale, found = np.array([each.scale for each in free]), {}
     by_parameters = fitted.derivatives.reshape(-1, len(free))
+    # Minus from Gauss and Newton: the fit moves so that the change of the errors is undone.
     whole = by_parameters.T @ by_parameters + np.eye(len(free)) / width**2
     for channel in (LONGITUDINAL, replay.steering_channel):
         more = Residuals(replay.scaled(channel, 1.01), free, fitted.weights, every, width)
@@ -163,6 +183,7 @@ def identify(
     noise that is declared of its sensor, or below `FLOORS`: a signal that happens to fit well would
     else buy its last hundredth with much of another one.
     """
+    # Phase 1: rough weights, which let each signal have a say whatever its unit.
     floors = floors_of(replay, signals)
     weights = {
         name: max(0.1 * float(np.nanstd(replay.measured(name))), floors[name]) for name in signals
@@ -170,10 +191,13 @@ def identify(
     of = Residuals(replay, free, weights, every, width, answers)
     first = of.fit(of.begin, most)
     progress(f"start 1: cost {first.cost:.6g} in {first.nfev} steps, by a tenth of each signal")
+    # Phase 2: all starts have the same weights from here on, else their costs could not be
+    # compared.
     of = Residuals(replay, free, of.left(first.x, floors), every, width, answers)
     random = np.random.Generator(np.random.PCG64(seed))
     found = []
     for number in range(starts):
+        # The first start goes on where the rough fit has ended; the others look for other minima.
         beside = of.begin + random.uniform(-0.2, 0.2, len(free)) if number else first.x
         found.append(of.fit(beside, most))
         progress(
@@ -187,5 +211,6 @@ def identify(
         of.weights,
         tuple(float(each.cost) for each in found),
         int(first.nfev) + sum(int(each.nfev) for each in found),
+        # Of scipy: 0 is the end of the steps, above it one of the tolerances was met.
         int(best.status) > 0,
     )

@@ -1,4 +1,9 @@
-"""Files of an identification: the car with intervals, unknown combinations, before and after."""
+"""Files of an identification: the car with intervals, unknown combinations, before and after.
+
+How it works: start and result are driven side by side on each part of the record. From that follow
+the doubts (why no interval is given at all), what became worse, and the table. The number of a
+parameter stays in the files in any case; only its interval is left out.
+"""
 
 from __future__ import annotations
 
@@ -49,6 +54,7 @@ class Identified:
     @cached_property
     def judged(self) -> Mapping[str, tuple[Validation, Validation]]:
         """Validations before and after, by part."""
+        # Both cars in one batch, so that they differ by the parameters alone.
         points = np.array([[each.start for each in self.free], self.fitted.values])
         found = {}
         for part, replay in self.replays.items():
@@ -72,6 +78,8 @@ class Identified:
         for name in self.fitted.weights:
             was, now = (each.judged[name] for each in (before, after))
             typical = float(np.nanstd(training.measured(name)))
+            # An error of the root of 1 - CLEAR of the signal's own deviation leaves CLEAR of its
+            # variance explained. `not` also catches NaN, of a car that has no finite numbers.
             if not now.median_window < (1.0 - CLEAR) ** 0.5 * typical:
                 off = (
                     f"the fit is {now.median_window:.3g} {now.unit} off {name} in the median window"
@@ -80,10 +88,13 @@ class Identified:
                     f"{off}, which itself deviates by {typical:.3g}: another clock, sensor or car"
                 )
             constant = now.errors.bias
+            # An offset below the noise of the sensor is no finding, however small the other errors
+            # are.
             if abs(constant) > max(CONSTANT * now.errors.rms, floors[name]):
                 found.append(
                     f"the fit is {constant:+.3g} {now.unit} off {name} on average: offset of a sensor"
                 )
+            # Where the start was within the weight already, 5 % of that is chance.
             if now.median_window > was.median_window + 0.05 * max(
                 was.median_window, self.fitted.weights[name]
             ):
@@ -97,6 +108,7 @@ class Identified:
         lines = []
         for part, (before, after) in self.judged.items():
             for name in before.names:
+                # These are among the doubts.
                 if part == PARTS[0] and name in self.fitted.weights:
                     continue
                 was, now = before.judged[name], after.judged[name]
@@ -111,6 +123,7 @@ class Identified:
         if self.doubts:
             return "no interval, see the notes of the fit"
         each, value = self.free[place], self.fitted.values[place]
+        # There the bound has decided, not the record: an interval would end at it by construction.
         at_end = min(value - each.low, each.high - value) < 1e-3 * each.scale
         return "no interval, at the end of its range" if at_end else ""
 
@@ -177,6 +190,7 @@ class Identified:
         unknown = in_words(self.known, self.free)
         lines = [f"not determined by this record: {line}; kept near the start" for line in unknown]
         lines += [f"no interval: {line}" for line in self.doubts]
+        # The reason per parameter only where there is no common one, which stands above.
         lines += [
             f"no interval: {each.name} is at the end of its range"
             for place, each in enumerate(self.free)
@@ -212,6 +226,8 @@ class Identified:
             if text:
                 with atomic_file(folder / name) as file:
                     file.write(text.encode())
+        # What the fit has not seen is the validation; a fit to all of the record has only what it
+        # has seen.
         part = PARTS[1] if PARTS[1] in self.judged else PARTS[0]
         self.judged[part][1].write(folder, self.command, page, self.as_json(source), self.table())
 

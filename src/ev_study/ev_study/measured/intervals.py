@@ -1,4 +1,10 @@
-"""Certainty of a fit: intervals, and the combinations of parameters that a record cannot tell."""
+"""Certainty of a fit: intervals, and the combinations of parameters that a record cannot tell.
+
+How it works: at the optimum the errors are taken as linear in the parameters. J'J then is what the
+record knows of each direction, and its inverse the covariance. Two things make it honest: errors
+within a window are not independent, which the gradients of whole windows show, and windows differ,
+which the bootstrap shows. The wider of both counts.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +16,7 @@ from scipy.special import stdtrit
 
 from ev_study.measured.free_parameters import FreeParameter
 
+# 2.5 % of them are 25 beyond each end.
 DRAWS = 1000
 LEVEL, NORMAL = 0.95, 1.96  # of an interval, and half its width in standard deviations
 # standard deviation, in scales, from which on a direction counts as one that the record cannot tell
@@ -53,12 +60,16 @@ def knowledge(
     """
     windows, _, count = derivatives.shape
     scale = np.array([each.scale for each in free])
+    # By window, since a draw of the bootstrap takes whole windows.
     information = np.einsum("wmi,wmj->wij", derivatives, derivatives)
     gradients = np.einsum("wmi,wm->wi", derivatives, residuals)
+    # A normal distribution about the start with this deviation, in the same unit as J'J.
     prior = np.eye(count) / width**2
     whole = information.sum(axis=0)
     inverse = np.linalg.inv(whole + prior)
+    # Below 1 the errors of a window would cancel each other, which is not taken for certainty.
     together = max(float(np.trace(inverse @ (gradients.T @ gradients))) / count, 1.0)
+    # The prior is no error that goes together, so it is not divided.
     covariance = np.linalg.inv(whole / together + prior)
     random = np.random.Generator(np.random.PCG64(seed))
     drawn = random.multinomial(windows, np.full(windows, 1.0 / windows), DRAWS)
@@ -75,8 +86,11 @@ def knowledge(
         drawn_ends *= (
             stdtrit(windows - 1, (1.0 + LEVEL) / 2.0) / NORMAL * np.sqrt(windows / (windows - 1.0))
         )
+    # Few windows may happen to agree: the draws alone are too narrow then (docs/measured.md).
     ends = np.array([np.minimum(drawn_ends[0], -by_normal), np.maximum(drawn_ends[1], by_normal)])
+    # Without the prior: the question is what the record tells by itself.
     sizes, directions = np.linalg.eigh(whole / together)
+    # A direction that changes nothing has the size 0, by rounding even less.
     deviations = 1.0 / np.sqrt(np.maximum(sizes, 1e-12))
     chosen = deviations > UNKNOWN
     return Knowledge(
@@ -91,7 +105,9 @@ def in_words(known: Knowledge, free: Sequence[FreeParameter]) -> list[str]:
     """The directions that a record cannot tell, by the names of the parameters that make up most of each."""
     lines = []
     for direction, deviation in zip(known.unknown, known.unknown_deviation, strict=True):
+        # Parameters with less than a tenth (0.3 squared) of a direction do not name it.
         order = [n for n in np.argsort(-np.abs(direction)) if abs(direction[n]) > 0.3]
+        # An eigenvector has no sign of its own: the largest part is written with a plus.
         sign = np.sign(direction[order[0]])
         parts = [f"{'+' if sign * direction[n] > 0 else '-'} {free[n].name}" for n in order]
         what = "alone" if len(parts) == 1 else "together"

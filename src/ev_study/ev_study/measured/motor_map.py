@@ -1,4 +1,10 @@
-"""The losses of a motor with its inverter, from efficiencies measured over speed and torque, and where they are off."""
+"""The losses of a motor with its inverter, from efficiencies measured over speed and torque, and where they are off.
+
+How it works: the loss at a point is a sum of five terms, each a coefficient times a known function
+of speed and torque. So it is linear in what is looked for, and non-negative least squares (Lawson
+and Hanson) finds it without a start. An error of the loss is weighed by what it does to the
+efficiency, since that is what was measured.
+"""
 
 from __future__ import annotations
 
@@ -64,10 +70,12 @@ def fit_motor(file: Path) -> MotorFit:
     for name in _COLUMNS:
         if name not in columns:
             raise ParameterError(f"{file}: {unknown_name('column', name, columns)}")
+    # A point without all three numbers is outside the range that was measured.
     rows = np.stack([columns[name] for name in _COLUMNS])
     whole = np.isfinite(rows).all(axis=0)
     speed, torque, efficiency = rows[:, whole]
     speed = speed * UNITS["rpm"]
+    # An efficiency in per cent is refused by this as well: it would be above 1.
     if (
         (speed <= 0.0).any()
         or (torque <= 0.0).any()
@@ -77,6 +85,7 @@ def fit_motor(file: Path) -> MotorFit:
         raise ParameterError(
             f"{file}: expected speed and torque above 0, and efficiencies above 0 and at most 1"
         )
+    # Every third row: held-out points lie all over the map.
     held_out = np.arange(len(speed)) % _EVERY == _EVERY - 1
     terms = {
         "copper_loss": torque**2,
@@ -97,10 +106,13 @@ def fit_motor(file: Path) -> MotorFit:
                 "as the least or more: in less no loss can be distinguished"
             )
     power = speed * torque
+    # From eta = P/(P + L) follows d eta/dL = -eta^2/P.
     weight = efficiency**2 / power  # a watt of loss in the efficiency
     matrix = np.stack([*terms.values()], axis=1)
     weighed = (weight[:, None] * matrix)[~held_out]
+    # Columns of length one: torque squared and the constant are orders of magnitude apart.
     size = np.linalg.norm(weighed, axis=0)
+    # P (1/eta - 1) is the loss that was measured.
     found, _ = nnls(weighed / size, (weight * power * (1.0 / efficiency - 1.0))[~held_out])
     losses = dict(zip(terms, (found / size).tolist(), strict=True))
     model = power / (power + matrix @ (found / size))
@@ -153,6 +165,7 @@ def write_motor(folder: Path, fit: MotorFit, command: str) -> None:
 
 def _draw(axes: Axes, fit: MotorFit) -> None:
     """Model less measured by colour; points that the fit has not seen have a rim."""
+    # In percentage points.
     error = 100.0 * (fit.model - fit.measured)
     rims = np.where(fit.held_out, 0.8, 0.0)
     drawn = axes.scatter(

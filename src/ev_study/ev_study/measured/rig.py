@@ -1,4 +1,10 @@
-"""Tyre rig data: sweeps of slip at a load, an inclination and a pressure, in CSV or in files of the FSAE TTC."""
+"""Tyre rig data: sweeps of slip at a load, an inclination and a pressure, in CSV or in files of the FSAE TTC.
+
+How it works: the columns become arrays in SI and ISO axes. A new sweep begins where the rig has
+paused, or, in a log without pauses, where load, inclination or pressure change by more than they
+fluctuate. Sweeps are the unit of everything behind this: a fit holds out whole ones, and by the
+slips in a sweep it is one of side force, of longitudinal force or of both.
+"""
 
 from __future__ import annotations
 
@@ -66,6 +72,7 @@ class Sweeps:
         return self._everywhere(np.abs(self.points.slip_angle) < ROLLS_FREELY) & ~self.is_lateral
 
     def _everywhere(self, holds: np.ndarray) -> np.ndarray:
+        # 95 %, not all: a few samples of noise do not make a sweep one of another kind.
         share = np.bincount(self.number, holds) / np.bincount(self.number)
         found: np.ndarray = (share > 0.95)[self.number]
         return found
@@ -87,6 +94,7 @@ def read_rig(paths: list[Path]) -> Sweeps:
         digests.append(digest[:12])
     number, last = [], -1
     for columns in tables:
+        # Numbers go on from file to file, so that no two sweeps share one.
         of = last + 1 + np.concatenate([[0], np.cumsum(_begins(columns))])
         number.append(of)
         last = int(of[-1])
@@ -99,6 +107,7 @@ def read_rig(paths: list[Path]) -> Sweeps:
     whole = np.all([np.isfinite(getattr(points, name)) for name in _COLUMNS], axis=0) & (
         points.load > 0.0
     )
+    # Numbered anew: a sweep of which no sample is left would be a hole in the count.
     numbers = np.unique(np.concatenate(number)[whole], return_inverse=True)[1]
     found = Sweeps(points.some(whole), numbers, " ".join(digests), int(np.sum(~whole)))
     _check_signs(", ".join(map(str, paths)), found)
@@ -108,9 +117,11 @@ def read_rig(paths: list[Path]) -> Sweeps:
 def _begins(columns: Mapping[str, np.ndarray]) -> np.ndarray:
     """Behind which samples another sweep begins, (n - 1,): a pause or a time that goes back, without any a setting."""
     steps = np.diff(columns["ET"])
+    # A time that goes back begins another log in the same file.
     found: np.ndarray = (steps > GAP) | (steps < 0.0)
     if found.any():
         return found
+    # Only a log without any pause gets here: in others the settings change within the pause.
     for name, least in SETTINGS.items():
         found |= _changes(columns[name], least)
     return found
@@ -121,15 +132,20 @@ def _changes(values: np.ndarray, least: float) -> np.ndarray:
     changed = np.zeros(len(values) - 1, bool)
     if len(values) < 2 * AROUND:
         return changed
+    # Medians, so that a few noisy samples are no change.
     medians = np.median(np.lib.stride_tricks.sliding_window_view(values, AROUND), axis=1)
     apart = np.abs(medians[AROUND:] - medians[:-AROUND])
+    # A change shows for as long as it lies within the two windows; only the middle of that is it.
     peaks, _ = find_peaks(np.concatenate([[0.0], apart, [0.0]]), height=least, distance=AROUND)
+    # Less the zero in front; window n ends with sample n + AROUND - 1, behind which the change
+    # lies.
     changed[peaks - 1 + AROUND - 1] = True
     return changed
 
 
 def _check_units(path: Path, columns: Mapping[str, np.ndarray]) -> None:
     """Refuse loads and pressures that are none in N and kPa, and loads that are not below zero."""
+    # By the median: a few samples without load decide nothing.
     load, pressure = float(np.nanmedian(columns["FZ"])), float(np.nanmedian(columns["P"]))
     if load >= 0.0:
         raise ParameterError(
@@ -150,6 +166,7 @@ def _check_signs(where: str, sweeps: Sweeps) -> None:
         ("FY", points.lateral_force, points.slip_angle, sweeps.is_lateral, -1.0),
         ("FX", points.longitudinal_force, points.slip_ratio, sweeps.is_longitudinal, 1.0),
     ):
+        # ISO axes here: side force against the slip angle, longitudinal force with the slip ratio.
         if sign * float(np.sum(force[chosen] * slip[chosen])) < 0.0:
             expected = (
                 "SA, expected the opposite one"
@@ -173,10 +190,12 @@ def _mat(path: Path) -> tuple[dict[str, np.ndarray], str]:
     from scipy.io import loadmat
 
     try:
+        # Refuses a fifo or a file that is too large before scipy opens it.
         content = read_data(path, SIGNALS)
         found = loadmat(path)
     except OSError as error:
         raise ParameterError(f"{path}: {error.strerror or error}") from None
+    # NotImplementedError: version 7.3 is an HDF5 file, which scipy does not read.
     except (ValueError, NotImplementedError, TypeError) as error:
         raise ParameterError(
             f"{path} is no MATLAB file up to version 7.2: {' '.join(str(error).split())[:200]}"
@@ -184,6 +203,7 @@ def _mat(path: Path) -> tuple[dict[str, np.ndarray], str]:
     columns = {
         name: np.ravel(v).astype(float)
         for name, v in found.items()
+        # Texts and structures beside the channels (units, test conditions) are no columns.
         if isinstance(v, np.ndarray) and v.dtype.kind in "fiu"
     }
     return columns, hashlib.sha256(content).hexdigest()

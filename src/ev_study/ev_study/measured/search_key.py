@@ -17,12 +17,15 @@ def search_key(replay: OpenLoop, *choices: object) -> str:
         for role, each in replay.configurations.items()
     }
     record = replay.record
+    # repr of a float has all its digits, so two texts are equal for equal bits only.
     given = (roles, replay.is_imposed, replay.cut_off, record.noise, record.spacing, choices)
     content = hashlib.sha256(repr(given).encode())
+    # Arrays go in as bytes: the text of a long one is abridged.
     for values in (
         np.array(replay.windows.size),
         replay.windows.first,
         record.valid,
+        # The order of the channels in a mapping changes nothing that is computed.
         *(values for _, values in sorted(record.channels.items())),
     ):
         content.update(np.ascontiguousarray(values).tobytes())

@@ -1,4 +1,10 @@
-"""Coefficients of the Magic Formula 6.1 from rig data: each force alone, then what both take from each other."""
+"""Coefficients of the Magic Formula 6.1 from rig data: each force alone, then what both take from each other.
+
+How it works: four fits follow each other. Side force and longitudinal force are fitted to the
+sweeps with one slip alone, then the weights of combined slip to the others, with the coefficients
+of the pure forces as they are by then. A prior about the starts makes each fit solvable whatever
+the sweeps lack; a coefficient that stays half as wide as the prior is named as undecided.
+"""
 
 from __future__ import annotations
 
@@ -92,6 +98,7 @@ _COMBINED_Y = {
     **{"RVY5": (1.9, 0.1, 3.0), "RVY6": (10.0, -100.0, 100.0)},
 }
 STARTS = {**_LATERAL, **_LONGITUDINAL, **_COMBINED_X, **_COMBINED_Y}
+# What a property file means that leaves them out: a PKY4 of 2, as in `ev_core.vehicle.tyre`.
 FIXED = {"PKY4": 2.0, "PKY5": 0.0, "PEY5": 0.0, "REX1": 0.0, "REX2": 0.0, "REY1": 0.0, "REY2": 0.0}
 # samples of each sweep that the fit sees, evenly spread: they are far closer than a tyre can change
 PER_SWEEP = 60
@@ -129,10 +136,13 @@ def fit_tyre(sweeps: Sweeps, held_out: int = 3) -> TyreFit:
         "FNOMIN": float(np.median(points.load)),
         "NOMPRES": float(np.median(points.pressure)),
     }
+    # Whatever is not fitted below keeps these values, so a property file is complete in any case.
     found = {**FIXED, **nominal, **{name: start for name, (start, _, _) in STARTS.items()}}
     unseen = sweeps.number % held_out == held_out - 1
     along, across = points.longitudinal_force, points.lateral_force
     both = ~sweeps.is_lateral & ~sweeps.is_longitudinal
+    # The order matters: the weights of combined slip multiply the pure forces that were fitted
+    # before.
     steps = dict(
         zip(
             KINDS,
@@ -149,11 +159,14 @@ def fit_tyre(sweeps: Sweeps, held_out: int = 3) -> TyreFit:
     at_start: list[str] = []
     undecided: list[str] = []
     for kind, (free, model, force, chosen) in steps.items():
+        # No sweep of this kind, or only some that are held out.
         if not (chosen & ~unseen).any():
             at_start += free
             continue
         thin = _thinned(sweeps.number, chosen & ~unseen)
         values, deviations = _fitted(free, model, found, points.some(thin), force[thin])
+        # On a straight piece of the curve friction and shape take each other's place: they stay at
+        # the start, and the stiffness is fitted once more without them.
         if kind in _FURTHEST and not _reaches_friction(
             model, found | values, kind, points.some(thin)
         ):
@@ -192,6 +205,7 @@ def _fitted(
     """
     starts, lows, highs = np.array(list(free.values())).T
     largest = float(np.max(np.abs(force)))
+    # A coefficient that is off by PRIOR of its range costs as much as one force off by BELIEVED.
     weights = BELIEVED / (PRIOR * (highs - lows))
 
     def errors(values: np.ndarray) -> np.ndarray:
@@ -199,11 +213,14 @@ def _fitted(
         of_force = (model(coefficients, points) - force) / largest
         return np.concatenate([of_force, weights * (values - starts)])
 
+    # Many starts are 0, which is no size of a step; very wide ranges are cut to 2 for the same
+    # reason.
     scale = np.maximum(np.abs(starts), 0.05 * np.minimum(highs - lows, 2.0))
     ends = (lows, highs)
     found = least_squares(
         errors, starts, bounds=ends, x_scale=scale, loss="soft_l1", f_scale=0.1, max_nfev=200
     )
+    # The prior has rows of its own in the Jacobian, so this is never singular.
     covariance = np.linalg.inv(found.jac.T @ found.jac)
     deviations = BELIEVED * np.sqrt(np.diag(covariance)) / (highs - lows)
     values = dict(zip(free, found.x.tolist(), strict=True))
@@ -218,6 +235,7 @@ def _reaches_friction(
 ) -> bool:
     """Return True if a point has nearly as much force as a curve has at its load."""
     slip, furthest = _FURTHEST[kind]
+    # Of the fitted curve, not of the data: these may end below its peak, which is the question.
     most = np.zeros(len(points.load))
     for each in np.linspace(-furthest, furthest, 61):
         moved = replace(points, **{slip: np.full(len(most), each)})

@@ -70,12 +70,16 @@ def curves(fit: TyreFit, sweeps: Sweeps) -> Sheet:
         model, factor = (
             (combined_lateral, np.degrees(1.0)) if slip == _ANGLE else (combined_longitudinal, 1.0)
         )
+        # About a dozen sweeps; hundreds of curves over each other show nothing.
         for number in np.unique(sweeps.number[chosen])[
             :: max(len(np.unique(sweeps.number[chosen])) // 12, 1)
         ]:
+            # Each tenth sample is enough for the eye.
             data = sweeps.points.some(np.flatnonzero(sweeps.number == number)[::10])
             grid = np.linspace(getattr(data, slip).min(), getattr(data, slip).max(), 200)
             names = data.__dataclass_fields__
+            # The curve belongs to one load, inclination and pressure: those of the sweep on
+            # average.
             mean = replace(data, **{n: np.full(200, getattr(data, n).mean()) for n in names})
             colour, label = ("#E69F00", "unseen") if number % 3 == 2 else ("0.6", "seen by the fit")
             axes.plot(

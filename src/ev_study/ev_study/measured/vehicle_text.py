@@ -1,4 +1,9 @@
-"""The identified car as files: a vehicle file with what is known of each number, and the parameters beside the car."""
+"""The identified car as files: a vehicle file with what is known of each number, and the parameters beside the car.
+
+How it works: the file of the start is written once more, in its own order, with the free numbers
+replaced. What is known of each number stands behind it as a comment. An array with several free
+elements gets its comments above the line.
+"""
 
 from __future__ import annotations
 
@@ -31,6 +36,9 @@ def vehicle_text(
         if not each.is_of_vehicle:
             continue
         if each.place >= 0:
+            # The start may name a property file of the tyre in the place of numbers. Its numbers
+            # are written out here, and its name goes: else it would replace them when the car is
+            # read.
             if each.array not in found or not found[each.array]:
                 found[each.array] = given[each.array]
                 found.pop(each.array.removesuffix("_mf") + "_file", None)
@@ -71,9 +79,11 @@ def parameter_text(
 
 def _flow(value: Any) -> str:
     """A value in one line of YAML."""
+    # One line: YAML would fold long arrays at 80 columns.
     text = yaml.safe_dump(
         [*value] if isinstance(value, tuple) else value, default_flow_style=True, width=10**6
     )
+    # A number or text alone ends with the mark of a document's end.
     return text.removesuffix("...\n").strip()
 
 
@@ -82,6 +92,7 @@ def _nested(values: Mapping[str, Any], comments: Mapping[str, Sequence[str]]) ->
     before: list[str] = []
     for name in sorted(values, key=_order(values)):
         *groups, last = name.split(".")
+        # Groups that the line before has opened already need no line again.
         common = next(
             (n for n, (a, b) in enumerate(zip(before, groups, strict=False)) if a != b),
             min(len(before), len(groups)),

@@ -144,6 +144,8 @@ def plant_at_end(name: str, car: Car, time: np.ndarray, angle: np.ndarray) -> np
     instants = np.arange(round(time[-1] / PERIOD) + 2) * PERIOD
     torque = sum(wheel.torque for wheel in car.wheels)
     configurations = graph(str(file), PERIOD)
+    # The vehicle file may have another mass than the library's car with its carriers: the same
+    # acceleration needs torques in proportion.
     scale = configurations["plant"].common.vehicle.mass / (
         car.mass + car.carrier_mass * sum(w.steered for w in car.wheels)
     )
@@ -156,6 +158,8 @@ def plant_at_end(name: str, car: Car, time: np.ndarray, angle: np.ndarray) -> np
     ]
     run = run_offline(graph(str(file), PERIOD, Overrides(values=values)), float(time[-1]))
     heading = motion.heading(run)
+    # The plant's place is that of the centre of mass; results are of the middle of the rear axle,
+    # and begin at zero.
     to_rear = configurations["plant"].common.vehicle.centre_of_mass_to_rear_axle
     place = (
         run.channels["pose.x"]
@@ -172,6 +176,8 @@ def equations_at_end(car: Car, time: np.ndarray, angle: np.ndarray) -> np.ndarra
     steering_rate, steering_acceleration = steering.derivative(), steering.derivative(2)
 
     def rates(t: float, y: np.ndarray) -> np.ndarray:
+        # State: place of the middle of the rear axle, heading; their rates; spins of the wheels.
+        # Vectors of the plane are complex numbers, x + jy.
         heading, (vx, vy, turning), spins = y[2], y[3:6], y[6:]
         along = np.exp(1j * heading)
         mass, force, spin_rates = (
@@ -180,6 +186,7 @@ def equations_at_end(car: Car, time: np.ndarray, angle: np.ndarray) -> np.ndarra
             np.zeros(len(spins)),
         )
         at_front = vx + 1j * vy + turning * 1j * car.length * along
+        # The part along the car; drag acts against it whatever its sign.
         dragged = (at_front * along.conjugate()).real
         force += _at(-car.drag * abs(dragged) * dragged * along, car.length * along)
         for i, wheel in enumerate(car.wheels):
@@ -188,19 +195,25 @@ def equations_at_end(car: Car, time: np.ndarray, angle: np.ndarray) -> np.ndarra
                 (wheel.x + 1j * wheel.y) * along,
                 along * np.exp(1j * steered * steering(t)),
             )
+            # Behind the kingpin along the wheel, so it turns with the steering angle.
             trail = -steered * car.trail * direction
             both = turning + steered * steering_rate(t)
             velocity = vx + 1j * vy + turning * 1j * arm + both * 1j * trail
             place = arm + trail
             if wheel.steered:
+                # The acceleration of the carrier that is there without any acceleration of the
+                # chassis.
                 known = (
                     -(turning**2) * arm - both**2 * trail + steering_acceleration(t) * 1j * trail
                 )
+                # By it the chassis accelerates the carrier: rows x and y, columns of the three
+                # rates.
                 lever = np.array([[1.0, 0.0, -place.imag], [0.0, 1.0, place.real]])
                 mass = mass + car.carrier_mass * lever.T @ lever
                 mass[2, 2] += car.carrier_inertia
                 force -= car.carrier_mass * _at(known, place)
                 force[2] -= car.carrier_inertia * steering_acceleration(t)
+            # Along the wheel and across it, less the speed of the rim along it.
             slip = velocity * direction.conjugate() - car.radius * spins[i]
             pushed = -_friction(abs(slip), wheel.load, car.friction) * slip
             force += _at(pushed * direction, place)

@@ -39,6 +39,7 @@ def track_record(folder: Path) -> dict[str, float]:
     beside = Overrides(files=[str(car / "identified_parameters.yaml")])
     configurations = graph(str(car / "identified.yaml"), record.period, beside)
     duration, (begin, end) = len(record.valid) * record.period, HELD_OUT
+    # Windows of the training part, then of what was held out, shifted by whole seconds.
     first = _driven(record, configurations, *TRAINING)
     last = [_driven(record, configurations, begin + shift / duration, end) for shift in SHIFTS]
     found = {"track_windows_left": float(last[0].spun.sum())}

@@ -1,4 +1,10 @@
-"""Numbers of the messages of a bag, of any type that the bag defines, and the channels that standard messages give."""
+"""Numbers of the messages of a bag, of any type that the bag defines, and the channels that standard messages give.
+
+How it works: a bag carries the definitions of its messages, so fields of any type can be read by
+their names. All wanted columns of a topic share one list of times. A mapping names columns as
+TOPIC:FIELD; without one `STANDARD` has, by type of message, the fields that measure a channel of
+ours.
+"""
 
 from __future__ import annotations
 
@@ -80,7 +86,10 @@ def read_columns(bag: Path, wanted: Sequence[str]) -> Read:
             [c for c in reader.connections if c.topic in by_topic]
         ):
             message = reader.deserialize(data, connection.msgtype)
+            # The stamp is the time of measuring; that of recording has the delays of the network in
+            # it.
             stamp = getattr(getattr(message, "header", None), "stamp", None)
+            # A stamp of zero was never set by its driver.
             is_stamped = stamp is not None and (stamp.sec or stamp.nanosec)
             (stamped if is_stamped else unstamped)[connection.topic] += 1
             times[connection.topic].append(
@@ -103,6 +112,7 @@ def read_columns(bag: Path, wanted: Sequence[str]) -> Read:
 
 def is_foreign(bag: Path) -> bool:
     """Return True if a bag has none of the wheel states that every run of ours has."""
+    # No bag itself but the folder of a run of ours, or nothing: `find_recorded` looks into it.
     if bag.is_dir() and not (bag / "metadata.yaml").exists():
         return False
     with _opened(bag) as reader:
@@ -122,6 +132,8 @@ def standard_channels(bag: Path) -> dict[str, str]:
                 found[channel].append(f"{each[0]}:{field}")
     if LATERAL in found:
         columns = read_columns(bag, found[LATERAL]).columns
+        # Wheel odometry fills the field with zeros: a car without sideslip would be taken for
+        # measured.
         found[LATERAL] = [name for name, each in columns.items() if np.any(each.values)]
     for channel in (YAW_RATE, LONGITUDINAL, ROAD_WHEEL_ANGLE):
         if not found[channel]:
@@ -145,6 +157,7 @@ def _number(bag: Path, message: Any, column: str, path: str) -> float:
             return float(attrgetter(path)(message))
         array, element = attrgetter(match["array"])(message), match["element"]
         return float(
+            # A JointState has the names of its joints beside the arrays of positions and efforts.
             array[int(element) if element.isdigit() else list(message.name).index(element)]
         )
     except (AttributeError, IndexError, TypeError, ValueError):
@@ -161,8 +174,11 @@ def _opened(bag: Path) -> Iterator[AnyReader]:
     from rosbags.highlevel import AnyReader
     from rosbags.typesys import Stores, get_typestore
 
+    # Names the command that mends the bag of a killed recorder; the library would only call it
+    # broken.
     refuse_unfinished(bag)
     try:
+        # Refuses a fifo, a device or a file that is too large before the library opens it.
         for file in (
             (each for each in bag.iterdir() if not each.is_dir()) if bag.is_dir() else [bag]
         ):

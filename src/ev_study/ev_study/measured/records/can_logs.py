@@ -1,4 +1,10 @@
-"""Signals of a log of a CAN bus, as a DBC file names them."""
+"""Signals of a log of a CAN bus, as a DBC file names them.
+
+How it works: the DBC gives the wanted messages by id; frames of the log are looked up by id, or by
+parameter group where the DBC leaves the source of J1939 open. Each source (bus and id) collects its
+own values, and only at the end one source per message is chosen: two of them would be mixed
+otherwise.
+"""
 
 from __future__ import annotations
 
@@ -47,6 +53,7 @@ def read_columns(log: Path, database: Path, wanted: Sequence[str], channel: str 
     ParameterError, in one line, if log or database cannot be read, if a message or signal is not in
     the database, has several sources, or never came.
     """
+    # Named before anything is read, so that a missing package is no error of the log.
     for package in ("can", "cantools", *(("asammdf",) if log.suffix.lower() == ".mf4" else ())):
         if find_spec(package) is None:
             raise ParameterError(
@@ -56,15 +63,18 @@ def read_columns(log: Path, database: Path, wanted: Sequence[str], channel: str 
     by_id = {(each.message.frame_id, each.message.is_extended_frame): each for each in messages}
     by_group = {}
     for each in messages:
+        # The last byte of an extended id is the source.
         if each.message.is_extended_frame and each.message.frame_id & 0xFF == NULL_ADDRESS:
             by_group[group_of(each.message.frame_id)] = each
     decoded: dict[str, dict[Source, Decoded]] = {each.message.name: {} for each in messages}
     others: set[int] = set()  # extended ids that are not wanted
     digest = _digest(log)
     for frame in _frames(log):
+        # An exact id goes before a group: the DBC may name one source and leave others open.
         found = by_id.get((frame.arbitration_id, frame.is_extended_id))
         if found is None and frame.is_extended_id:
             found = by_group.get(group_of(frame.arbitration_id))
+            # Kept for the hint on an id that differs in priority or source alone.
             others.add(frame.arbitration_id)
         if found is None:
             continue
@@ -106,6 +116,8 @@ def _chosen(
         if message.is_extended_frame and alike:
             hint += f", the log has {', '.join(f'{each:08X}' for each in alike)}; priority or source differ"
         raise ParameterError(f"{log} has no frame with {name}{hint}")
+    # A channel of the mapping that has none of the message is no filter: the message is on another
+    # bus.
     on_channel = {source: each for source, each in decoded.items() if source[0] == channel}
     decoded = on_channel or decoded
     buses = sorted({bus for bus, _ in decoded})
@@ -136,6 +148,7 @@ def _frames(log: Path) -> Iterator[can.Message]:
 
     number, last = 0, 0.0
     try:
+        # .asc is read from a corrected text (`_absolute`), all other formats by the suffix.
         with (
             can.ASCReader(_absolute(log))
             if log.suffix.lower() == ".asc"
@@ -143,6 +156,7 @@ def _frames(log: Path) -> Iterator[can.Message]:
         ):
             for frame in reader:
                 number, last = number + 1, frame.timestamp
+                # They carry no data of a signal.
                 if not (frame.is_error_frame or frame.is_remote_frame):
                     yield frame
     except ParameterError:
@@ -163,6 +177,7 @@ def _absolute(log: Path) -> io.StringIO:
     times since the start.
     """
     text = read_data(log, SIGNALS).decode("utf-8", errors="replace")
+    # One pass for the times and one for the text: the shift is known when all times are.
     times = np.array([float(match[2]) for match in _TIMED.finditer(text)])
     if _RELATIVE.search(text):
         times = np.cumsum(times)

@@ -46,13 +46,18 @@ class Decoded:
 
         self.frames += 1
         try:
+            # Choices as numbers: a text such as "reverse" is no value over time. Truncated frames
+            # still have their first signals.
             decoded = self.wanted.message.decode(data, decode_choices=False, allow_truncated=True)
         except DecodeError as error:
             self.undecoded[first_line(error)] += 1
             return
+        # The library gives a list for containers alone, which a DBC does not have.
         assert isinstance(decoded, dict)
         for column, signal in self.wanted.signals.items():
             if signal.name not in decoded:
+                # A signal of another page is not missing in this frame; it is short only on its own
+                # page.
                 pages = signal.multiplexer_ids
                 if not pages or decoded.get(signal.multiplexer_signal or "") in pages:
                     self.short[column] += 1
@@ -84,8 +89,10 @@ class Decoded:
 def _is_outside(signal: Signal, value: float) -> bool:
     """Return True if a value is beyond the declared range, if any, by more than half a digit."""
     low, high = signal.minimum, signal.maximum
+    # [0|0] in a DBC means that no range was declared.
     if low is None or high is None or low >= high:
         return False
+    # A limit that is rounded lies up to half a digit beside the raw value.
     digit = 0.5 * abs(float(signal.scale))
     return not float(low) - digit <= value <= float(high) + digit
 
@@ -102,6 +109,8 @@ def wanted_messages(database: Path, wanted: Sequence[str]) -> list[Wanted]:
         found.setdefault(message.name, Wanted(message)).signals[column] = signal
     for each in found.values():
         try:
+            # Only of the messages that are used: a fault elsewhere in the file does not matter
+            # here.
             each.message.refresh(strict=True)
         except Exception as error:  # of the library: signals over each other, or beyond the message
             raise ParameterError(f"{database}: {first_line(error)}") from None
@@ -134,5 +143,6 @@ def id_text(message: Message) -> str:
 
 def group_of(frame_id: int) -> int:
     """Mask an id of J1939: without priority, source, and the destination if it has one."""
+    # Below PF 240 the next byte is the destination of the message and belongs to no group.
     destined = (frame_id >> 16) & 0xFF < 240  # PDU1
     return frame_id & (0x03FF0000 if destined else 0x03FFFF00)

@@ -1,4 +1,10 @@
-"""Meaning of a record's columns: the mapping file beside it, or a bag's standard messages."""
+"""Meaning of a record's columns: the mapping file beside it, or a bag's standard messages.
+
+How it works: the mapping file gives the column of each channel, its unit and how the sensor is
+mounted. A reader that fits the suffix of the file gives columns with their times, each sensor on a
+clock of its own; factors and units are applied here, and `record.measured` brings all to one clock
+and one place.
+"""
 
 from __future__ import annotations
 
@@ -26,6 +32,7 @@ from ev_study.measured.records.samples import Sampled
 from ev_study.measured.records.tables import read_columns
 from ev_study.measured.records.units import of_header, with_unit, without_unit
 
+# Of a mapping file; any other word is a misspelt one and is refused.
 _ENTRIES = ("time", "dbc", "channel", "channels", "mask")
 _BAGS = (".mcap", ".db3", ".bag", "")  # the last is a folder
 _TABLES = (".csv", ".xz", ".txt", ".tsv")
@@ -93,6 +100,8 @@ def _reader(path: Path, mapping: Path, given: Mapping[str, Any]) -> Reader:
     The time of a CSV file and the DBC are in the mapping.
     """
     suffix = path.suffix.lower()
+    # An .mf4 holds either channels in physical units or frames of a bus; only the latter needs a
+    # DBC.
     if suffix == mdf.SUFFIX and "dbc" not in given and "time" not in given:
         return mdf.read_columns
     is_log, is_table = suffix in can_logs.SUFFIXES, suffix in _TABLES
@@ -110,6 +119,7 @@ def _reader(path: Path, mapping: Path, given: Mapping[str, Any]) -> Reader:
                 f"{mapping}: {path.name} {use} {name}: time is that of CSV files, dbc and channel those of CAN logs"
             )
     if is_log:
+        # Beside the mapping, so that both can be moved together.
         database = mapping.parent / str(given["dbc"])
         return lambda file, wanted: can_logs.read_columns(
             file, database, wanted, str(given.get("channel", ""))
@@ -128,9 +138,11 @@ def _reader(path: Path, mapping: Path, given: Mapping[str, Any]) -> Reader:
             raise ParameterError(
                 f"{file}: {declared.column}: {found.texts[declared.column]}, expected a number for the time"
             )
+        # A row of units goes before brackets in the names.
         units = found.units or of_header(found.columns)
         factor = _in_unit(mapping, "time", declared, units).factor("time")
         time = found.columns[declared.column] * factor
+        # All columns of a table share one clock.
         columns = {name: Sampled(time, values) for name, values in found.columns.items()}
         notes = tuple(
             f"{name}: {what}, passed over" for name, what in found.texts.items() if name in wanted

@@ -28,6 +28,7 @@ def read_columns(file: Path, wanted: Sequence[str]) -> Read:
     from asammdf import MDF
 
     try:
+        # Refuses a fifo or a file that is too large before asammdf opens it.
         with open_data(file, SIGNALS) as opened:
             digest = hashlib.file_digest(opened, "sha256").hexdigest()
         with MDF(file) as measured:

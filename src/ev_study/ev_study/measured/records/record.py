@@ -1,4 +1,11 @@
-"""Records of measured signals, at equally spaced instants at the centre of mass, and where they are not believed."""
+"""Records of measured signals, at equally spaced instants at the centre of mass, and where they are not believed.
+
+How it works: sensors have clocks, places and units of their own. `measured` drops samples that
+cannot be right, takes the clock of the yaw rate for all, interpolates the others to it, moves
+velocities and accelerations to the centre of mass, and marks in `valid` where any of them is not
+believed. Short gaps are bridged, long ones are masked: whatever reads the record restarts behind
+them.
+"""
 
 from __future__ import annotations
 
@@ -35,6 +42,7 @@ ROAD_WHEEL_ANGLE, STEERING_WHEEL_ANGLE = (
 )
 SIDESLIP = "sideslip"  # [rad], which no topic has
 
+# Factor from a unit to SI; temperatures stay in degC, as the contract has them.
 UNITS = {
     "": 1.0,  # SI
     **{
@@ -137,6 +145,7 @@ class ColumnParameters:
 
     def factor(self, channel: str) -> float:
         """Factor from the numbers of the column to SI and REP-103."""
+        # A speed over the radius of the wheel is its angular velocity.
         factor = UNITS[self.unit] / self.radius if self.radius else UNITS[self.unit]
         return factor * self.sign * (-1.0 if self.frame == "sae" and channel in _FLIPPED else 1.0)
 
@@ -233,21 +242,26 @@ def measured(
     """
     if not columns:
         raise ParameterError(f"{source}: no channel of it is known")
+    # Phase 1: times first, since a jump is a matter of the time between two samples.
     samples, passed_over, set_back = in_order(
         source, {name: each for name, (each, _) in columns.items()}
     )
     samples, spikes, for_good = without_spikes(samples, _LARGEST_STEP)
     columns = {name: (samples[name], declared) for name, (_, declared) in columns.items()}
     for name, (each, _) in columns.items():
+        # np.interp needs two points.
         if np.isfinite(each.values).sum() < 2:
             raise ParameterError(f"{source}: {name} has less than two finite numbers")
+    # Phase 2: one clock. The yaw rate has it: no replay is without one.
     clock = columns.get(YAW_RATE, next(iter(columns.values())))[0].time
     step = spacing_of(clock).interval
+    # Whole microseconds: the mean of a logger's steps has digits that no clock has.
     period = round(step, 6)
     if not period:
         raise ParameterError(
             f"{source}: samples are {step:.3g} s apart, expected 1e-06 s or more: unit of the time?"
         )
+    # The time that all channels have in common.
     begin, end = (
         pick(each.time[n] for each, _ in columns.values()) for pick, n in ((max, 0), (min, -1))
     )
@@ -256,22 +270,31 @@ def measured(
         raise ParameterError(f"{source}: its channels have no time in common")
     channels, valid = {}, np.ones(len(instants), bool)
     for name, (each, _) in columns.items():
+        # Phase 3: every channel to the instants of the clock, over its own gaps as well ...
         time, finite = each.time - begin, np.isfinite(each.values)
         channels[name] = np.interp(instants, time[finite], each.values[finite])
+        # ... where it is not believed: an instant counts only between two samples with numbers.
         valid &= np.interp(instants, time, finite) == 1.0
+        # The last sample up to an instant; 1e-9 s let a sample at the very instant be it.
         before = np.clip(np.searchsorted(time, instants + 1e-9, side="right") - 1, 0, len(time) - 2)
+        # Half an interval more than usual is a missing sample. A slow sensor is held to its own
+        # interval.
         apart = 1.5 * max(spacing_of(time).largest, period)
         valid &= (time[before + 1] - time[before] < apart) | (
+            # An instant right on a sample needs no neighbour.
             np.abs(time[before] - instants) < 1e-6
         )
+    # Phase 4: after all are on one clock, since the yaw rate moves the others.
     _move_to_centre(channels, {name: declared for name, (_, declared) in columns.items()}, period)
     for name in (ROAD_WHEEL_ANGLE, STEERING_WHEEL_ANGLE):
         if name in channels:
+            # 16 is the steering ratio of a usual car: the record does not know that of this one.
             limit = mask.steering_rate * (16.0 if name == STEERING_WHEEL_ANGLE else 1.0)
             valid &= ~jumps(channels[name], limit * period, sure=_SURE)[0]
     still = _stopped(samples, channels, begin + instants)
     for each in still.values():
         valid &= ~each
+    # Never bridged: what lies behind belongs to another clock or another level.
     is_cut = cut(instants + begin, [*set_back, *for_good])
     valid &= ~is_cut
     notes = (
@@ -303,6 +326,7 @@ def _left_out(samples: Mapping[str, Sampled], begin: float, end: float) -> tuple
     """The line on channels that begin late or end early, by which a record is shorter than its others."""
     first = min(each.time[0] for each in samples.values())
     last = max(each.time[-1] for each in samples.values())
+    # Those that make the record shorter, not those that are longer than it.
     late = [name for name, each in samples.items() if each.time[0] > first + _LEFT_OUT]
     early = [name for name, each in samples.items() if each.time[-1] < last - _LEFT_OUT]
     if not late and not early:
@@ -327,6 +351,8 @@ def _stopped(
     speed = channels[LONGITUDINAL]
     followed: dict[str, np.ndarray] = {}
     for angle in (ROAD_WHEEL_ANGLE, STEERING_WHEEL_ANGLE):
+        # The yaw rate follows speed times steering angle, whatever the scale: only movement counts
+        # here.
         if angle in channels:
             followed |= dict.fromkeys(_SAME_EVERYWHERE, speed * channels[angle])
     if YAW_RATE in channels:
@@ -347,6 +373,7 @@ def _complete_sideslip(
         return
     speed = channels[LONGITUDINAL]
     moves = np.abs(speed) >= SLOWEST
+    # The ratio of both noises depends on the speed: that of the median instant that moves.
     typical = float(np.median(np.abs(speed[moves]))) if moves.any() else SLOWEST
     if SIDESLIP not in channels and LATERAL in channels:
         channels[SIDESLIP] = sideslip(speed, channels[LATERAL], speed)
@@ -367,6 +394,7 @@ def sideslip(longitudinal: np.ndarray, lateral: np.ndarray, measured: np.ndarray
     The car reverses where the `measured` longitudinal velocity is negative, so that a simulated car
     that has turned round does not.
     """
+    # In reverse both components turn round, so that the angle is about 0 and not about pi.
     direction = np.where(measured < 0.0, -1.0, 1.0)
     return np.arctan2(direction * lateral, direction * longitudinal)
 
@@ -377,6 +405,7 @@ def _move_to_centre(
     """Velocities, accelerations and sideslip beside the centre of mass, of a rigid body that turns in the plane."""
     moved = [n for n, of in declared.items() if of.x or of.y]
     # last: it needs the velocity at the centre of mass
+    # The others first.
     moved.sort(key=lambda name: name == SIDESLIP)
     for name in moved:
         if name in _SAME_EVERYWHERE:
@@ -389,6 +418,8 @@ def _move_to_centre(
                 raise ParameterError(
                     f"{name} was measured beside the centre of mass, which needs {each}"
                 )
+        # v_P = v + r x (x, y), so v = v_P less that; a_P likewise with its centripetal part -r^2
+        # (x, y).
         x, y, yaw_rate = declared[name].x, declared[name].y, channels[YAW_RATE]
         yaw = np.gradient(yaw_rate, period)
         if name == SIDESLIP:
@@ -427,6 +458,7 @@ def _bridge(
     for name, values in channels.items():
         channels[name] = values.copy()
         channels[name][bad] = np.interp(bad, good, values[good])
+    # Instants in a row make one gap.
     runs = np.split(bad, np.flatnonzero(np.diff(bad) > 1) + 1)
     bridged = [run for run in runs if len(run) <= most and not is_cut[run].any()]
     for run in bridged:

@@ -1,4 +1,10 @@
-"""Believed samples of a record: a wrong time or a spike costs itself and nothing behind it."""
+"""Believed samples of a record: a wrong time or a spike costs itself and nothing behind it.
+
+How it works: times come first. `believed` keeps the longest series of increasing times, so one
+wrong reading of the clock costs that sample and not all behind it. Then values: `jumps` looks for
+steps that no car makes and for the way back. What comes back was a spike and is passed over; what
+does not is a new level, behind which windows of a replay restart (a `Cut`).
+"""
 
 from __future__ import annotations
 
@@ -51,6 +57,8 @@ def in_order(
     for name, each in columns.items():
         good = believed(each.time) if len(each.time) else np.zeros(0, bool)
         bad, of = len(good) - int(good.sum()), len(good)
+        # More than three quarters passed over: what is left would be chance, such as a column that
+        # is no time.
         if of - bad < 2 or 4 * bad > 3 * of:
             raise ParameterError(
                 f"{source}: the time of {name} does not increase, or there are less than two instants: "
@@ -59,6 +67,7 @@ def in_order(
         kept[name] = replace(each, time=each.time[good], values=each.values[good])
         if bad:
             back = _steps_back(each.time, good)
+            # Columns of one table report the same cut.
             cuts |= dict.fromkeys(back)
             what = f"{bad} of {of} samples passed over: their times do not increase{_where_cut('steps back', back)}"
             names_of.setdefault(what, []).append(name)
@@ -68,7 +77,9 @@ def in_order(
 def _steps_back(time: np.ndarray, good: np.ndarray) -> list[Cut]:
     """Find where samples in a row have no room in the believed clock: it was set back there."""
     places = np.flatnonzero(good)
+    # Between two believed samples: how many were passed over, and the time that they had.
     passed_over, steps = np.diff(places) - 1, np.diff(time[places])
+    # At the usual rate they would need twice that time.
     without_room = np.flatnonzero(passed_over * np.median(steps) > 2.0 * steps)
     found = []
     for before, behind in zip(places[without_room], places[without_room + 1], strict=True):
@@ -107,9 +118,12 @@ def without_spikes(
             np.isfinite(each.values)
         )  # a sensor that fails often has cells without a number as well
         time, values = each.time[places], each.values[places]
+        # A sensor with one number has no step.
         if len(places) < 2:
             continue
         steps = np.diff(time)
+        # A gap gives the car time to change, so the limit grows with it; two samples that came at
+        # once have at least the usual time.
         jumped, for_good = jumps(values, step + rate * np.maximum(steps, np.median(steps)))
         if jumped.any():
             of_column = [(float(time[place]), float(time[place + 1])) for place in for_good]
@@ -137,9 +151,12 @@ def spacing_of(time: np.ndarray) -> Spacing:
     """
     steps = np.diff(time)
     step = float(np.median(steps))
+    # The mean distance over more samples than a burst has. If it is far above the median, most
+    # samples follow the one before at once.
     over_several = (time[_TOGETHER:] - time[:-_TOGETHER]) / _TOGETHER
     if not len(over_several) or np.median(over_several) <= 2.0 * step:
         return Spacing(step, step)
+    # Of 20 samples at most one is the first of a burst.
     between = float(np.quantile(steps, 1.0 - 1.0 / _TOGETHER))
     return Spacing(float(np.mean(steps[steps <= 1.5 * between])), between, True)
 
@@ -149,6 +166,7 @@ def cut(instants: np.ndarray, cuts: Sequence[Cut]) -> np.ndarray:
     found = np.zeros(len(instants), bool)
     for before, behind in cuts:
         first, last = np.searchsorted(instants, (before + 1e-9, behind + 1e-9), side="right")
+        # A cut between two instants marks the one behind it: the mask would else not show it.
         found[first : max(last, first + 1)] = True
     return found
 
@@ -160,6 +178,7 @@ def believed(time: np.ndarray) -> np.ndarray:
     believed.
     """
     found = np.isfinite(time)
+    # The usual record needs no sorting.
     if found.all() and len(time) and (np.diff(time) > 0.0).all() and time[-1] - time[0] < _PAUSE:
         return found
     places = np.flatnonzero(found)
@@ -171,11 +190,13 @@ def believed(time: np.ndarray) -> np.ndarray:
         if len(steps)
         else steps > 0.0
     )
+    # Each side is judged by itself: the rise across both would mix the drives.
     if restarts.any() and 4 * len(places) > len(time):
         at = int(places[np.flatnonzero(restarts)[0]]) + 1
         before, behind = believed(time[:at]), believed(time[at:])
         kept = before.sum() >= behind.sum()
         return np.concatenate([before & kept, behind & ~kept])
+    # A clock that was set during the record jumps by years: the longer side is the record.
     stretches = np.split(places, np.flatnonzero(np.diff(time[places]) > _PAUSE) + 1)
     found[:] = False
     found[max(stretches, key=len)] = True
@@ -188,6 +209,7 @@ def _longest_rise(values: np.ndarray) -> list[int]:
     last: list[int] = []  # where that value is,
     before = [-1] * len(values)  # and by place that of the value before it in its rise
     for place, value in enumerate(values.tolist()):
+        # The longest rise that this value can end is one longer than that of a smaller end.
         length = bisect_left(ends, value)
         if length == len(ends):
             ends.append(value)
@@ -224,13 +246,18 @@ def jumps(
     behind = 0
     short = min(_LONGEST_SPIKE, len(values) // 2)
     for number, edge in enumerate(edges.tolist()):
+        # Within a jump that was marked already.
         if edge < behind:
             continue
         # a car that drives on meanwhile is back somewhere else
         most = max(limits[edge], 0.5 * sizes[edge])
+        # The sample behind the edge is the one that has jumped: the next one is the first that may
+        # be back.
         near = np.abs(values[edge + 2 : edge + 2 + _LONGEST_SPIKE] - values[edge]) < min(
             3.0 * limits[edge], most
         )
+        # A jump later on that ends where this one began is the way back, such as of a sensor that
+        # showed zero for a second.
         later = edges[number + 1 : number + 1 + _MOST_JUMPS]
         later = later[is_sure[later] & is_sure[edge] & (later - edge <= len(values) // 2)]
         later = later[np.abs(values[later + 1] - values[edge]) < most]
@@ -241,6 +268,7 @@ def jumps(
             continue
         elif len(later):
             behind = int(later[0]) + 1
+        # The record ends before it is back.
         elif len(values) - 1 - edge <= short:
             behind = len(values)
         else:

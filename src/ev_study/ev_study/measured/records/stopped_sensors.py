@@ -36,19 +36,24 @@ def stopped(
     found = np.zeros(len(instants), bool)
     known = np.isfinite(sensor.values)
     time, values = sensor.time[known], sensor.values[known]
+    # Runs of equal numbers: where each begins, ends, and how long it lasts.
     changes = np.flatnonzero(np.diff(values))
     begins = np.concatenate([[0], changes + 1])
     ends = np.concatenate([changes, [len(values) - 1]])
     durations = time[ends] - time[begins]
+    # A slow sensor in a fast log holds each number for some instants by nature.
     least = max(_SHORTEST, _HOLDS * float(np.median(durations)))
     moves = np.abs(speed) > _FAST
+    # One number throughout is not a sensor that has stopped; `plausibility` looks for that.
     if not len(changes) or not moves.any():
         return found
+    # The smallest change there is: the resolution of the sensor, as a share of its range.
     step = np.abs(np.diff(values)[changes]).min() / np.ptp(values)
     period = instants[1] - instants[0]
     smooth = uniform_filter1d(followed, max(round(_MEAN / period), 1))
     most = max(_LEAST, _OF_STEPS * float(np.sqrt(step))) * np.ptp(smooth[moves])
     for place in np.flatnonzero(durations >= least):
+        # What it follows may still move at the end: the car answers only afterwards.
         first, last = np.searchsorted(instants, (time[begins[place]], time[ends[place]]))
         before = slice(first, max(last - round(_ANSWERS / period), first))
         driven = smooth[before][moves[before]]

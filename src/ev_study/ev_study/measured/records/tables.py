@@ -1,4 +1,9 @@
-"""Columns of CSV files, packed or not."""
+"""Columns of CSV files, packed or not.
+
+How it works: the file is read row by row into blocks of numbers, since a log of an hour would take
+many times its size as texts. A cell that is no number becomes NaN. Empty cells and words such as
+"n/a" are expected; other texts are counted, and the first of them is named.
+"""
 
 from __future__ import annotations
 
@@ -41,12 +46,16 @@ def read_columns(path: Path) -> Table:
     """
     try:
         content = read_data(path, SIGNALS)
+        # The digest below is of the file as it is, packed.
         text = _unpacked(content) if path.suffix == ".xz" else content
+        # utf-8-sig: spreadsheets write a mark at the begin that would become part of the first
+        # name.
         lines = io.StringIO(text.decode("utf-8-sig"), newline="")
         above, header = next(
             ((n, line) for n, line in enumerate(lines, 1) if line.strip()), (0, "")
         )
         header = header.lstrip("# ")
+        # A comma is last, since with another separator it is that of the decimals.
         separator = next((each for each in ";\t" if each in header), ",")
         names = [cell.strip() for cell in next(csv.reader([header], delimiter=separator), [])]
         if len(set(names)) < len(names):
@@ -55,6 +64,7 @@ def read_columns(path: Path) -> Table:
     except OSError as error:
         raise ParameterError(f"{path}: {error.strerror or error}") from None
     except (EOFError, lzma.LZMAError, ValueError, csv.Error) as error:
+        # It is a ValueError as well, and has its line already.
         if isinstance(error, ParameterError):
             raise
         reason = " ".join(str(error).split())[:200]
@@ -69,6 +79,8 @@ def read_columns(path: Path) -> Table:
 def _unpacked(content: bytes) -> bytes:
     """All streams of an .xz file; EOFError if the last one has no end, ValueError if they are too large."""
     with lzma.open(io.BytesIO(content)) as file:
+        # One byte more than is allowed shows that there is more; a small file may unfold to any
+        # size.
         text = file.read(SIGNALS + 1)
     if len(text) > SIGNALS:
         raise ValueError("it unpacks to more")
@@ -101,6 +113,7 @@ def _numbers(
         values = _values(cells)
         if not begun:
             begun = True
+            # Only the first row can be one of units; an empty one is data that had not begun.
             if all(value is None for value in values) and not all(
                 _is_missing(cell) for cell in row
             ):
@@ -125,6 +138,7 @@ def _numbers(
 def _values(cells: list[str]) -> list[float | None]:
     """The numbers of a row, None for a cell that is none."""
     try:
+        # The whole row at once; cell by cell only where one of them is no number.
         return [float(cell) for cell in cells]
     except ValueError:
         return [_number(cell) for cell in cells]

@@ -104,6 +104,7 @@ class Corridor:
     @cached_property
     def inside(self) -> np.ndarray:
         """Mask of the judged instants that lie in the corridor."""
+        # NaN compares as outside, without a warning for each array.
         with np.errstate(invalid="ignore"):
             return self.counts & (
                 np.abs(self.measured - self.simulated) <= self.width(self.simulated)
@@ -137,6 +138,7 @@ class Corridor:
     def curves(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Middles of ranges of lateral acceleration [m/s^2], and medians simulated and measured, each at its own."""
         both = self.counts & np.isfinite(self.simulated)
+        # Each of both by its own acceleration: a cross plot has no common time.
         ranges = [np.floor(a[both] / _WIDTH).astype(int) for a in self.acceleration]
         values = [each[both] for each in (self.simulated, self.measured)]
         there = [
@@ -188,6 +190,7 @@ def corridors_of(
         ),
         YAW_RATE: Corridor("rad/s", p.yaw_rate_offset, p.yaw_rate_gain, acceleration, *rates),
     }
+    # Yaw rate and steering angle are in every record; the sideslip angle is often not measured.
     if SIDESLIP in replay.compared:
         pair = simulated[SIDESLIP], replay.measured(SIDESLIP)
         found[SIDESLIP] = Corridor("rad", p.sideslip_offset, p.sideslip_gain, acceleration, *pair)

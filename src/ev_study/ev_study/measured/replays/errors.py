@@ -50,6 +50,7 @@ def errors_of(
     """
     error = simulated - measured
     there = np.isfinite(error)
+    # NaN is what was not measured, or a car without finite numbers; `spins` finds the latter.
     error, of = error[there], measured[there]
     if not len(error):
         return Errors(np.nan, np.nan, np.nan, np.nan, np.nan, 0)
@@ -58,6 +59,7 @@ def errors_of(
         float(np.sqrt(np.mean(error**2))),
         float(np.max(np.abs(error))),
         float(np.mean(error)),
+        # By the variance, so a constant offset does not lower it: that is `bias`.
         1.0 - float(np.var(error)) / variance if variance > 0.0 else np.nan,
         _lag(simulated, measured, period, most) if period > 0.0 else np.nan,
         len(error),
@@ -67,12 +69,14 @@ def errors_of(
 def _lag(simulated: np.ndarray, measured: np.ndarray, period: float, most: float) -> float:
     """Lag by a parabola through the largest correlation of all finite windows."""
     whole = (np.isfinite(simulated) & np.isfinite(measured)).all(axis=1)
+    # The simulated signal loses `reach` samples at both ends, which the shifted one needs.
     reach = round(most / period)
     if not whole.any() or simulated.shape[1] <= 4 * reach:
         return float("nan")
     one = simulated[whole][:, reach:-reach]
     shifts = np.arange(-reach, reach + 1)
     size = measured.shape[1]
+    # All windows together: a single one may be a straight, in which nothing correlates.
     correlation = np.array(
         [
             np.corrcoef(one.ravel(), measured[whole][:, reach - k : size - reach - k].ravel())[0, 1]
@@ -85,6 +89,7 @@ def _lag(simulated: np.ndarray, measured: np.ndarray, period: float, most: float
     if not 0 < best < len(shifts) - 1:
         return float("nan")  # nowhere within reach
     before, at, after = correlation[best - 1 : best + 2]
+    # The vertex of the parabola through the three points; no vertex without a bend downwards.
     bend = before - 2.0 * at + after
     return float((shifts[best] + (0.5 * (before - after) / bend if bend < 0.0 else 0.0)) * period)
 
@@ -126,6 +131,7 @@ def spins(
 
     A window without a measured sideslip angle (NaN) is not judged by it.
     """
+    # Compared with the measured angle, not with zero: a real car may slide as well.
     away = np.where(np.isfinite(measured), np.abs(sideslip - measured), 0.0)
     return ~np.isfinite(sideslip).all(axis=1) | (
         np.nan_to_num(away, nan=np.inf).max(axis=1) > limit
@@ -154,6 +160,8 @@ class Judged:
         """The line on a measured signal that comes well before or behind the simulated one; empty if it does not."""
         if not (abs(self.errors.lag) > LATE and self.errors.explained > CLEAR):
             return ""
+        # The lag is that of the simulated signal, so a negative one is a measured signal that is
+        # late.
         when = "late" if self.errors.lag < 0.0 else "early"
         return f"{name} is measured {abs(self.errors.lag):.3f} s {when}: clock or filter of a sensor, or another car"
 

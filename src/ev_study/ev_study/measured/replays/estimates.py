@@ -48,6 +48,7 @@ def estimates_of(
     refused, or if none of them has its channels.
     """
     record, windows = replay.record, replay.windows
+    # The angle of the road wheels even where that of the steering wheel was measured.
     given = {**record.channels, ROAD_WHEEL_ANGLE: replay.road_wheel_angle}
     car = namespace(car_numbers(replay.configurations["plant"].common.vehicle))
     acceleration = replay.measured(LONGITUDINAL) * replay.measured(YAW_RATE)
@@ -68,6 +69,7 @@ def estimates_of(
             [n for n in (*each.reads, *each.may_read) if n in given],
         )
         estimated = np.full(len(record.valid), np.nan)
+        # Begun anew behind each mask: the state of an estimator would span two drives.
         for stretch in record.stretches:
             estimated[stretch] = each.over(
                 p, car, record.period, {n: given[n][stretch] for n in channels}

@@ -1,4 +1,11 @@
-"""Open-loop replay: windows of a record, begun from the measured state, with measured inputs, through the plant."""
+"""Open-loop replay: windows of a record, begun from the measured state, with measured inputs, through the plant.
+
+How it works: every window of every car is one run of a batch. The parameters of a run hold the
+piece of the record that it needs: imposed speed, pedals or torques over time, the steering angle,
+and the state to begin from. Each run begins a bit before its window: 0.2 s in which the body is
+held at the measured state while wheels and loads settle, or 1 s on the road where no lateral
+velocity is known. These samples are cut off again behind the batch.
+"""
 
 from __future__ import annotations
 
@@ -43,6 +50,7 @@ HOLD = 0.2
 # [s] that a car drives ahead of a window without a measured lateral velocity, to have its
 # own
 LEAD = 1.0
+# What may drive a car: its speed, what the driver asks for, or the torque of each wheel.
 IMPOSED = ("speed", "pedals", "torques")  # besides the angle
 FEWEST = 10  # instants of a window, below which a replay has hardly begun
 _TORQUES = str(Path(__file__).with_name("imposed_torques.py"))
@@ -90,19 +98,25 @@ def windows_of(
     if not least <= length <= most:
         what = f"a window of {length:g} s of {record.source} is refused"
         raise ParameterError(f"{what}, expected {least:g} to {most:g} s (--window)")
+    # Both ends count as instants of the window.
     size = round(length / record.period) + 1
     lead = 0 if LATERAL in record.channels else round(LEAD / record.period)
+    # The lead in front of the first window has to be within the record, too.
     first, place, at_rest = [], max(int(begin * len(record.valid)), lead), 0
     last = int(end * len(record.valid))
     while place + size <= last:
+        # The lead counts as well: the car drives through it.
         bad = np.flatnonzero(~record.valid[place - lead : place + size])
         if len(bad):
+            # Right behind the last instant that is not believed; the lead is checked anew from
+            # there.
             place += int(bad[-1]) + 1
             continue
         if np.abs(record[LONGITUDINAL][place : place + size]).max() >= SLOWEST:
             first.append(place)
         else:
             at_rest += 1
+        # The last instant of a window is the first of the next one.
         place += size - 1
     if not first:
         begin, end = (round(share * len(record.valid)) * record.period for share in (begin, end))
@@ -115,6 +129,7 @@ def windows_of(
     return Windows(np.array(first), size, at_rest)
 
 
+# What a replay needs of each role; files and --set may change all of it but what is refused below.
 _OWN: Mapping[str, Mapping[str, Any]] = {
     "plant": {"method": "planar", "speed": "imposed", "imposed_at": "wheels", "initial_hold": HOLD},
     "steering_column": {"method": "imposed"},
@@ -148,6 +163,7 @@ def graph(
     """
     changed = changed or Overrides()
     files = [vehicle_file(vehicle), *map(ParameterFile, changed.files)]
+    # A node that a replay does not have would silently ignore the value.
     for node, key, _ in changed.values:
         if node not in ("*", *_OWN):
             raise ParameterError(
@@ -159,10 +175,12 @@ def graph(
         values = {"control_period": period, **own}
         if role == "electronic_differential" and imposed == "torques":
             values["method"] = _TORQUES
+        # Later entries win: what was given goes before what a replay has by itself.
         values |= sources.values(role)
         configurations[role] = sources.configured(role, values)
     check_graph(configurations)
     own_period = configurations["plant"].common.control_period
+    # Samples of the record are steps of the plant: nothing is interpolated between them.
     if own_period != period:
         raise ParameterError(
             f"control_period is {own_period:g} s, expected that of the record, {period:g} s"
@@ -203,6 +221,7 @@ class OpenLoop:
         cut_off: float | None = None,
     ) -> None:
         self.record, self.windows = record, windows
+        # The longitudinal velocity in any case: the sideslip angle needs it.
         self._signals = (*dict.fromkeys((LONGITUDINAL, *signals)),)
         self.configurations = configurations
         self.is_imposed, self.cut_off, self._imposed = imposed == "speed", cut_off, imposed
@@ -214,7 +233,9 @@ class OpenLoop:
         begun = np.maximum.accumulate(np.where(record.valid, 0, numbers + 1))[windows.first]
         ahead = windows.first[:, None] + np.arange(-self._lead, windows.size)
         ahead = np.maximum(ahead, begun[:, None])
+        # A held car begins its window at the measured state; a free one begins its lead there.
         begin = windows.first if held else ahead[:, 0]
+        # Whole nanoseconds, so that points lie on the steps of the plant.
         time = [round(n * record.period, 9) for n in range(size)]
         smooth = {
             name: smoothed(record, name, cut_off) for name in SMOOTHED if name != LATERAL or held
@@ -225,8 +246,10 @@ class OpenLoop:
             "plant.imposed_speed.time": [time] * len(windows),
             "plant.imposed_speed.speed": speed.tolist(),
             "plant.initial_speed": (
+                # With a free speed a held car keeps this one until its window begins.
                 speed[:, 0] if self.is_imposed or not held else speed[:, self._lead]
             ).tolist(),
+            # Without a measured lateral velocity there is none to be held at.
             "plant.initial_hold": [HOLD if held else 0.0] * len(windows),
             "plant.initial_lateral_velocity": (
                 smooth[LATERAL][begin] if held else np.zeros(len(begin))
@@ -245,6 +268,7 @@ class OpenLoop:
         if imposed == "pedals":
             self._fixed["driver.pedals.time"] = [time] * len(windows)
             for kind, channel in _PEDALS.items():
+                # The sum over all wheels; the electronic differential of the replay shares it out.
                 self._fixed[f"driver.pedals.{kind}_torque"] = self._torque(channel)[ahead].tolist()
         elif imposed == "torques":
             self._fixed["electronic_differential.time"] = [time] * len(windows)
@@ -259,8 +283,10 @@ class OpenLoop:
 
     def scaled(self, channel: str, factor: float) -> OpenLoop:
         """The same with a measured channel, the speed or the steering angle, so much larger."""
+        # The record itself stays: others replay it.
         channels = dict(self.record.channels)
         channels[channel] = factor * channels[channel]
+        # The sideslip angle depends on the speed that was changed.
         if LATERAL in channels:
             speed = channels[LONGITUDINAL]
             known = np.isfinite(channels[SIDESLIP])
@@ -307,6 +333,7 @@ class OpenLoop:
 
     def _torque(self, channel: str) -> np.ndarray:
         """A channel [N m]; a brake never drives, so what its sensor has below zero is none, of which a note is made."""
+        # Below zero a brake would drive the car.
         torque = self.record[channel]
         low = float(torque.min())
         if ".brake" not in channel or low >= 0.0:
@@ -317,6 +344,7 @@ class OpenLoop:
     @property
     def compared(self) -> list[str]:
         """The signals of the record that are compared."""
+        # What is imposed agrees by construction.
         given = (LONGITUDINAL, LONGITUDINAL_ACCELERATION) if self.is_imposed else ()
         return [name for name in COMPARED if name in self.record.channels and name not in given]
 
@@ -330,7 +358,9 @@ class OpenLoop:
         A car is what is changed, by ROLE.PARAMETER or *.PARAMETER, the same names in all of them.
         """
         count = len(self.windows)
+        # Windows change fastest, then cars: the shape below follows that order.
         vary = {name: values * len(cars) for name, values in self._fixed.items()}
+        # All cars of a batch vary the same names.
         for name in cars[0]:
             if name in self._fixed:
                 raise ParameterError(

@@ -2,6 +2,11 @@
 
 A car that understeers, slides or leans stays far inside these limits. Outside are sensors of
 another sign or unit, velocities of another frame, and channels that nothing measures.
+
+How it works: pairs of channels that physics ties to each other are compared in what a car can do,
+below 3 Hz and above walking pace. Their correlation shows an opposite sign, the ratio of their
+deviations a wrong unit. Where the car hardly turns or accelerates nothing is compared: only noise
+would be.
 """
 
 from __future__ import annotations
@@ -38,15 +43,19 @@ def contradictions(replay: OpenLoop) -> list[str]:
     """A line for each pair of channels that cannot both be right, and for each that does not change as it should."""
     record = replay.record
     moving = record.valid & (np.abs(record[LONGITUDINAL]) > _FAST)
+    # A car that hardly moves shows nothing of its sensors.
     if moving.sum() < _FEWEST:
         return []
     speed, rate = smoothed(record, LONGITUDINAL, _SLOW), smoothed(record, YAW_RATE, _SLOW)
     wheelbase = replay.configurations["plant"].common.vehicle.wheelbase
     angle = smoothed_values(record, replay.road_wheel_angle, _SLOW)
+    # The yaw rate of a car without slip angles.
     asked = (speed * angle / wheelbase)[moving]
     found = _constant(replay, moving, max(float(np.std(asked)), float(np.std(rate[moving]))))
+    # A constant channel has no deviation and no correlation.
     if found:
         return found
+    # Half of what understeer leaves of it at most.
     typical = float(np.sqrt(np.mean(speed[moving] ** 2)))
     least = 0.5 / (1.0 + (typical / _LEAST) ** 2)
     if max(float(np.std(asked)), float(np.std(rate[moving]))) > _MOVES:
@@ -57,6 +66,7 @@ def contradictions(replay: OpenLoop) -> list[str]:
     if LATERAL_ACCELERATION in channels:
         turning = speed * rate
         if LATERAL in channels:
+            # a_y = u r + dv/dt; the second part is small but in fast changes.
             turning = turning + rate_of(record, smoothed(record, LATERAL, _SLOW))
         own = smoothed(record, LATERAL_ACCELERATION, _SLOW)[moving]
         if np.std(turning[moving]) > _ACCELERATES:
@@ -98,6 +108,7 @@ def _compared(
 ) -> list[str]:
     """A line if a channel has the opposite sign of what it is expected to be near to, or quite another size."""
     size, own = float(np.std(expected)), float(np.std(values))
+    # corrcoef would be NaN.
     if min(size, own) == 0.0:
         return []
     correlation = float(np.corrcoef(values, expected)[0, 1])

@@ -37,8 +37,10 @@ def noise_of(record: MeasuredRecord, channel: str) -> float:
 
 def _noise(values: np.ndarray, valid: np.ndarray) -> float:
     """Standard deviation of white noise with the third differences of values where all four are valid."""
+    # A third difference needs four samples in a row.
     believed = valid[3:] & valid[2:-1] & valid[1:-2] & valid[:-3]
     differences = np.diff(values, 3)[believed]
+    # White noise of variance s^2 has third differences of variance (1 + 9 + 9 + 1) s^2.
     return float(np.sqrt(np.mean(differences**2) / 20.0)) if len(differences) else 0.0
 
 
@@ -49,10 +51,14 @@ def cut_off_of(record: MeasuredRecord, channel: str) -> float:
         _step(record, channel) * record.period,
         LEFT[channel],
     )
+    # The difference of two samples has the root of two of their noise.
     if np.sqrt(2.0) * noise / spacing <= left:
         return 0.0
+    # One-sided: all of s^2 lies between 0 and the Nyquist frequency 1/(2 spacing).
     density = 2.0 * spacing * noise**2
+    # The variance above solved for f.
     cut_off = float(np.cbrt(left**2 / (4.0 * np.pi**2 * _SHARE * density)))
+    # The Nyquist frequency is that of the record, not of the sensor: the filter runs over instants.
     return min(max(cut_off, LOWEST), _HIGHEST * 0.5 / record.period)
 
 
@@ -70,8 +76,10 @@ def smoothed_values(record: MeasuredRecord, values: np.ndarray, cut_off: float) 
     mixed with that of the one before, and the car be braked by the difference.
     """
     nyquist = 0.5 / record.period
+    # Nothing in the samples is faster than the cut-off.
     if cut_off == 0.0 or nyquist <= cut_off:
         return values
+    # One period of the cut-off on both sides keeps the ends from swinging.
     padded = round(1.0 / cut_off / record.period)
     long = [each for each in record.stretches if each.stop - each.start > padded]
     if not long:
@@ -90,6 +98,7 @@ def rate_of(record: MeasuredRecord, values: np.ndarray) -> np.ndarray:
     """
     found = np.zeros(len(values))
     for stretch in record.stretches:
+        # A single instant has no rate; it stays zero.
         if stretch.stop - stretch.start > 1:
             found[stretch] = np.gradient(values[stretch], record.period)
     return found

@@ -1,4 +1,9 @@
-"""A car held against a record: errors of its open-loop replay in numbers, and where and why they are worst."""
+"""A car held against a record: errors of its open-loop replay in numbers, and where and why they are worst.
+
+How it works: the replay gives signals of all windows. Everything else is derived from them when it
+is asked for and kept: errors by signal, range and window, corridors, the windows that left the
+record, figures. Arrays are (windows, samples) throughout; figures set window behind window.
+"""
 
 from __future__ import annotations
 
@@ -86,6 +91,7 @@ class Validation:
     def spun(self) -> np.ndarray:
         """Mask of the windows that left the record (`errors.spins`)."""
         simulated = self.simulated[SIDESLIP]
+        # Without a measured angle a large one is judged against zero, but only where the car moves.
         known = SIDESLIP in self.replay.record.channels
         if known:
             return spins(simulated, self.replay.measured(SIDESLIP))
@@ -98,6 +104,7 @@ class Validation:
         along, across, load = (
             np.array([self.simulated[f] for f in _FORCES[n : n + 4]]) for n in (0, 4, 8)
         )
+        # Below 1 N of load the ratio is noise of a wheel in the air.
         return np.hypot(along, across) / np.where(load > 1.0, load, np.inf)
 
     def begins(self) -> np.ndarray:
@@ -116,6 +123,7 @@ class Validation:
         found += [line for name, each in self.judged.items() if (line := each.is_late(name))]
         for window in np.flatnonzero(self.spun):
             used = self.friction_used[:, window].mean(axis=1)
+            # A window with no finite number leaves the record by that, whatever wheel is named.
             wheel = int(np.nanargmax(used)) if np.isfinite(used).any() else 0
             speed = self.replay.measured(LONGITUDINAL)[window]
             found.append(
@@ -159,6 +167,8 @@ class Validation:
         """Measured and simulated, window behind window; an instant that two windows share is that of the later one."""
         record, windows = self.replay.record, self.replay.windows
         time, last = windows.of(record.time), np.ones(windows.size, bool)
+        # The instant on which two windows meet is in both: the one of the later begins from the
+        # record.
         last[-1] = False
         keep = np.tile(last, len(windows))
         keep[-1] = True
@@ -176,6 +186,7 @@ class Validation:
         panels = []
         for name in self.names:
             one, other = both["measured"].channels[name], both["simulated"].channels[name]
+            # By the measured signal: a window that spins would else set the scale of the figure.
             span = float(np.nanmax(np.abs(one))) * 1.3
             panels.append(
                 _panel(readable(name), name, time, {"measured": one, "simulated": other}, span)
@@ -210,6 +221,7 @@ class Validation:
         ]
 
     def _worst(self) -> Sheet:
+        # A window without finite numbers is the worst.
         order = np.argsort(np.nan_to_num(self.judged[YAW_RATE].of_windows, nan=np.inf))[::-1][
             :_SHOWN
         ]
@@ -258,6 +270,7 @@ class Validation:
             about="driven as measured, all else simulated from the measured state on",
             command=command,
         ).as_json()
+        # What differs from a scenario's file: there is none.
         del content["differs"]
         of = {name: each.as_json() for name, each in self.judged.items()}
         content |= {
