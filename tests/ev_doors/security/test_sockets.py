@@ -114,7 +114,7 @@ class Try:
                 *(network.inside if isinstance(network, Network) else ()),
                 "bash",
                 "-c",
-                words.replace("OUT", str(folder)),
+                words.replace("OUT", str(folder / "out")),
             ],
             env={**ENVIRONMENT, MARK: self._mark},
             stdout=self.output,
