@@ -160,7 +160,7 @@ def test_every_socket_is_bound_to_loopback_and_a_stranger_is_refused(way, networ
     """
     words, least = WAYS[way]
     under_way = Try(words.replace("PORT", str(free_port())), network, tmp_path)
-    not_refused, groups, insiders, log = [], set(), {}, tmp_path / "bus.log"
+    not_refused, groups, insiders, log = [], set(), {}, tmp_path / "out" / "bus.log"
 
     def is_enough() -> bool:
         """Return True once a command that goes on by itself can be stopped."""
@@ -199,7 +199,7 @@ def test_every_socket_is_bound_to_loopback_and_a_stranger_is_refused(way, networ
     ] == []
     assert (not_refused, groups) == ([], set())
     if isinstance(network, Network) and words == BENCH:
-        logged = {message.arbitration_id for message in can.LogReader(tmp_path / "bus.log")}
+        logged = {message.arbitration_id for message in can.LogReader(tmp_path / "out" / "bus.log")}
         assert logged & {0x123, 0x124} == {0x124}
 
 
