@@ -34,6 +34,7 @@ def bus_log(file: str) -> can.Listener:
             f"parameter log: {quoted(file)} is refused, expected a file that is not there yet"
         )
     try:
+        # python-can chooses the writer by the suffix; that of .mf4 is an extra.
         return can.Logger(path)
     except (NotImplementedError, ImportError):
         raise ValueError(
@@ -132,6 +133,7 @@ class Channel:
                 self._emptied = time.monotonic()
                 return None
             age = self._age(message)
+            # Late frames are left out one after the other, until the reader has caught up.
             if self._is_multicast and age > _OLDEST:
                 self.late += 1
                 self.trouble = (

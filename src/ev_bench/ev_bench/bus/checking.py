@@ -26,6 +26,7 @@ STATUS_NAMES = (
 OK, NO_NEW_DATA, WRONG_CRC, SYNC, INITIAL, REPEATED, OK_SOME_LOST, WRONG_SEQUENCE = range(
     len(STATUS_NAMES)
 )
+# Counters run from 0 to 14: a step of a whole turn looks like none.
 _LARGEST_COUNT = 14
 
 
@@ -66,6 +67,7 @@ def is_valid(status: int) -> bool:
 @compilable
 def no_new_data(s: CheckState) -> int:
     """A cycle of the receiver has passed without a frame; the status."""
+    # Each cycle without a frame makes room for one more that is lost.
     s.max_delta_counter = min(s.max_delta_counter + 1.0, _LARGEST_COUNT)
     return _not_new(s, NO_NEW_DATA)
 
@@ -92,6 +94,8 @@ def check(c: CheckSettings, s: CheckState, payload: int, length: int, data_id: i
 
 @compilable
 def _follow(c: CheckSettings, s: CheckState, counter: int, delta: int) -> int:
+    # More are lost than is tolerated: begin again from this counter, by `sync_counter_init` right
+    # ones.
     if delta > s.max_delta_counter:
         s.no_new_or_repeated_data_counter = 0.0
         s.sync_counter = c.sync_counter_init
@@ -101,6 +105,7 @@ def _follow(c: CheckSettings, s: CheckState, counter: int, delta: int) -> int:
     else:
         _take(c, s, counter)
         s.lost_data = float(delta - 1)
+        # After a long silence the right counter is chance: synchronise first.
         if s.no_new_or_repeated_data_counter > c.max_no_new_or_repeated_data:
             s.sync_counter = c.sync_counter_init
             status = SYNC

@@ -129,6 +129,7 @@ def channel_frames(frames: Sequence[FrameLayout]) -> ChannelFrames:
 @compilable
 def release(s: ChannelState, place: int, at: float, low: float, high: float) -> None:
     """Queue a frame from `at` [bit] on, in the place of an unsent one with its identifier."""
+    # A place holds one frame: what has not been sent yet is overwritten, and lost.
     s.lost += s.waiting[place]
     s.pending += 1.0 - s.waiting[place]
     s.waiting[place], s.released[place] = 1.0, at
@@ -142,6 +143,7 @@ def advance_channel(
     """Begin all frames that can begin before `until` [bit]; those that end until then arrive."""
     while s.free_from < until:
         _arrive(s)
+        # Frames of others are of the longest kind, and have the lower identifiers.
         if s.other_bits >= _LONGEST:
             s.other_bits -= _LONGEST
             s.busy += _LONGEST
@@ -153,6 +155,7 @@ def advance_channel(
         if now >= until:
             return
         _send(c, p, s, channel, now)
+    # A frame that ends just then has arrived.
     if s.free_from == until:
         _arrive(s)
 
@@ -175,6 +178,7 @@ def _begin_of_next(s: ChannelState, until: float) -> float:
     for place in range(PLACES):
         if s.waiting[place] != 0.0:
             earliest = min(earliest, s.released[place])
+            # One waits as soon as the bus is free; no later release can begin earlier.
             if earliest <= s.free_from:
                 return s.free_from
     return earliest
@@ -215,6 +219,8 @@ def _keep(s: ChannelState, place: int) -> None:
 @compilable
 def _is_lost(p: BusModelParameters, count: float, channel: int) -> bool:
     number = int(count)
+    # By the number of the frame and not by a generator that goes on: what is lost does not depend
+    # on who has drawn before.
     w0, w1, _, _ = philox(number & WORD, number >> 32, channel, 0, int(p.seed), 0)
     return uniform(w0, w1) < p.loss
 
@@ -238,6 +244,7 @@ def next_period(s: ChannelState) -> None:
 def next_tick(p: BusModelParameters, s: ChannelState) -> None:
     """Count from the beginning of the next tick on."""
     tick = bits_per_tick(p)
+    # All times count from the new tick on; a bus that has been free for long is just free.
     s.free_from = max(s.free_from - tick, 0.0)
     s.tick_begin += tick
     s.other_bits += p.other_load * tick

@@ -40,6 +40,7 @@ class MulticastBus(can.BusABC):
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
             self._join(socket.inet_aton(group), ipaddress.IPv4Address(address))
+        # Whatever interrupts it, a socket that is half set up does not stay open.
         except BaseException:
             self.shutdown()
             raise
@@ -47,10 +48,13 @@ class MulticastBus(can.BusABC):
     def _join(self, group: bytes, address: ipaddress.IPv4Address) -> None:
         hops = 0 if address.is_loopback else 1
         for level, option, value in (
+            # All nodes of this machine listen at the same port of the same group.
             (socket.SOL_SOCKET, socket.SO_REUSEADDR, 1),
             (socket.SOL_SOCKET, socket.SO_REUSEPORT, 1),
             (socket.SOL_SOCKET, socket.SO_RCVBUF, _BUFFER),
+            # The kernel stamps a datagram as it comes: that is where latency begins to count.
             (socket.SOL_SOCKET, _TIMESTAMPS, 1),
+            # With 0 hops no frame leaves this machine, with 1 none leaves its network.
             (socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, hops),
             (socket.IPPROTO_IP, _ALL_GROUPS, 0),
             (socket.IPPROTO_IP, socket.IP_MULTICAST_IF, address.packed),
@@ -71,6 +75,7 @@ class MulticastBus(can.BusABC):
         except BlockingIOError:
             return None, False
         seconds, nanoseconds = _TIME.unpack(time)
+        # True: no filters are set, so python-can has nothing to filter.
         return unpack_message(data, {"timestamp": seconds + 1e-9 * nanoseconds}, check=True), True
 
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
@@ -104,6 +109,7 @@ def open_channel(interface: str, channel: str, address: str = LOOPBACK) -> can.B
         return _open(interface, channel, address)
     except (can.CanError, can.CanInterfaceNotImplementedError, OSError, ValueError) as error:
         reason = (
+            # python-can wraps the error of the system; the cause is the shorter line.
             (error.__cause__ or error) if isinstance(error, can.CanInitializationError) else error
         )
         text = getattr(reason, "strerror", None) or str(reason)

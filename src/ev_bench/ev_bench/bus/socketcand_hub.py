@@ -56,6 +56,8 @@ class _Client(asyncio.Protocol):
 
     def data_received(self, data: bytes) -> None:
         """Obey the commands that are complete."""
+        # TCP has no messages: a command may come in pieces, and what is behind the last bracket
+        # waits.
         *commands, self._text = (self._text + data.decode("ascii", errors="replace")).split(">")
         for command in commands:
             if self.transport.is_closing():
@@ -66,6 +68,7 @@ class _Client(asyncio.Protocol):
 
     def _obey(self, command: str) -> None:
         begin, _, text = command.partition("<")
+        # Text before the bracket belongs to no command, so this is none.
         words = "" if begin.strip() else " ".join(text.split())
         if words.startswith("open ") and words.count(" ") == 1:
             self._bus = words.removeprefix("open ")
@@ -75,6 +78,7 @@ class _Client(asyncio.Protocol):
             self._takes_frames = True
             asyncio.get_running_loop().call_later(_SETTLES, self.settle)
         elif self._bus and (frame := _frame(words)):
+            # `open_channel` promises a bus that does not receive its own frames.
             for other in self._hub.clients - {self}:
                 other.take(self._bus, frame.encode())
         else:
@@ -92,6 +96,7 @@ class _Client(asyncio.Protocol):
             put, waiting = self.transport.write, self.transport.get_write_buffer_size()
             if self._early is not None:
                 put, waiting = self._early.extend, len(self._early)
+            # A client that does not read loses frames, instead of filling the memory of the hub.
             if waiting < _MOST_WAITING:
                 put(frame)
 
@@ -151,6 +156,8 @@ class SocketcandHub:
             loop.default_exception_handler(context)
             return
         self.warn_once("accept", f"a client is sent away: {error.strerror}")
+        # With the spare descriptor clients that wait can be accepted, just to be closed: they need
+        # not wait until one of the others leaves.
         os.close(self._spare)
         with suppress(OSError):
             while True:
@@ -161,6 +168,7 @@ class SocketcandHub:
 def _frame(words: str) -> str | None:
     """The text for the others: identifier, time, data; None if these words are no frame."""
     found = _SEND.fullmatch(words)
+    # Not the text of a data frame with at most eight bytes.
     if found is None:
         return None
     identifier, length, data = found[1].upper(), int(found[2]), found[3].split()

@@ -46,10 +46,12 @@ def lead_inverter(p: InverterParameters, s: Inverter, speed: float, period: floa
     control, torque_gone = int(s.command.controlword), abs(s.torque) < _NO_TORQUE
     silent = on_channel.missing_set_point(s, p.command_timeout, period) != 0
     before, charged = int(s.state), s.dc_link.contactor != 0.0
+    # In a fault missing set-points are no cause (`_causes`), so a reset asks for them itself.
     reset, faulty = s.command.reset != 0.0 and not silent, causes != 0
     s.state = float(drive_states.next_state(before, control, reset, faulty, charged, torque_gone))
     if s.state == drive_states.SWITCH_ON_DISABLED and not faulty:
         s.faults = s.error_code = 0.0
+    # The direction is taken over before operation; to change it within is a fault (`_causes`).
     if s.state != drive_states.OPERATION_ENABLED:
         s.direction = s.command.direction
 
@@ -77,6 +79,7 @@ def _causes(p: InverterParameters, s: Inverter, speed: float, period: float) -> 
         bits |= frames.OVER_SPEED
     if s.phase_current + s.injected.current_rise > p.largest_current:
         bits |= frames.OVER_CURRENT
+    # A device that is not being switched on needs no set-points.
     if drive_states.READY_TO_SWITCH_ON <= state <= drive_states.QUICK_STOP_ACTIVE:
         bits |= on_channel.missing_set_point(s, p.command_timeout, period)
         offered = mode in (frames.NO_MODE, frames.TORQUE_MODE) or (
@@ -91,6 +94,7 @@ def _causes(p: InverterParameters, s: Inverter, speed: float, period: float) -> 
 
 @compilable
 def _latch(s: Inverter, causes: int) -> None:
+    # The error code names what came first; of several at once the lowest bit.
     if causes != 0 and s.faults == 0.0:
         place = 0
         while (causes >> place) & 1 == 0:
@@ -119,6 +123,7 @@ def advance_circuit(p: CircuitParameters, s: Circuit, period: float) -> None:
     advance_inverter(p.drive, s.drive, s.speed, period)
     advance_inverter(p.load, s.load, s.speed, period)
     inertia = p.drive.machine.rotor_inertia + p.load.machine.rotor_inertia
+    # Friction is taken implicitly, which is stable for any of it.
     s.speed = (s.speed + period * (s.drive.torque + s.load.torque) / inertia) / (
         1.0 + period * p.friction / inertia
     )
@@ -188,6 +193,7 @@ class ChannelStation:
         After more than a few the machines stand still for the rest, as a burst of late cycles would
         be no real time; the set-points get older all the same.
         """
+        # The oldest cycles are the ones that are lost.
         lost, speeds = max(ticks - _MADE_GOOD, 0), (0.0, 0.0)
         for inverter in self.inverters:
             on_channel.grow_older(inverter.s, lost * TICK)

@@ -211,6 +211,7 @@ class Machine:
 
 def _as_in(of: type, name: str, **changed: Any) -> Any:
     """Declare a parameter of another dataclass with another default or other knowledge."""
+    # Exactly one: a name that the other dataclass no longer has fails as this module is read.
     (known,) = (each for each in entries(of) if each.name == name)
     return parameter(**{"default": known.default, **asdict(known.spec), **changed})
 

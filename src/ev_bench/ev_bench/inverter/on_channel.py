@@ -40,6 +40,7 @@ def _take_over(layout: frames.SetPointLayout, s: Inverter, payload: int) -> None
     before = int(s.command.controlword)
     control = int(extracted(payload, layout.controlword))
     torque = extracted(payload, layout.torque)
+    # CiA 402 resets by the edge: a bit that stays set is no second reset.
     risen = control & drive_states.FAULT_RESET != 0 and before & drive_states.FAULT_RESET == 0
     if risen and torque == 0.0 and control & drive_states.ENABLE_OPERATION == 0:
         s.command.reset = 1.0
@@ -98,6 +99,7 @@ def made(
     """The payload of the next frame of a kind at a shaft speed [rad/s]; its counter goes on."""
     frozen = s.injected.frozen_counter != 0.0
     counter = int(s.counters[kind])
+    # A frozen counter stays that of the frame before, which a receiver takes for a repetition.
     used = last_counter(counter) if frozen else counter
     if not frozen:
         s.counters[kind] = float(next_counter(counter))

@@ -32,11 +32,13 @@ def advance_dc_link(p: DcLinkParameters, s: Inverter, period: float) -> None:
         and int(s.command.controlword) & SWITCH_ON != 0
         and link.contactor == 0.0
     )
+    # The contactor drops out at once, and the voltage then falls with `discharge_time`.
     if s.injected.supply_lost != 0.0 or not powered:
         link.contactor = 0.0
     if link.contactor != 0.0:
         link.voltage = p.supply_voltage
     elif charging and s.injected.supply_lost == 0.0:
+        # Exact over the period, which may be longer than R C.
         share = 1.0 - exp(-period / (p.precharge_resistance * p.capacitance))
         link.voltage += share * (p.supply_voltage - link.voltage)
         link.charging_time += period
@@ -58,6 +60,7 @@ def dc_link_faults(p: DcLinkParameters, s: Inverter) -> int:
     if SWITCHED_ON <= state <= QUICK_STOP_ACTIVE:
         if s.dc_link.contactor == 0.0 or voltage < p.least_share * p.supply_voltage:
             bits |= frames.DC_LINK_LOSS
+    # Before it is switched on the link may be empty, so only the supply itself is looked at.
     elif s.injected.supply_lost != 0.0:
         bits |= frames.DC_LINK_LOSS
     if voltage > p.highest_share * p.supply_voltage:
@@ -113,7 +116,7 @@ def derating(p: ThermalParameters, s: Inverter) -> float:
 
 
 _COLD = 0.0  # heat of `limited_torque`: derating is by our own temperatures
-_HALF_STEP = 1.0 / 64.0  # N m
+_HALF_STEP = 1.0 / 64.0  # N m, of torques in the frames: less is rounding and no limit
 
 
 @compilable
@@ -136,6 +139,7 @@ def largest_torque(p: InverterParameters, s: Inverter, speed: float) -> float:
     """Torque [N m] within set-point, machine, temperatures and voltage; once in a cycle."""
     most = min(s.command.torque_limit, p.machine.peak_torque) * derating(p.thermal, s)
     winding, voltage = p.machine.winding, s.dc_link.voltage
+    # Mostly the voltage suffices, and the roots of the circle need not be taken.
     if synchronous_motor.is_weakened(winding, voltage, speed):
         return min(most, synchronous_motor.voltage_limited_torque(winding, voltage, speed))
     current = synchronous_motor.ROOT_2 * winding.largest_current
@@ -146,13 +150,12 @@ def largest_torque(p: InverterParameters, s: Inverter, speed: float) -> float:
 def follow_reference(
     p: InverterParameters, s: Inverter, speed: float, period: float, share: float, most: float
 ) -> None:
-    """Let the torque follow its reference over `period` [s].
-
-    Without an active power stage it is zero at once.
+    """Let the torque follow its reference over `period` [s]; zero at once with the stage off.
 
     First order, T' = (T_ref - T)/tau: `share` is `share_of_lag`, `most` is `largest_torque`.
     """
     state = int(s.state)
+    # Transistors that block end the current at once, without the lag of its control.
     if state not in (OPERATION_ENABLED, QUICK_STOP_ACTIVE):
         s.torque = s.speed_integral = s.limited = s.weakening_loss = 0.0
     else:
@@ -181,6 +184,7 @@ def _asked(p: InverterParameters, s: Inverter, speed: float, period: float, most
     if int(s.command.mode) != frames.TORQUE_MODE:
         return 0.0
     asked, room = sense * s.command.torque, abs(s.command.speed) - abs(speed)
+    # What slows the shaft down is allowed at any speed.
     if asked * speed < 0.0:
         return asked
     # No torque that would drive the shaft beyond its speed limit.

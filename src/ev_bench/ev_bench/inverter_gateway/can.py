@@ -220,6 +220,7 @@ def can(
     command_loads(p, g, load)
     of_drives = leading.Limits(p.torque_limit, p.speed_limit)
     of_loads = leading.Limits(p.load_torque_limit, p.speed_limit)
+    # The set-points are all written below; a heartbeat may be due or not.
     s.set_points[HEARTBEATS] = s.set_points[HEARTBEATS + 1] = NO_FRAME
     for tick in range(int(c.ticks)):
         press_buttons(c.enable_tick, c.reset_tick, g)
@@ -243,6 +244,7 @@ def can(
     note_faults(s)
     w = s.set_points
     return SetPointFrames(
+        # Written out, because compiled code cannot unpack a row into a tuple.
         w[0],
         w[1],
         w[2],
@@ -308,6 +310,7 @@ def _receive(
 ) -> None:
     """Take the frame of a tick, and with the first one those that come less often."""
     _take(f, own, s, leading.MOTION, of, begin + 2 * tick)
+    # The lockstep bus hands over the newest of the rarer frames once for the whole period.
     if tick == 0:
         _take(f, own, s, leading.ELECTRICAL, of, begin + SET_POINTS)
         _take(f, own, s, leading.TEMPERATURES, of, begin + SET_POINTS + 2)

@@ -166,6 +166,7 @@ def watch(p: PlausibilityParameters, s: Device, shaft: Shaft, period: float) -> 
     reported = f.torque_sum / f.torque_count if f.torque_count > 0.0 else f.torque
     # Until it is enabled, a shaft that the load machine still brings to its speed is in doubt, too.
     change = shaft.speed - s.watched_speed
+    # The transducer sits behind the rotor: the torque in front of it also speeds the rotor up.
     inside = shaft.torque + (shaft.rotor * change / period if s.enable else 0.0)
     f.torque_sum = 0.0
     f.torque_count = 0.0
@@ -257,6 +258,7 @@ def most_torque(layout: SetPointLayout, limit: float) -> float:
 def check_limits(layout: SetPointLayout, p: GatewayParameters) -> None:
     """Refuse limits above zero that are zero in the frames: an enabled drive would give nothing."""
     of_torque = layout.torque_limit.scale
+    # A limit is rounded down to both steps, so the coarser one decides what is left of it.
     of_torque *= max(ceil(layout.torque.scale / of_torque), 1)
     for name in ("torque_limit", "load_torque_limit"):
         limit = getattr(p, name)

@@ -7,10 +7,10 @@ How it works: a device is a small state machine. Its state is a few entries of `
                its statusword (`drive_states.controlword_towards_operation`).
     running    enable is true and the statusword confirms it: torque or speed go out.
     latched    one of tripped, stale, command_stale, implausible is true: enable becomes false, and
-               nothing but a reset clears it. reset      reset_time counts from 0 (-1: there is
-               none). First nothing is sent for `_QUIET`, then
-               the reset bit, which the inverter sees rise. A fresh statusword without fault after
-               that clears the latches; else the reset ends at `reset_timeout`.
+               nothing but a reset clears it.
+    reset      reset_time counts from 0 (-1: there is none). First nothing is sent for `_QUIET`,
+               then the reset bit, which the inverter sees rise. A fresh statusword without fault
+               after that clears the latches; else the reset ends at `reset_timeout`.
 
 Each cycle has three steps: `receive_feedback` takes the frames that have come, as far as they are
 valid; `advance_gateway` notes what is wrong and goes on with resets; `set_point` and `heartbeat`
@@ -128,6 +128,7 @@ def _enable_where_possible(p: GatewayParameters, s: Gateway) -> None:
 @compilable
 def advance_device(p: GatewayParameters, s: Device, period: float) -> None:
     """Latch what is wrong and go on with a reset, after the frames of this cycle."""
+    # The check counts cycles without a frame, by which it later tolerates a gap.
     if not s.feedback.received:
         checking.no_new_data(s.feedback.motion)
     s.feedback.received = False
@@ -162,6 +163,7 @@ def _advance_reset(p: GatewayParameters, s: Device, state: int, period: float) -
     """Go on with a reset: a fresh statusword without fault, after the bit was sent, ends it."""
     fresh = s.feedback.age <= p.feedback_timeout
     s.reset_time += period
+    # As long again with the reset bit: what the statusword shows now, it shows after the bit.
     if s.reset_time > 2.0 * _QUIET and fresh and state == drive_states.SWITCH_ON_DISABLED:
         s.tripped = False
         s.stale = False
@@ -238,6 +240,7 @@ def set_point(f: BenchFrames, own: DeviceFrames, s: Device, limits: Limits) -> i
     payload = inserted(payload, f.set_point.torque, torque if turns else 0.0)
     payload = inserted(payload, f.set_point.speed, speed if turns else 0.0)
     payload = inserted(payload, f.set_point.torque_limit, most if turns else 0.0)
+    # It counts frames that go out, whether the device is enabled or not.
     counter = int(s.counter)
     s.counter = float(next_counter(counter))
     return guarded(f.set_point, payload, own.set_point_data_id, counter)

@@ -130,6 +130,7 @@ class FeedbackPublisher:
         """Publish the diagnosis of all devices, if it has changed or `anyway`."""
         found = {name: diagnosis(device, feedback_timeout) for name, device in devices.items()}
         reported = [(each.level, each.message) for each in found.values()]
+        # By level and line: details such as ages change with every cycle.
         if reported == self._reported and not anyway:
             return
         self._reported = reported
@@ -189,6 +190,7 @@ class Commands:
         try:
             message = deserialize_message(serialized, JointState)
         except RuntimeError:
+            # An unknown name is refused below, with the line for all that cannot be used.
             message = JointState(name=["unreadable"])
         mode, values = TORQUE_MODE, message.effort
         if message.velocity:
@@ -237,6 +239,7 @@ class Panel:
             return response
         timeout = station.p.command_timeout
         commanded = [n for n in DEVICES if station.devices[n].command_age <= timeout]
+        # Without any command the drives are asked for, which gives the reason why not.
         refused = station.enable(tuple(commanded or DRIVES))
         response.success = not refused
         response.message = refused or f"being enabled: {', '.join(commanded)}"

@@ -67,6 +67,7 @@ class GatewayStation:
     def receive(self, circuit: str, frame: Frame) -> None:
         """Take a frame from the channel of a circuit, if it is of one of its devices."""
         name, kind, length = self._feedback.get(frame.identifier, ("", 0, 0))
+        # The same identifier on the other channel is not from this device.
         if not name or not name.endswith(circuit):
             return
         feedback = self.devices[name].feedback
@@ -94,6 +95,7 @@ class GatewayStation:
             leading.DOUBTFUL: "measures what cannot be",
             leading.WITHOUT_COMMAND: f"has no command: none within {self.p.command_timeout:g} s",
         }
+        # All of them or none: nothing is enabled before all have been looked at.
         for name in names:
             found = leading.refusal(self.p, self.devices[name])
             if found != leading.MAY_BE_ENABLED:
@@ -175,6 +177,7 @@ class GatewayOnBus(LawObject):
         """Press the buttons that are due, lead the inverters on; return the frames to send."""
         c, g = self.given["c"], self.station.s
         now = g.tick
+        # A button belongs to one tick, so none of those that were held up is left out.
         for tick in range(ticks if self._has_begun else 0):
             g.tick = now + tick
             can.press_buttons(c.enable_tick, c.reset_tick, g)

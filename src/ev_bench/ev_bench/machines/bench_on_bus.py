@@ -107,6 +107,8 @@ class BenchStation(ChannelStation):
 
     def end_period(self, ticks: float, bit_rate: float) -> None:
         """End a control period of some ticks: means, heat, and counts of the bus."""
+        # The sums count each cycle as one of the `c.ticks` of a period; there may have been more or
+        # fewer.
         mean = self._c.ticks / self._made
         for name in _MEANS:
             setattr(self.s, name, mean * getattr(self.s, name))
@@ -182,6 +184,7 @@ class BenchOnBus(LawObject):
         """
         s, c, ticks = self.given["s"], self.given["c"], self._tick - self._last_tick
         s.voltage = battery.voltage
+        # Two instants may come within one cycle: nothing has happened, and the outputs stay.
         if ticks == 0.0:
             return
         for circuit in self._circuits.values():

@@ -142,6 +142,7 @@ def on_the_way(
     p: BusFaultParameters, s: BusFaultState, kind: int, low: float, high: float
 ) -> Words:
     """Set-point that arrives under a fault: the same, another one, or none."""
+    # The frame that is repeated is the first one of each time that the fault lasts.
     if kind != BusFault.WRONG_COUNTER:
         s.low = s.high = NO_FRAME
     if low == NO_FRAME or kind == BusFault.LOST_FRAMES:

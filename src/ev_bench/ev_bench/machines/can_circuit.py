@@ -67,6 +67,8 @@ def _follow(
 ) -> None:
     """Advance machines and shaft over a tick; inverters take what arrived as without a bus."""
     machine, load, path, steps = s.machine, s.load, s.torque_path, int(c.steps)
+    # The command of the frames is kept aside: the steps write delayed and rate-limited values into
+    # its place, and the next frame may be missing.
     asked, asked_load, asked_speed, limit = (
         machine.command.torque,
         load.command.torque,
@@ -85,6 +87,7 @@ def _follow(
         machine.command.torque = circuit.follow(path, now, steps, n, c.circuits.delay, change)
         # which is a limit beside a torque
         circuit.follow_of_load(p, c.circuits, s, now, steps, n, asked_speed)
+        # Once enabled again the set-point begins to rise from none.
         if machine.state != OPERATION_ENABLED:
             path.now = 0.0
         circuit.turn_shaft(p, c.circuits, s, largest)
@@ -223,13 +226,16 @@ def _release_feedback(
 @compilable
 def _hear(line: Line, tick: int) -> None:
     """Keep the words that have arrived; of rarer frames, a control period has the newest."""
+    # Left in its place it would count as lost when the next one comes.
     bus.take(line.channel, HEARTBEAT)  # for any reader
     for device in range(2):
         for kind in range(MOTION, FAULTS + 1):
             low, high = bus.take(line.channel, PLACES_SENT[kind] + device)
+            # NO_FRAME is below zero, words are not.
             if low >= 0.0:
                 place = FEEDBACK_WORDS * device + (
                     2 * tick if kind == MOTION else SET_POINT_WORDS + 2 * (kind - 1)
                 )
+                # A rarer frame that came twice in a period: the first one reaches nobody.
                 line.channel.lost += 1.0 if line.feedback[place] >= 0.0 else 0.0
                 line.feedback[place], line.feedback[place + 1] = low, high

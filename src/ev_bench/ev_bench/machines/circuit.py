@@ -52,6 +52,8 @@ def turn(
     Implicit midpoint rule: stable for any stiffness, and work = heat + what is stored, up to
     rounding.
     """
+    # The midpoint rule is linear in both mean speeds; put into the torque of the shaft they leave
+    # one equation for it.
     free, free_load = 0.5 * h / inertia, 0.5 * h / load_inertia
     slowed = 1.0 + free_load * p.friction
     yielding = 0.5 * h * p.stiffness + p.damping
@@ -62,6 +64,7 @@ def turn(
     mean = s.speed + free * (torque - shaft)
     mean_load = (s.load_speed + free_load * (shaft + load)) / slowed
     s.twist += h * (mean - mean_load)
+    # The mean is that of begin and end, so the end lies as far beyond it.
     s.speed += 2.0 * (mean - s.speed)
     s.load_speed += 2.0 * (mean_load - s.load_speed)
     return Motion(shaft, mean, mean_load)
@@ -87,6 +90,7 @@ def follow(
 
     The step in which a set-point arrives gets its share of the old and of the new one.
     """
+    # A delay need not be a whole number of steps: in between, both neighbours have their share.
     whole = int(delay)
     late = delay - whole
     asked = _sent(path, periods, steps, step - whole)
@@ -99,6 +103,7 @@ def follow(
 @compilable
 def _sent(path: SetPointState, periods: float, steps: int, step: int) -> float:
     """Set-point of the period in which a step lies, counted from the beginning of this one."""
+    # Steps below 0 lie in the periods before: -1 to -steps in the last one.
     back = 0 if step >= 0 else (steps - 1 - step) // steps
     period = int(periods) - back
     return path.line[period % KEPT_SET_POINTS] if period >= 0 else 0.0
@@ -232,6 +237,7 @@ def turn_shaft(
     before, load_before = drive.torque, load.torque
     follow_reference(c.machine, drive, s.speed, h, c.share, largest.machine)
     follow_reference(p.load, load, s.load_speed, h, c.load_share, largest.load)
+    # The mean over the step is what turns the shaft, and what is booked.
     torque, load_torque = 0.5 * (before + drive.torque), 0.5 * (load_before + load.torque)
     inertia, load_inertia = c.machine.machine.rotor_inertia, p.load.machine.rotor_inertia
     moved = turn(p.shaft, s, inertia, load_inertia, torque, load_torque, h)
@@ -269,6 +275,7 @@ def _account(
         p.shaft.damping * twisting * twisting
         + p.shaft.friction * moved.load_speed * moved.load_speed
     )
+    # The source feeds nothing back into the mains.
     if load_power >= 0.0:
         s.mains += h * load_power
     else:

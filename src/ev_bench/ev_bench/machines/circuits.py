@@ -96,6 +96,7 @@ def outputs(
         ),
         Wheels(n[0].load_speed, n[1].load_speed, n[2].load_speed, n[3].load_speed),
     )
+    # Currents are powers over voltages, which at a dead supply would be 0/0.
     u, mains = max(s.voltage, _LEAST_VOLTAGE), p.load.dc_link.supply_voltage
     driven = Wheels(car.driven[0], car.driven[1], car.driven[2], car.driven[3])
     electrical = BenchElectrical(

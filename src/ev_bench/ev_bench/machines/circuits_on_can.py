@@ -74,6 +74,7 @@ def prepare(parameters: CanCircuitsParameters, vehicle: Vehicle, period: float) 
     without_bus = prepare_circuits(p, vehicle, period).machine
     inverter = replace(without_bus, command_timeout=p.command_timeout, dc_link=p.dc_link)
     database = load_database(p.bus.database)
+    # By the alphabet left is before right.
     left, right = (WHEEL_NAMES.index(name) for name in sorted(vehicle.driven_wheels))
     return CanConstants(
         constants(p, inverter, TICK / steps, int(ticks) * steps),
@@ -131,6 +132,7 @@ def outputs(
         shafts.load_torque,
         shafts.load_speed,
     )
+    # Written out, because compiled code cannot unpack a row into a tuple.
     right, left = s.line_11.feedback, s.line_12.feedback
     frames = FeedbackFrames(
         right[0], right[1], right[2], right[3], right[4], right[5], right[6], right[7],

@@ -55,6 +55,7 @@ def _refuse_another_bus(of_bench: BusInterface, bus: BusInterface) -> None:
     """RunFailed if the bench names a bus that is not that of the gateway, which both ends get."""
     for field in fields(BusInterface):
         value, given = getattr(of_bench, field.name), getattr(bus, field.name)
+        # What is at its default was not named by anybody, and follows the gateway.
         if value not in (field.default, given):
             raise RunFailed(
                 f"test_bench.bus.{field.name}: {quoted(value)} is refused, expected "
@@ -94,6 +95,7 @@ def _works(channel: str) -> bool:
     try:
         probe.send(Frame(0, b""))
         end = time.monotonic() + _ECHO_PATIENCE
+        # Sending may succeed where multicast does not work: only a frame that comes back shows it.
         while probe.unsent == probe.received == 0 and time.monotonic() < end:
             probe.receive()
         return probe.received > 0

@@ -77,6 +77,7 @@ def logged_frames(recording: Recording, bench: Configuration) -> tuple[list[Logg
         call(part, 0, there)
     found = []
     for instant, time in enumerate(recording.time):
+        # Load, latency and lost frames show whether the bench steps as it did in the run.
         if there[states].tolist() != [columns[place][instant] for place in states]:
             return sorted(found), float(recording.time[max(instant - 1, 0)])
         if instant == len(recording.time) - 1:

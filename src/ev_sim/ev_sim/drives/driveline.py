@@ -264,10 +264,9 @@ def advance_engine(
 ) -> float:
     """Advance the engine by h [s]; the torque of the gearbox' output [N m] over that time.
 
-    The pedal asks for a torque as in a
-    car with an engine control by torques: the engine goes, with its lag, for what gives the
-    wanted torque through gear and converter, between its drag and full load; below idle speed the
-    idle control pulls it up.
+    The pedal asks for a torque as in a car with an engine control by torques: the engine goes, with
+    its lag, for what gives the wanted torque through gear and converter, between its drag and full
+    load; below idle speed the idle control pulls it up.
     """
     wanted, shaft, yielding = load
     _shift(s, e, ratios, wanted, shaft, h)

@@ -192,9 +192,9 @@ def speed_control_without_windup(
 ) -> tuple[float, float]:
     """Torque and integral as `speed_control` has them, but without windup.
 
-    The integral Conditional integration (Astrom and Murray, Feedback Systems, section on integral
-    windup): a drive waits at its limit for as long as the car takes to gain speed. A load machine
-    of the bench is there for some milliseconds only.
+    Conditional integration (Astrom and Murray, Feedback Systems, section on integral windup): a
+    drive waits at its limit for as long as the car takes to gain speed. A load machine of the bench
+    is there for some milliseconds only.
     """
     held = min(max(integral, control.least), control.most)
     asked, moved = speed_control(control, integral, error)
