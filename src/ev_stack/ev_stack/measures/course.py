@@ -91,6 +91,8 @@ class Course:
                 raise ParameterError(
                     f"{each.name} has {len(values)} values, expected {len(self.begin)} as begin has"
                 )
+        # Even pairs are begin and end of one lane, which has a length; odd ones are the way to the
+        # next lane, which may be none.
         ends = [place for lane in zip(self.begin, self.end, strict=True) for place in lane]
         if any(b <= a if n % 2 == 0 else b < a for n, (a, b) in enumerate(pairwise(ends))):
             raise ParameterError("begin and end do not rise, expected lanes one behind the other")
@@ -118,7 +120,10 @@ class Course:
         widths = [max(factor * body + margin, least) for factor, margin, least in sizes]
         found = []
         for n, (middle, gap) in enumerate(zip(self._of("middle"), self._of("gap"), strict=True)):
+            # A gap counts from edge to edge, a middle from middle to middle: half of both widths
+            # lies between.
             aside = gap + np.copysign(widths[0] / 2 + widths[n] / 2, gap) if gap else middle
+            # -1 times 0 is -0, which would be printed as such: + 0.0 makes it 0.
             found.append(Lane(self.begin[n], self.end[n], side * float(aside) + 0.0, widths[n]))
         return tuple(found)
 
@@ -146,8 +151,10 @@ def lanes_driven(run: Recording, vehicle: Vehicle, course: Course) -> tuple[Lane
             "the scenario has no course: course.begin, course.end and so on describe one"
         )
     lanes = course.lanes(vehicle)
+    # The first lane is straight ahead, so only one beside it shows to which side the car goes.
     aside = next((lane for lane in lanes if lane.middle), lanes[0])
     x, y = channel(run, "pose.x"), channel(run, "pose.y")
+    # Half way along that lane a car that drives the course has changed over to it.
     there = y[np.abs(x - (aside.begin + aside.end) / 2).argmin()]
     return course.lanes(vehicle, -1.0 if there * aside.middle < 0.0 else 1.0)
 
@@ -173,11 +180,13 @@ def hit_cones(run: Recording, vehicle: Vehicle, course: Course) -> np.ndarray:
     The middle of the body is beside a centre of mass that is offset.
     """
     x, y, heading = channel(run, "pose.x"), channel(run, "pose.y"), motion.heading(run)
+    # Ends of the body from the centre of mass, which is where the pose is.
     front = vehicle.wheelbase - vehicle.centre_of_mass_to_rear_axle + course.overhang
     rear = vehicle.centre_of_mass_to_rear_axle + course.overhang
     half, cosine, sine = course.body_width(vehicle) / 2, np.cos(heading), np.sin(heading)
     hit = []
     for cone_x, cone_y in cones(run, vehicle, course):
+        # The cone in axes of the car, at every sample: x forward, y left of the middle of the body.
         ahead = (cone_x - x) * cosine + (cone_y - y) * sine
         aside = (cone_y - y) * cosine - (cone_x - x) * sine + vehicle.centre_of_mass_offset
         hit.append(bool(((ahead > -rear) & (ahead < front) & (np.abs(aside) < half)).any()))
@@ -189,6 +198,7 @@ def outside_lanes(run: Recording, lanes: Iterable[Lane]) -> np.ndarray:
     x, y = channel(run, "pose.x"), channel(run, "pose.y")
     found = np.zeros(len(x), bool)
     for lane in lanes:
+        # Edges belong to the lane; between two lanes the car may be anywhere.
         found |= (x >= lane.begin) & (x <= lane.end) & (np.abs(y - lane.middle) > lane.width / 2)
     return found
 

@@ -85,6 +85,7 @@ def of_vehicle(name: str, place: int | None) -> Callable[[DrivenRun], float]:
     def number(run: DrivenRun) -> float:
         found = read(run.vehicle)
         if place is None:
+            # As numpy's: a division by zero is then infinite instead of an error, as with channels.
             return np.float64(found)
         # How many numbers a list has differs from car to car.
         if place >= len(found):
@@ -97,6 +98,7 @@ def of_vehicle(name: str, place: int | None) -> Callable[[DrivenRun], float]:
 @cache
 def _parameters() -> Mapping[str, Any]:
     """The parameters of a car by name, and what its description computes from them."""
+    # Any car will do: all have the same names, and which are lists does not depend on the car.
     car = Vehicle()
     computed = {
         name: getattr(car, name) for name, of in vars(Vehicle).items() if isinstance(of, property)

@@ -37,6 +37,7 @@ class Kind(NamedTuple):
     is_condition: bool = False
 
 
+# A part has lost the instants of its samples, so it can only be reduced or combined with numbers.
 _NUMBER, _SERIES, _CONDITION, _PART = Kind(), Kind(True), Kind(True, False, True), Kind(True, True)
 
 
@@ -66,6 +67,7 @@ REDUCTIONS: Mapping[str, Callable[[np.ndarray], float]] = {
 # of values and time
 OVER_TIME: Mapping[str, tuple[Kind, Callable[[np.ndarray, np.ndarray], Any]]] = {
     "integral": (_NUMBER, np.trapezoid),
+    # numpy takes no gradient of a single sample; of one there is no change.
     "derivative": (
         _SERIES,
         lambda values, time: np.gradient(values, time) if len(time) > 1 else 0.0 * values,
@@ -101,6 +103,8 @@ _ARITHMETIC: Mapping[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
     ast.Mult: operator.mul,
+    # numpy's, for Python's own raise where a number is divided by 0, and make roots of negative
+    # numbers complex.
     ast.Div: np.true_divide,
     ast.Pow: np.power,
 }
@@ -163,8 +167,10 @@ def name_of(node: ast.expr) -> str | None:
 
 def term_of(node: ast.expr) -> Term:
     """Build the term of a tree; ParameterError, in one line, for what has no meaning."""
+    # Before all else: a channel such as imu.yaw_rate is an attribute in Python's tree.
     if (name := name_of(node)) is not None:
         return _named(name)
+    # By type, not isinstance: True and False are ints.
     if isinstance(node, ast.Constant) and type(node.value) in (int, float):
         return _constant(node.value)
     if isinstance(node, ast.Call):
@@ -183,6 +189,7 @@ def term_of(node: ast.expr) -> Term:
         return _logical(np.logical_not, term_of(node.operand))
     if isinstance(node, ast.Compare) and all(type(each) in _COMPARISONS for each in node.ops):
         return _compared(node)
+    # Python's words ask for one truth of a whole series, which numpy does not have.
     hint = (
         "; and, or, not are written &, |, ~" if isinstance(node, ast.BoolOp | ast.UnaryOp) else ""
     )
@@ -220,6 +227,7 @@ def _named(name: str) -> Term:
 
 def _constant(value: float) -> Term:
     try:
+        # As numpy's, which overflow to infinity instead of raising.
         number = np.float64(value)
     except OverflowError:
         raise ParameterError("a number is too large") from None
@@ -229,6 +237,7 @@ def _constant(value: float) -> Term:
 def _each(function: Callable[..., Any], *terms: Term) -> Term:
     """A function of terms, sample by sample."""
     series = [term.kind for term in terms if term.kind.is_series]
+    # Two parts may be of different samples even where they are as long.
     if any(kind.is_part for kind in series) and len(series) > 1:
         raise ParameterError(
             "values at some samples meet others, expected (A * B)[condition] for A[...] * B[...]"
@@ -239,6 +248,7 @@ def _each(function: Callable[..., Any], *terms: Term) -> Term:
 
 def _as_numbers(values: Any) -> Any:
     return (
+        # A condition counts as 1 and 0, so its mean is a share; numpy subtracts no booleans.
         values.astype(float) if isinstance(values, np.ndarray) and values.dtype == bool else values
     )
 
@@ -259,6 +269,7 @@ def _compared(node: ast.Compare) -> Term:
         values = [term.of(run) for term in terms]
         return reduce(
             np.logical_and,
+            # A chain, as 0 < a < 1, compares neighbours: there is one value more than comparisons.
             (f(a, b) for f, a, b in zip(functions, values, values[1:], strict=False)),
         )
 
@@ -327,6 +338,8 @@ def _called(node: ast.Call) -> Term:
     terms = [term_of(each) for each in node.args]
     if node.keywords or any(isinstance(each, ast.Starred) for each in node.args):
         raise ParameterError(f"{name} takes values only, no names")
+    # minimum and maximum of one series reduce it; of two values they are elementwise, further
+    # below.
     if name in REDUCTIONS and count == 1:
         (term,) = terms
         if not term.kind.is_series:
@@ -335,6 +348,7 @@ def _called(node: ast.Call) -> Term:
             )
         return Term(_NUMBER, lambda run: REDUCTIONS[name](_as_numbers(term.of(run))))
     if name in OVER_TIME and count == 1:
+        # Over samples that were chosen, an integral would bridge the gaps between them.
         (term,), (kind, function) = terms, OVER_TIME[name]
         if not term.kind.is_series or term.kind.is_part:
             raise ParameterError(f"{name} is of a channel at all samples")
@@ -346,6 +360,7 @@ def _called(node: ast.Call) -> Term:
         raise ParameterError(
             f"{name} takes {wanted} {'value' if wanted == 1 else 'values'}, here are {count}"
         )
+    # The condition stays one, whereas _each makes numbers of it; of _each only the kind is needed.
     if name == "where":
         if not terms[0].kind.is_condition:
             raise ParameterError("where is where(condition, A, B)")

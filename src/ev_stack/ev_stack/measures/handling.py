@@ -63,6 +63,7 @@ def wheel_directions(run: Recording, vehicle: Vehicle) -> Mapping[str, Direction
     (`plant.planar.contact.point`).
     """
     mean = front_wheel_angle(run, vehicle)
+    # A rear axle that is steered by a law of its own adds to what follows the front wheels.
     apart = run.channels.get("rear_steering.state.angle", 0.0)
     angle, rear = np.tan(mean), np.tan(vehicle.rear_steering_ratio * mean + apart)
     parallel = float(vehicle.steering_geometry == "parallel")
@@ -75,6 +76,7 @@ def wheel_directions(run: Recording, vehicle: Vehicle) -> Mapping[str, Direction
         _bent(run, vehicle, axle, tangent)
         for axle, tangent in zip(_AXLES_OF_WHEELS, tangents, strict=True)
     ]
+    # cos = 1/sqrt(1 + tan^2): no wheel is turned beyond 90 deg.
     cosines = (1 / np.hypot(1.0, tangent) for tangent in tangents)
     return {
         wheel: Direction(cosine, tangent * cosine)
@@ -92,6 +94,7 @@ def _bent(run: Recording, vehicle: Vehicle, axle: str, tangent: np.ndarray) -> n
         name.startswith("tire_forces.lateral_force.") for name in run.channels
     ):
         return tangent
+    # The whole axle bends, so the forces of both of its wheels count.
     held = sum(
         channel(run, f"tire_forces.lateral_force.{axle}_{side}") for side in ("left", "right")
     )
@@ -136,6 +139,7 @@ def yaw_rate_error(run: Recording, vehicle: Vehicle) -> float:
     """
     _refuse_slip_speed(vehicle)
     speed, turned = channel(run, "twist.longitudinal"), _turning_angle(run, vehicle)
+    # u |u| is negative in reverse, where the rear axle leads: the sign is in the gradient.
     gradient = np.where(
         speed < 0.0, -understeer_gradient(vehicle, ahead=-1.0), understeer_gradient(vehicle)
     )
@@ -145,6 +149,7 @@ def yaw_rate_error(run: Recording, vehicle: Vehicle) -> float:
     wanted = speed * turned / length
     if f"tire_forces.friction_coefficient.{WHEEL_NAMES[0]}" in run.channels:
         friction = np.mean(of_wheels(run, "tire_forces.friction_coefficient"), axis=0)
+        # |a_y| = |u r| cannot exceed mu g, so |r| cannot exceed mu g/|u|.
         limit = friction * GRAVITY / np.maximum(np.abs(speed), motion.SLOWEST)
         wanted = np.clip(wanted, -limit, limit)
     error = (channel(run, motion.YAW_RATE) - wanted)[motion.moving(run)]
@@ -170,6 +175,8 @@ def measured_understeer_gradient(run: Recording, vehicle: Vehicle) -> float:
     or a circle (ISO 4138): elsewhere the angle also turns the car, and the slope is no property of
     it.
     """
+    # By magnitude, and the angle by the side of the acceleration: left and right bends give the
+    # same.
     to_left = motion.lateral_acceleration_on_path(run)
     across = np.abs(to_left)
     _refuse_unsteady(run, across)
@@ -188,10 +195,13 @@ def _refuse_unsteady(run: Recording, across: np.ndarray) -> None:
     if len(run.time) < 2 or not len(beyond):
         return  # `motion.line_over` gives the reason
     speed = motion.speed(run)
+    # a_y = V (r + beta'): what V r does not explain is V beta'.
     of_sideslip = np.abs(across - speed * np.abs(channel(run, motion.YAW_RATE)))
     of_speed = np.abs(np.gradient(speed, run.time))
+    # Over a while, not from sample to sample: noise of a sensor would count as change.
     before = np.interp(run.time - WHILE, run.time, across)
     rate, angle = (across - before) / WHILE, np.abs(channel(run, motion.ROAD_WHEEL_ANGLE))
+    # The samples over which the slope is taken, and no others.
     counts = (np.arange(len(across)) < beyond[0]) & (across >= low)
     for values, most, what in (
         (np.maximum(of_sideslip, of_speed), UNSTEADY, "its sideslip or speed changes"),
@@ -205,6 +215,7 @@ def _refuse_unsteady(run: Recording, across: np.ndarray) -> None:
 
 def peak_slip_ratio(run: Recording) -> float:
     """Largest magnitude of the slip ratio of any wheel while the car moves [1]."""
+    # At rest a slip ratio divides by next to nothing; there it counts as 0.
     return float(np.abs(of_wheels(run, "tire_forces.slip_ratio") * motion.moving(run)).max())
 
 
@@ -227,11 +238,14 @@ def slip_powers(run: Recording, vehicle: Vehicle, wheel: str) -> tuple[np.ndarra
     )
     number, (cosine, sine) = WHEEL_NAMES.index(wheel), wheel_directions(run, vehicle)[wheel]
     x, y = (places[number] for places in wheel_places(vehicle))
+    # Velocity of the wheel's centre in axes of the car, v + r x place.
     ground_x, ground_y = vx - y * yaw_rate, vy + x * yaw_rate
     radius = vehicle.wheel_radius_ratio[number] * vehicle.wheel_radius
+    # Rim less ground: positive when driving, as the force is, so the power is what friction takes.
     slip_x = radius * channel(run, f"wheel_states.velocity.{wheel}") - (
         ground_x * cosine + ground_y * sine
     )
+    # The lateral velocity with its sign changed, for the side force acts against it.
     slip_y = ground_x * sine - ground_y * cosine
     along, across = (
         channel(run, f"tire_forces.{kind}_force.{wheel}") for kind in ("longitudinal", "lateral")
@@ -247,6 +261,7 @@ def drive_work(run: Recording) -> np.ndarray:
     work = np.zeros(len(run.time))
     for wheel in WHEEL_NAMES:
         turned = np.diff(channel(run, f"wheel_states.position.{wheel}"))
+        # The effort of a sample is the mean of the period that ends there.
         work[1:] += np.cumsum(channel(run, f"wheel_states.effort.{wheel}")[1:] * turned)
     return work
 
@@ -262,11 +277,13 @@ def time_over_limit(run: Recording, vehicle: Vehicle, surfaces: Iterable[Surface
     if not known:
         raise NotMeasured("the surfaces of the road are not known")
     available, peaks = np.array(list(known.items())).T
+    # By the closest friction, since a recorded one may have noise.
     limit = peaks[np.abs(friction[..., None] - available).argmin(axis=-1)]
     across = np.sin(of_wheels(run, "tire_forces.slip_angle"))
     over = (np.hypot(of_wheels(run, "tire_forces.slip_ratio"), across) > limit).any(
         axis=0
     ) & motion.moving(run)
+    # A sample stands for the period that ends there.
     return float(np.diff(run.time)[over[1:]].sum())
 
 
@@ -299,6 +316,7 @@ def turning_in(run: Recording) -> int:
 def when_passing(run: Recording, speed: float, values: np.ndarray) -> float:
     """The value of (n,) at the instant at which the run passes a speed [m/s] after turning in."""
     start, actual = turning_in(run), motion.path_speed(run)
+    # Then the crossing would be one before the bend, and its value no effect of the bend.
     if actual[start] >= speed:
         raise NotMeasured(f"the car is faster than {speed:g} m/s before the bend")
     time = motion.crossing_time(run.time[start:], actual[start:], speed, f"{speed:g} m/s")
@@ -340,5 +358,6 @@ def share_of(run: Recording, vehicle: Vehicle, wheel: str, prefix: str) -> float
     distance = distance_on_path(run)
     if distance[-1] <= 0.0:
         raise NotMeasured("the car has not moved")
+    # A sample stands for the way from the one before it, so the first has none.
     on_it = np.char.startswith(surfaces_under(run, vehicle, wheel)[1:], prefix)
     return float(np.diff(distance)[on_it].sum() / distance[-1])

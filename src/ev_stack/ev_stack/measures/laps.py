@@ -35,6 +35,7 @@ def lap_times(run: Recording, vehicle: Vehicle, course: CourseParameters | None)
     NotMeasured if the car leaves the course, or comes to no end of a lap.
     """
     left_at = leaves(run, vehicle, course)
+    # A lap beside the course is none: a car that cuts a bend is faster.
     if left_at is not None:
         raise NotMeasured(f"the car left the course at {left_at:.2f} s")
     crossed = _crossings(run, line_of(course, vehicle))
@@ -74,13 +75,16 @@ def leaves(run: Recording, vehicle: Vehicle, course: CourseParameters | None) ->
 def _beside(run: Recording, line: RacingLine) -> tuple[np.ndarray, np.ndarray]:
     """Point of a line that the car has reached, (n,), and its distance to the left, (n,) [m]."""
     place = np.stack((channel(run, "pose.x"), channel(run, "pose.y")), axis=1)
+    # The nearest point of the line ends one of two legs: that behind it and that before it.
     at = _progress(line, place, motion.heading(run))
     found = np.full(len(place), np.inf)
     for begin in (at, at - 1):
         start, length = line.points[begin], line.step[begin]
         leg, to = np.roll(line.points, -1, axis=0)[begin] - start, place - start
+        # The foot of the perpendicular, but not beyond the ends of the leg.
         share = np.clip((to * leg).sum(axis=1) / length**2, 0.0, 1.0)
         distance = np.hypot(*(to - share[:, None] * leg).T)
+        # The cross product is positive to the left of the leg; exactly on it is left, not 0.
         side = np.where(leg[:, 0] * to[:, 1] - leg[:, 1] * to[:, 0] < 0.0, -1.0, 1.0)
         found = np.where(distance < np.abs(found), side * distance, found)
     return at, found
@@ -101,11 +105,14 @@ def _progress(line: RacingLine, place: np.ndarray, heading: np.ndarray) -> np.nd
     near_by = far < far.min() + max(line.left.max(), line.right.max())
     if (candidates := np.flatnonzero(near_by & ahead)).size:
         at[0] = candidates[far[candidates].argmin()]
+    # One number more than points: the last is the length of the closed line.
     along = np.concatenate(([0.0], np.cumsum(line.step)))
     length, count = along[-1], len(line.step)
+    # By the shortest step, so that the window covers at least _JUMP wherever it is.
     reach = int(np.ceil(_JUMP / line.step.min()))
     for n in range(1, len(at)):
         jump = abs(along[nearest[n]] - along[at[n - 1]])
+        # The shorter way round: across the start line the way along falls back to 0.
         if min(jump, length - jump) > _JUMP:
             window = (at[n - 1] + np.arange(-reach, reach + 1)) % count
             at[n] = window[np.hypot(*(line.points[window] - place[n]).T).argmin()]
@@ -126,6 +133,7 @@ def _crossings(run: Recording, line: RacingLine) -> np.ndarray:
     A car that goes back over the line and forwards again has passed it once.
     """
     start = line.points[0]
+    # The direction of the line at its first point, from its neighbours on both sides.
     along = line.points[1] - line.points[-1]
     along = along / np.hypot(*along)
     x, y = channel(run, "pose.x") - start[0], channel(run, "pose.y") - start[1]
@@ -136,7 +144,9 @@ def _crossings(run: Recording, line: RacingLine) -> np.ndarray:
     to_line = np.concatenate(([0.0], np.cumsum(line.step)))[_beside(run, line)[0][1:]]
     there = np.minimum(to_line, line.step.sum() - to_line) < _JUMP + line.step.max()
     before = np.flatnonzero(turns * (between & there))
+    # Net passes so far: only one that sets a new maximum begins a lap.
     laps = np.cumsum(turns[before])
     before = before[laps > np.maximum.accumulate(np.append(0, laps[:-1]))]
+    # The instant of the pass, linear between the two samples.
     share = -passed[before] / (passed[before + 1] - passed[before])
     return run.time[before] + share * (run.time[before + 1] - run.time[before])

@@ -79,6 +79,7 @@ class Metric:
     def judgement(self) -> str:
         """Worth of the number: (not) measured, (not) judged, (not) reproduced, or only its inputs."""
         if self.value is None:
+            # A verdict without a value has no reason of its own, only why it is not judged.
             return NOT_MEASURED if self.reason else NOT_JUDGED
         if self.reference is None:
             return "measured"
@@ -125,6 +126,7 @@ class Metric:
             ),
             "reference": reference.value if reference else None,
             "band": (
+                # JSON has no infinity: an open end is null.
                 [end if math.isfinite(end) else None for end in reference.band]
                 if reference
                 else None
@@ -154,10 +156,12 @@ def metric(
 
     try:
         value = float(measure())
+    # Before NotMeasured, of which it is a kind.
     except NotJudged as why:
         return without_value(unjudged=str(why))
     except NotMeasured as why:
         return without_value(str(why))
+    # summary.json takes no NaN, and a band would judge it as missed.
     if not math.isfinite(value):
         return without_value(f"the result is {value}")
     return Metric(value, unit, reference, formula=formula, better=better)
@@ -193,6 +197,7 @@ def channel(recording: Recording, name: str) -> np.ndarray:
 
     Raises NotMeasured if the channel is missing, empty, not finite or not the true motion.
     """
+    # A metric is of the true motion; what a sensor made of it would be another quantity.
     if name in recording.unknown:
         raise NotMeasured(
             f"{name} was recorded as its sensor shows it, and what is true is not known"

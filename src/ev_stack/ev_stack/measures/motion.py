@@ -38,6 +38,7 @@ def path_speed(recording: Recording) -> np.ndarray:
     V of Shchur (2019).
     """
     longitudinal = channel(recording, "twist.longitudinal")
+    # By the longitudinal part: a car that slides straight across counts as going ahead.
     return np.copysign(np.hypot(longitudinal, channel(recording, "twist.lateral")), longitudinal)
 
 
@@ -48,6 +49,7 @@ def total_drive_torque(recording: Recording) -> np.ndarray:
 
 def speed_difference(recording: Recording, vehicle: Vehicle) -> np.ndarray:
     """Right minus left linear speed of the front wheels, (n,) [m/s]; Shchur (2019), eq. 12."""
+    # Each wheel by its own radius: with unlike tyres equal rim speeds are unlike angular ones.
     left, right, _, _ = vehicle.wheel_radius_ratio
     of_left, of_right = (
         channel(recording, f"wheel_states.velocity.front_{side}") for side in ("left", "right")
@@ -98,6 +100,7 @@ SLOWEST = 1.0  # [m/s], below which the direction of travel and slip ratios have
 def heading(run: Recording) -> np.ndarray:
     """Heading without jumps, counter-clockwise, (n,) [rad]."""
     return np.unwrap(
+        # The quaternion of a rotation about the vertical alone: (cos psi/2, 0, 0, sin psi/2).
         2 * np.arctan2(channel(run, "pose.orientation_z"), channel(run, "pose.orientation_w"))
     )
 
@@ -120,10 +123,12 @@ def driving_direction(run: Recording) -> np.ndarray:
     So a car that slides backwards without having stood still has spun, and does not reverse.
     """
     moves = moving(run)
+    # Samples at which the car sets off; one that moves from the start sets off at once.
     begins = np.flatnonzero(moves & ~np.concatenate(([False], moves[:-1])))
     if not len(begins):
         return np.ones(len(moves))
     directions = np.copysign(1.0, channel(run, "twist.longitudinal")[begins])
+    # The latest setting off of each sample; those before the first one take its direction.
     which = np.searchsorted(begins, np.arange(len(moves)), side="right") - 1
     return directions[np.maximum(which, 0)]
 
@@ -137,6 +142,7 @@ def sideslip_angle(run: Recording) -> np.ndarray:
     same in reverse.
     """
     direction = driving_direction(run)
+    # + 0.0 makes 0 of -0: at rest in reverse arctan2(-0, -0) would be -pi.
     along, across = (
         direction * channel(run, f"twist.{name}") + 0.0 for name in ("longitudinal", "lateral")
     )
@@ -150,6 +156,7 @@ def sideslip_in_motion(run: Recording, continuous: bool = False) -> np.ndarray:
 
     A `continuous` one goes on beyond half a turn.
     """
+    # Before the NaN at rest: unwrap would carry one to all samples behind it.
     angle = np.unwrap(sideslip_angle(run)) if continuous else sideslip_angle(run)
     return np.where(moving(run), angle, np.nan)
 
@@ -164,6 +171,7 @@ def lateral_acceleration_on_path(run: Recording) -> np.ndarray:
         channel(run, "imu.longitudinal_acceleration"),
         channel(run, LATERAL_ACCELERATION),
     )
+    # The part of the acceleration that is normal to the velocity; the rest changes the speed.
     return across * np.cos(sideslip) - along * np.sin(sideslip)
 
 
@@ -206,6 +214,7 @@ def crossing_time(time: np.ndarray, values: np.ndarray, level: float, what: str)
     Nor is it known of values that are beyond the level from the first sample on.
     """
     n = first(values >= level, what)
+    # Without a sample below the level there is nothing to interpolate from.
     if n == 0:
         if values[0] > level:
             raise NotMeasured(f"{what} was passed before {time[0]:g} s")
@@ -216,6 +225,7 @@ def crossing_time(time: np.ndarray, values: np.ndarray, level: float, what: str)
 
 def value_at(run: Recording, values: np.ndarray, time: float) -> float:
     """Value at a time [s], linear between samples; NotMeasured if the run ends before."""
+    # Rounding of an instant must not make the last sample one that is missing.
     if not run.time[0] <= time <= run.time[-1] + 1e-9:
         raise NotMeasured(f"the run ends at {run.time[-1]:g} s, before {time:g} s")
     return float(np.interp(time, run.time, values))
@@ -240,6 +250,7 @@ def line_over(
     It is that before the acceleration is first above them; NotMeasured if it never is, or jumps
     over them.
     """
+    # Only up to there: on its way back the car may have lost the steady state.
     end = first(across > high, f"a lateral acceleration of {high:.2f} m/s^2")
     inside = across[:end] >= low
     if np.count_nonzero(inside) < 2:

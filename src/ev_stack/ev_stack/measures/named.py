@@ -33,6 +33,7 @@ class DrivenRun(NamedTuple):
 def driven_run(signals: Recording, configurations: Mapping[str, Configuration]) -> DrivenRun:
     """A run of these configurations; `signals` is its true motion."""
     plant, driver = configurations[MASTER], configurations.get("driver")
+    # A method of a user's may have parameters without a road or a course.
     surfaces, given = surfaces_of(getattr(plant.given, "road", None)), driver and driver.given
     return DrivenRun(signals, plant.common.vehicle, surfaces, getattr(given, "course", None), given)
 

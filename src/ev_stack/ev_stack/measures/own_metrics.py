@@ -31,6 +31,7 @@ def named_metric(text: str | NamedMetric) -> NamedMetric:
         return text
     if text.strip() in METRICS:
         return METRICS[text.strip()]
+    # `=` but not `==`; the counts bound what a long line makes the pattern try.
     found = re.fullmatch(
         r"\s*(\w{1,100})\s*(?:\[([^\[\]]{1,20})\])?\s*=(?!=)\s*(.+?)\s*", text, re.DOTALL
     )
@@ -49,6 +50,7 @@ def named_metric(text: str | NamedMetric) -> NamedMetric:
         unit = unit.strip() if unit else _unit_of(tree)
     except ParameterError as error:
         raise ParameterError(f"metric {quoted(text)} is refused: {error}") from None
+    # In the order of the text, so that a refusal names the first that is missing.
     return NamedMetric(name, unit, expression, of, tuple(dict.fromkeys(_needs(tree))))
 
 
@@ -77,6 +79,7 @@ def listed(text: str) -> tuple[str, ...]:
     """The texts that commas separate, but not those within parentheses or brackets."""
     found, depth = [""], 0
     for each in text:
+        # A comma between arguments belongs to its expression.
         depth += (each in "([") - (each in ")]")
         if each == "," and depth == 0:
             found.append("")

@@ -28,6 +28,7 @@ def _largest(values: np.ndarray) -> float:
 
 
 def _battery_energy(run: Recording) -> float:
+    # The current counts into the battery, so the energy taken has the opposite sign.
     power = -channel(run, "battery.voltage") * channel(run, "battery.current")
     return float(np.trapezoid(power, run.time))
 
@@ -50,6 +51,7 @@ def _friction(run: Recording) -> tuple[np.ndarray, np.ndarray]:
 
 def _friction_use(run: Recording) -> float:
     force, available = _friction(run)
+    # A wheel in the air has no load and no force: its use is 0, not 0/0.
     return float(np.divide(force, available, where=available > 0.0, out=0.0 * available).max())
 
 
@@ -58,6 +60,7 @@ def _friction_use_of_car(run: Recording) -> np.ndarray:
     if not moves.any():
         raise NotMeasured("the car does not move")
     force, available = (each.sum(axis=0)[moves] for each in _friction(run))
+    # 1 N stands for a car whose wheels are all in the air.
     return force / np.maximum(available, 1.0)
 
 
@@ -241,6 +244,8 @@ def _offered() -> dict[str, NamedMetric]:
     """Metrics of other packages; a warning for a package with metrics that cannot be taken."""
     taken = {each.name for each in _OF_ANY_RUN}
     found: dict[str, NamedMetric] = {}
+    # Sorted: which of two packages with the same name is refused must not depend on the
+    # installation.
     for package in sorted(offered(OFFERED)):
         try:
             own = {
@@ -250,6 +255,7 @@ def _offered() -> dict[str, NamedMetric]:
                 raise ParameterError(
                     f"metrics of {package}: {quoted(twice[0])} is taken, expected another name"
                 )
+        # A package with a mistake must not stop commands that do not need it.
         except (AttributeError, TypeError, ParameterError) as error:
             warnings.warn(f"not loaded: {error}", stacklevel=1)
         else:
