@@ -83,7 +83,9 @@ class Runs:
         self._observation, self._times = observation, times
         self._measures, self._ending = measures, ending
         last = len(times) - 1
+        # In periods; times[1] is one, and a run of a single instant has none.
         look = max(round(ending.every / times[1]) if ending and last else last, 1)
+        # Stretches of instants between two looks at the ending; one leg without an ending.
         self._legs = list(pairwise([0, *range(look, last, look), last]))
         self._varied = {role: variation.configurations(role) for role in configurations}
         first = {
@@ -114,9 +116,11 @@ class Runs:
         """Drive one run; where a number is not finite it stops, and the answer is not empty."""
         whole = self._measures.whole_run() if self._measures else None
         before = [placed for role in self._answering for placed in self._placed(role, run)]
+        # Behind all that answer the frame of the instant is complete.
         before.append(_Placed("", _NOTHING, self._observation, self._observation.state(run)))
         before += [_Placed("", _NOTHING, whole.shown, whole.shown.state())] if whole else []
         behind = [placed for role in self._integrating for placed in self._placed(role, run, whole)]
+        # Addresses only: `before` and `behind` keep alive what they point to.
         rows = np.array([placed.row for placed in (*before, *behind)], np.int64)
         parts = Parts(rows, len(before))
         frames, stopped = np.zeros((2, frame.SIZE)), np.zeros(3, np.int64)
@@ -146,7 +150,10 @@ class Runs:
         role, part = placed[place].role, placed[place].part
         try:
             if status == FAILED and isinstance(part, CompiledPart):
+                # The frame that the part read: answers go into the same one, integration into the
+                # other.
                 here = frames[which if role in self._answering else 1 - which]
+                # For its initial outputs a part that integrates gets no frame.
                 is_start = instant == 0 and role in self._integrating
                 raise part.raised(None if is_start else here.tolist(), placed[place].state)
             refuse_not_finite(frames[which], self._base[role].method.writes)
@@ -168,12 +175,14 @@ class Runs:
         except ParameterError as error:
             raise ParameterError(f"run {run}: {role}: {error}") from None
         state = self._initial_states[role][run] if role in self._initial_states else part.state
+        # A restart makes a part anew, which the compiled loop cannot do.
         if any(text.split()[0] == "restarted" for text in configuration.faults):
             raise ParameterError(
                 f"{role} faults: restarted is refused in a batch, expected all other kinds"
             )
         writes = frame.span(configuration.method.writes)
         placed, rows = [_Placed(role, writes, part, state.copy())], row_parts(configuration)
+        # In front of the sensors, which overwrite the true numbers in the same frame.
         if rows and whole and (truth := whole.truth_of(role)):
             placed.append(_Placed("", _NOTHING, truth, truth.state()))
         return [*placed, *(_Placed(role, writes, behind, behind.state) for behind in rows)]
@@ -299,6 +308,7 @@ def batch(
         observation.reduced(),
         measures.ends if measures else np.full(variation.runs, times[-1]),
     )
+    # What was gathered up to a failure is no reduction of a whole run.
     reduced[list(failed)] = ends[list(failed)] = np.nan
     return BatchResult(
         {
@@ -335,11 +345,14 @@ def _driven(runs: Runs, portions: Sequence[range], threads: int) -> dict[int, st
     for _ in range(min(threads, len(portions))):
         Thread(target=drive, daemon=True).start()
     try:
+        # Every portion answers once, with a result or an error, so this ends.
         found = dict(done.get() for _ in portions)
     finally:
+        # The other threads end with the portion that they have.
         waiting.clear()
     failed: dict[int, str] = {}
     for number in range(len(portions)):
+        # In the order of the runs: which error is raised must not depend on the threads.
         if isinstance(found[number], BaseException):
             raise found[number]
         failed |= found[number]

@@ -44,6 +44,7 @@ def batch_by_period(
     found: dict[str, np.ndarray] = {}
     failed: dict[int, str] = {}
     signal_hashes, ends = [""] * len(periods) if hashes else [], np.full(len(periods), np.nan)
+    # All runs of one batch share their instants, so each period is a batch of its own.
     for period in dict.fromkeys(periods):
         runs = [run for run, each in enumerate(periods) if each == period]
         columns = {
@@ -61,8 +62,10 @@ def batch_by_period(
         )
         ends[runs] = of.ends
         for name, values in of.metrics.items():
+            # Back to the places that the runs had in the caller's order.
             found.setdefault(name, np.full(len(periods), np.nan))[runs] = values
         failed |= {runs[number]: text for number, text in of.failed.items()}
+        # Not strict: there are none if they are not asked for.
         for run, each in zip(runs, of.hashes, strict=False):
             signal_hashes[run] = each
     return BatchResult(found, {}, np.array([]), failed, ends, signal_hashes)

@@ -45,6 +45,7 @@ def result(kind: int, reduced: np.ndarray, instants: int) -> np.ndarray:
     return np.sqrt(reduced / instants) if kind == ROOT_MEAN_SQUARE else reduced.copy()
 
 
+# Numbers of the constants before the places: every, channels, reductions, samples.
 HEAD = 4
 
 
@@ -61,10 +62,12 @@ def observe(now: np.ndarray, state: np.ndarray, c: np.ndarray) -> None:
     for i in range(reductions):
         place = HEAD + channels + 2 * i
         value = now[int(c[place + 1])]
+        # The first sample starts an extreme, for which 0 would count as a value; sums start at 0.
         state[1 + i] = (
             value if instant == 0 and c[place] < MEAN else reduced(c[place], state[1 + i], value)
         )
     if instant % every == 0:
+        # Channel by channel, so that the samples of one are contiguous.
         begin = 1 + reductions + instant // every
         for i in range(channels):
             state[begin + i * samples] = now[int(c[HEAD + i])]
@@ -135,6 +138,7 @@ class Observation:
             asked += [reduction.kind, places[reduction.channel]]
         self._constants = np.array(asked, float)
         self._channels, self._head = channels, 1 + len(reductions)
+        # NaN remains where a run stops before the end.
         self._kept = np.full((runs, self._head + len(channels) * self._samples), np.nan)
         self._kept[:, : self._head] = 0.0
 

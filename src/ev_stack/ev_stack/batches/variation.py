@@ -51,6 +51,7 @@ class Variation:
                 f"numbers of runs differ: {listed}; expected one number of values for all"
             )
         self.names = tuple(columns)
+        # Nothing varies: one run.
         self.runs = next(iter(lengths.values()), 1)
         self._by_role: dict[str, dict[str, Sequence[Any]]] = {role: {} for role in configurations}
         for name, column in columns.items():
@@ -64,6 +65,7 @@ class Variation:
     def _refuse(self, name: str, parameter: str, role: str, for_all: bool) -> None:
         configuration = self._configurations[role]
         extra = entries(configuration.extra) if configuration.extra is not None else ()
+        # They shape the compiled loop or the master, of which a batch has one for all runs.
         fixed = (*_OF_ALL_RUNS, *(entry.name for entry in extra))
         if parameter in fixed:
             raise ParameterError(
@@ -78,6 +80,7 @@ class Variation:
                 if each not in fixed and each.startswith(_SENSORS) == is_sensor
             ]
             raise unknown_name(f"parameter of {role}", parameter, listed)
+        # A law that assumed another car than the plant's would be a fault, not a variation.
         if parameter.startswith(_VEHICLE) and not for_all:
             raise ParameterError(
                 f"{name} is refused: expected {EVERY_ROLE}.{parameter}, one for all roles"
@@ -90,6 +93,7 @@ class Variation:
         """
         base, columns = self._configurations[role], self._by_role[role]
         is_sound = base.is_ideal and not base.faults
+        # Where only a seed differs that nothing uses, making a configuration for each run is waste.
         matters = self.concerns_method(role) or self.concerns_sensors(role) or not is_sound
         found = []
         for run in range(self.runs if columns else 0):
@@ -98,6 +102,7 @@ class Variation:
                 if matters:
                     found.append(base.changed(values))
                 else:
+                    # A bad seed is refused all the same.
                     check(_SEED, values["seed"])
             except ParameterError as error:
                 raise ParameterError(f"run {run}: {role}: {error}") from None
@@ -109,6 +114,7 @@ class Variation:
 
     def concerns_method(self, role: str) -> bool:
         """Mark of runs that differ in parameters of a role's method, not only in its sensors."""
+        # A seed that only sensors use leaves the method as it is: it is made once.
         seed = () if self._configurations[role].has_random_method else ("seed",)
         return any(
             name not in seed and not name.startswith(_SENSORS) for name in self._by_role[role]

@@ -33,6 +33,7 @@ class WholeRun:
     def __init__(
         self, channels: Sequence[str], of_roles: Mapping[str, Sequence[str]], times: np.ndarray
     ) -> None:
+        # As an observation of one run, with every period and without reductions.
         self.shown = Observation(channels, 1, (), 1, len(times))
         self._of_roles, self._times = of_roles, times
         self._true: list[Observation] = []
@@ -56,6 +57,7 @@ class WholeRun:
             for each in self._true
             for name, values in _only_run(each, instants).items()
         }
+        # True numbers take the place of what the sensors have shown.
         return shown, Recording(times, {**shown.channels, **true}, shown) if true else shown
 
 

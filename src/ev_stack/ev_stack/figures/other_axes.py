@@ -87,6 +87,7 @@ def _apart(places: np.ndarray) -> list[str]:
     """Numbers as texts, with as many digits as tell them apart, three at least."""
     for digits in range(3, 18):
         names = [f"{place:.{digits}g}" for place in places]
+        # Equal places have equal names however many digits there are.
         if len(set(names)) == len(np.unique(places)):
             break
     return names
@@ -101,6 +102,7 @@ def _bare(axes: Axes) -> None:
 def mean_of_seeds(values: np.ndarray) -> np.ndarray:
     """The mean along the last axis of those that are no NaN; NaN where none is."""
     known = ~np.isnan(values)
+    # np.nanmean warns where all are NaN, which is an ordinary cell here.
     count = known.sum(axis=-1)
     return np.divide(
         np.where(known, values, 0.0).sum(axis=-1),
@@ -123,6 +125,7 @@ def band(title: str, x: tuple[str, np.ndarray], quantity: str, values: np.ndarra
         label = "mean of the seeds" if seeds > 1 else None
         axes.plot(places, mean_of_seeds(sorted_values), color=HUES[0], marker=".", label=label)
         if seeds > 1:
+            # fmin and fmax pass over NaN, min and max do not.
             ends = np.fmin.reduce(sorted_values, axis=1), np.fmax.reduce(sorted_values, axis=1)
             axes.fill_between(
                 places, *ends, color=HUES[0], alpha=0.2, linewidth=0.0, label="all seeds"
@@ -150,10 +153,12 @@ def plan_view(
     places = [np.column_stack((track.time, track.values)) for track in tracks]
     places = np.concatenate([*places, *([] if cones is None else [cones])])
     along, across = np.ptp(places, axis=0) if len(places) else (1.0, 1.0)
+    # A car that stands or drives straight has no extent on one axis.
     ratio = max(across, 1e-6) / max(along, 1e-6)
     times = next((each for each in _MAGNIFIED if ratio * each >= _LOWEST), _MAGNIFIED[-1])
 
     def ground(axes: Axes) -> None:
+        # The limits give way, not the box: the panel keeps its size among the others.
         axes.set_aspect(times, adjustable="datalim")
         if cones is None:
             return
@@ -193,11 +198,13 @@ def histograms(title: str, counted: Mapping[str, Mapping[str, Any]]) -> Panel:
         for number, (label, histogram) in enumerate(counted.items()):
             edges = histogram["edges"]
             colour, dashes = stroke(number)
+            # The outer bins are open; a logarithmic axis needs ends, half and twice the next ones.
             ends = [1e3 * end for end in (edges[0] / 2, *edges, 2 * edges[-1])]
             axes.stairs(
                 histogram["counts"], ends, color=colour, linestyle=dashes, label=label or None
             )
         axes.set_xscale("log")
+        # Logarithmic, for one late step among thousands has to be seen, and 0 has no logarithm.
         axes.set_yscale("symlog", linthresh=1.0)
         axes.set_ylim(0.0, None)
 

@@ -71,6 +71,7 @@ class Panel:
     @property
     def span(self) -> tuple[float, float] | None:
         """Lowest and highest value that it shows; None where there is none."""
+        # A spun car's values would flatten all others; alone they set the limits.
         counted = [curve for curve in self.curves if not curve.spun] or self.curves
         finite = [curve.values[np.isfinite(curve.values)] for curve in counted]
         finite = [values for values in finite if len(values)]
@@ -106,6 +107,8 @@ def _in_turns(panel: Panel, strokes: Mapping[str, Stroke]) -> list[tuple[Curve, 
             line.append(curve)
     found: list[tuple[Curve, tuple[str, Any]]] = []
     for line in lines:
+        # Dashes of _PIECE with gaps for all the others, each shifted by its place: none covers
+        # another.
         gap = (len(line) - 1) * _PIECE
         for place, curve in enumerate(line):
             own = strokes[readable(curve.label)]
@@ -130,9 +133,11 @@ def _draw_curve(axes: Axes, curve: Curve, columns: int, stroke: dict[str, Any]) 
     """Draw a line, or a band of lowest to highest values where the line would be solid ink."""
     found = chatter(curve.time, curve.values, columns)
     line = curve.values if found is None else found.line
+    # One sample per pixel's extreme: files of long runs would otherwise hold every sample.
     axes.plot(*thinned(curve.time, line, columns), dash_capstyle="butt", **stroke)
     if found is None:
         return
+    # Steps need a value at the last edge, too; there is one edge more than bins.
     ends = [np.append(each, each[-1]) for each in (found.lowest, found.highest)]
     axes.fill_between(
         found.edges, *ends, step="post", color=stroke["color"], alpha=0.3, linewidth=0.0, label=BAND

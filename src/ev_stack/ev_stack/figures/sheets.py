@@ -126,6 +126,7 @@ def _pages(
     rows = [panels[n : n + columns] for n in range(0, len(panels), columns)]
     page = _Page(sheet, width, columns, strokes, _spans(panels))
     while rows:
+        # A first guess without legend and shared abscissa, which are known only when it is drawn.
         count = page.fitting(rows, tallest)
         figure = page.drawn(rows[:count])
         if figure.get_figheight() > tallest:
@@ -147,6 +148,7 @@ def _spans(panels: Sequence[Panel]) -> dict[int, tuple[float, float] | None]:
         if panel.scale and (span := panel.span):
             low, high = together.get(panel.scale, span)
             together[panel.scale] = (min(low, span[0]), max(high, span[1]))
+    # By identity: a panel holds arrays, which have no hash.
     return {id(panel): together.get(panel.scale, panel.span) for panel in panels}
 
 
@@ -181,6 +183,7 @@ class _Page:
         """Some rows under one legend."""
         from matplotlib import style
 
+        # After a reset: a user's own settings of matplotlib do not change the figures of a report.
         with style.context(STYLE, after_reset=True):
             return self._drawn(rows)
 
@@ -204,6 +207,7 @@ class _Page:
             lines[row] = max(lines[row], axes.get_title(loc="left").count("\n"))
         below = 0.0 if all(panel.xlabel for panel in rows[-1]) else _BELOW
         height = sum(map(self.height, rows)) + _LINE * sum(lines) + below
+        # The legend comes on top: its height is known only once it is laid out.
         figure.set_figheight(height + _legend(figure, self.width, self.strokes))
         figure.align_ylabels()
         return figure
@@ -272,6 +276,7 @@ def _legend(figure: Figure, width: float, strokes: Mapping[str, Stroke]) -> floa
     )
 
     for rows in range(1, len(entries) + 1):
+        # Rounded up, so that all entries fit into the rows.
         columns = -(-len(entries) // rows)
         legend = figure.legend(entries.values(), entries, loc="outside upper center", ncols=columns)
         box = legend.get_window_extent()
@@ -295,6 +300,7 @@ def _wrap(text: Text, most: float) -> None:
     length = max(box.width, box.height) / DPI
     letters = len(words)
     while length > most and letters > 4:
+        # In proportion to the excess, and at least one letter less, so that the loop ends.
         letters = min(letters - 1, int(letters * most / length))
         text.set_text(textwrap.fill(words, letters))
         box = text.get_window_extent()

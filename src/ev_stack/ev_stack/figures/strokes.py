@@ -39,6 +39,7 @@ class Stroke(NamedTuple):
 def stroke(number: int) -> Stroke:
     """Stroke of the n-th name: the colours one after the other, then again with other dashes."""
     again, hue = divmod(number, len(HUES))
+    # Neighbours differ in dashes, and a colour that comes again has others than before.
     return Stroke(HUES[hue], DASHES[(hue + again) % len(DASHES)])
 
 
@@ -56,6 +57,7 @@ def strokes_of(labels: Iterable[str]) -> dict[str, Stroke]:
     }
     names = dict.fromkeys(label.replace("_", " ") for label in labels if label)
     found: dict[str, Stroke] = {}
+    # Laws first: they have fixed places, around which the other names find room.
     for name in sorted(names, key=lambda name: _law(name) not in places):
         taken, hues = set(found.values()), {each.colour for each in found.values()}
         of_all = [stroke(places.get(_law(name), 0) + n) for n in range(len(HUES) * len(DASHES))]
@@ -66,4 +68,5 @@ def strokes_of(labels: Iterable[str]) -> dict[str, Stroke]:
 
 
 def _law(name: str) -> str:
+    # The mark of a run whose car has spun belongs to no law.
     return name.removesuffix(" (spun)")

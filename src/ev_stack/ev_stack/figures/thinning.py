@@ -38,6 +38,7 @@ def chatter(time: np.ndarray, values: np.ndarray, columns: int) -> Chatter | Non
     lowest, highest = bins.min(axis=1), bins.max(axis=1)
     spread = highest - lowest
     finite = values[np.isfinite(values)]
+    # A line that crosses a bin once has a way of its spread; one that chatters has many times that.
     way = np.abs(np.diff(bins, axis=1)).sum(axis=1)
     dense = (way > SWINGS * spread) & (spread > SMALL * (np.ptp(finite) if len(finite) else 0.0))
     for apart in (1, 2):  # one or two bins in between are no line either
@@ -46,6 +47,7 @@ def chatter(time: np.ndarray, values: np.ndarray, columns: int) -> Chatter | Non
             dense[n : len(dense) - apart - 1 + n] |= between
     if not dense.any():
         return None
+    # Samples behind the last whole bin stay a line.
     in_bins = np.zeros(len(values), bool)
     in_bins[:whole] = np.repeat(dense, size)
     in_bins[1:] &= in_bins[:-1]  # the line goes on until the band begins

@@ -50,6 +50,7 @@ def decelerations(run: Recording) -> tuple[np.ndarray, np.ndarray]:
     Raises NotMeasured if there is no interval.
     """
     speed = coasting_speed(run)
+    # Rounding of the last instant must not cost the last interval.
     ends = np.arange(run.time[0], run.time[-1] + 1e-9, INTERVAL)
     at_ends = np.interp(ends, run.time, speed)
     if np.count_nonzero(at_ends > LOWEST_SPEED) < 10:
@@ -75,6 +76,7 @@ def coasting_speed(run: Recording) -> np.ndarray:
 def road_load(run: Recording, vehicle: Vehicle) -> tuple[float, float]:
     """Rolling resistance coefficient f_0 [1] and drag area c_d A [m^2] that fit best."""
     speed, deceleration = decelerations(run)
+    # The model is linear in f_0 and c_d A: one column of forces for each.
     columns = np.column_stack(
         (np.full_like(speed, vehicle.mass * GRAVITY), 0.5 * vehicle.air_density * speed**2)
     )
@@ -103,6 +105,7 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
 
         return measured
 
+    # All that is constant in the road load of the description; the fit cannot tell it apart.
     rolling = vehicle.rolling_resistance + vehicle.road_load.constant / (vehicle.mass * GRAVITY)
     area = vehicle.drag_coefficient * vehicle.frontal_area
     # the part of the rolling resistance that grows with V^2 looks like drag
@@ -138,6 +141,7 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Sheet]:
     """Speed over time, and deceleration over speed with the fitted road load."""
 
     def loads() -> list[Curve]:
+        # One run only: a fit of each run would put two curves for each into the panel.
         run = next(iter(runs.values()))
         speed, deceleration = decelerations(run)
         rolling, area = road_load(run, vehicle)
@@ -166,6 +170,7 @@ def _described(value: float, symbol: str) -> Reference | None:
 
 
 def _time_between(run: Recording) -> float:
+    # A crossing is one from below, and a coasting car falls through the levels from above.
     slowness = -coasting_speed(run)
     return motion.crossing_time(run.time, slowness, -LOWER, "80 km/h") - motion.crossing_time(
         run.time, slowness, -UPPER, "100 km/h"

@@ -123,6 +123,7 @@ def passed(run: Recording, vehicle: Vehicle, road: PathParameters | None, course
     NotMeasured if it does neither leave them nor reach the end.
     """
     lanes = lanes_driven(run, vehicle, course) if course.begin else ()
+    # A car that left is judged even where it never came to the end.
     if _left(run, road, course, lanes) or (course.begin and hit_cones(run, vehicle, course).any()):
         return False
     if course.begin:
@@ -141,7 +142,9 @@ def is_over(
     of both.
     """
     if not course.begin:
+        # Only the part that was not looked at before: whole runs again and again would take long.
         return bool(_left(run.part(since), road, course, ()))
+    # The tail, too, has to be past the last cone, which it could still hit.
     behind = course.end[-1] + vehicle.centre_of_mass_to_rear_axle + course.overhang
     is_behind = channel(run, "pose.x")[-1] >= behind
     return bool(
@@ -178,6 +181,7 @@ def _on_course(run: Recording, vehicle: Vehicle, course: Course) -> np.ndarray:
     x = channel(run, "pose.x")
     if not course.begin:
         return np.ones(len(x), bool)
+    # Up to the first arrival: a car that turns round behind the course comes by again.
     return (x >= course.begin[0]) & (np.arange(len(x)) <= _end_of_course(run, vehicle, course))
 
 
@@ -192,6 +196,7 @@ def _left(
     """
     x, y = channel(run, "pose.x"), channel(run, "pose.y")
     behind = x > course.end[-1] if course.begin else np.zeros(len(x), bool)
+    # Behind the last cone the car may drive wherever it likes.
     until = int(behind.argmax()) if behind.any() else len(x)
     outside = {"its lane": outside_lanes(run, lanes)}
     if road:

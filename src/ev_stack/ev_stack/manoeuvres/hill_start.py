@@ -110,9 +110,11 @@ def _release(run: Recording) -> int:
 def _uphill(run: Recording) -> np.ndarray:
     """Distance from the start in the direction of the drive torque, (n,) [m]."""
     drive = channel(run, motion.DRIVE_TORQUE)
+    # By the largest torque: a driver who pulls away in reverse stands with the tail uphill.
     direction = np.sign(drive[np.abs(drive).argmax()])
     if direction == 0.0:
         raise NotMeasured("there is no drive torque")
+    # Along the first heading, not the path: rolling back has to take from the way, not add to it.
     heading = motion.heading(run)[0]
     x, y = channel(run, "pose.x"), channel(run, "pose.y")
     return direction * ((x - x[0]) * np.cos(heading) + (y - y[0]) * np.sin(heading))
@@ -121,6 +123,7 @@ def _uphill(run: Recording) -> np.ndarray:
 def _slips(run: Recording, vehicle: Vehicle) -> np.ndarray:
     """Slip ratios of the driven wheels from the pull-away on, (wheels, n) [1]."""
     start = _release(run)
+    # While brake and drive hold each other the wheels stand, and their slip ratio means little.
     start += motion.first(channel(run, motion.BRAKE_TORQUE)[start:] == 0.0, "the end of braking")
     start += motion.first(np.abs(motion.path_speed(run)[start:]) > ROLLING_SPEED, "the pull-away")
     return np.array(

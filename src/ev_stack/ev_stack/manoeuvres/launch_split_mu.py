@@ -62,6 +62,7 @@ def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:
 
         def way() -> float:
             distance = motion.distance_on_path(run)
+            # Between the samples, as the time is: both are those of the same instant.
             return motion.value_at(run, distance, _reached(run)) - distance[_launch(run).start]
 
         return {
@@ -120,10 +121,12 @@ def figures(runs: Runs, vehicle: Vehicle) -> dict[str, Sheet]:
 
 def _launch(run: Recording) -> slice:
     """The samples from the first drive torque to LAUNCH_SPEED."""
+    # The sample before the first torque, in which the car still stands or rolls undisturbed.
     start = max(
         motion.first(np.abs(channel(run, motion.DRIVE_TORQUE)) > 0.0, "drive torque") - 1, 0
     )
     end = motion.first(motion.speed(run) >= LAUNCH_SPEED, f"{LAUNCH_SPEED:g} m/s")
+    # A run that starts rolling has no launch; its slice would be empty.
     if end < start:
         raise NotMeasured(f"the car has {LAUNCH_SPEED:g} m/s before it is driven")
     return slice(start, end + 1)

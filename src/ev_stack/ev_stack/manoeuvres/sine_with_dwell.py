@@ -114,6 +114,7 @@ def figures(runs: Runs) -> dict[str, Sheet]:
     def slow() -> list[Curve]:
         run = run_named(runs, SLOW_RUN)
         angle = np.degrees(channel(run, motion.STEERING_WHEEL_ANGLE))
+        # Not the way back, on which the curve would be drawn a second time.
         rising = slice(0, int(np.abs(angle).argmax()) + 1)
         return [Curve(angle[rising], motion.lateral_acceleration_on_path(run)[rising])]
 
@@ -149,6 +150,7 @@ def _multiple(run: Recording, runs: Runs) -> float:
 def _steering(run: Recording) -> tuple[int, int]:
     """Indices of the beginning and of the completion of steer."""
     turned = np.flatnonzero(channel(run, motion.STEERING_WHEEL_ANGLE))
+    # Without an instant at zero on both sides neither beginning nor completion of steer is known.
     if not len(turned) or turned[0] == 0 or turned[-1] == len(run.time) - 1:
         raise NotMeasured("there is no complete sine")
     return int(turned[0]) - 1, int(turned[-1]) + 1
@@ -165,7 +167,9 @@ def _peak_yaw_rate(run: Recording) -> float:
             angle[begin + 1 : end] * angle[begin + 1] < 0.0, "the second half of the sine"
         )
     )
+    # Towards the second steering: a sine to the left and one to the right have the same peak.
     towards = np.sign(angle[reversal]) * yaw_rate[reversal:]
+    # Strict on one side only: of a flat top exactly the last sample counts.
     falling = (
         (towards[1:-1] > 0.0) & (towards[1:-1] >= towards[:-2]) & (towards[1:-1] > towards[2:])
     )
@@ -190,6 +194,7 @@ def _displacement(run: Recording, beginning: float) -> float:
     Positive in the direction of the first steering.
     """
     begin, _ = _steering(run)
+    # The first sample with an angle, since the one at `begin` is still zero.
     side = np.sign(channel(run, motion.STEERING_WHEEL_ANGLE)[begin + 1])
     return side * motion.value_at(run, motion.way_aside(run, begin), beginning + DISPLACEMENT_TIME)
 
@@ -204,6 +209,7 @@ def _passes(name: str, runs: Runs) -> float:
     named = float(f"{found[1]}.{found[2]}") if found else 0.0  # 1.5 of times_1_5
     if named and abs(multiple / named - 1.0) > ROUNDING:
         raise NotJudged(f"{multiple:.2f} A was driven, the run is about {named:g} A")
+    # A negative ratio passes: the car has swung to the other side, which S5.2 does not limit.
     stable = all(_yaw_rate_ratio(run, delay) <= limit for delay, limit in YAW_LIMITS)
     responsive = (
         multiple < FULL * (1.0 - ROUNDING) or _displacement(run, _beginning(run)) >= DISPLACEMENT

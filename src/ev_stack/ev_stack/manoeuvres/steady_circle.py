@@ -139,6 +139,8 @@ def steady(run: Recording) -> slice:
     """
     angle, acceleration = channel(run, motion.STEERING_WHEEL_ANGLE), _inward_acceleration(run)
     settled = run.time >= run.time[-1] - SETTLING
+    # Exactly equal: a steering wheel that is held has one angle, a driver's moves in the last
+    # digit.
     if (angle[settled] == angle[-1]).all():
         held = run.time[motion.first(angle == angle[-1], "the fixed steering-wheel angle")]
         start = motion.first(
@@ -146,9 +148,11 @@ def steady(run: Recording) -> slice:
         )
     else:
         start = motion.first(acceleration >= GRADIENT_RANGE[0], f"{GRADIENT_RANGE[0]:g} m/s^2")
+    # True from the first sample beyond the range on.
     beyond = np.maximum.accumulate(acceleration > GRADIENT_RANGE[1])
     # it slides off, slows down and grips again
     lost = np.flatnonzero(beyond & (acceleration < 0.9 * GRADIENT_RANGE[1]))
+    # Up to the largest acceleration before the circle was lost.
     part = slice(start, int(acceleration[: lost[0] if lost.size else None].argmax()) + 1)
     if not acceleration[part].size:
         raise NotMeasured(
@@ -162,8 +166,10 @@ def _side(run: Recording) -> float:
 
     The steering does not show it: an oversteering car may be steered against the circle in the end.
     """
+    # Straight ahead the side would be that of rounding errors.
     if not channel(run, motion.STEERING_WHEEL_ANGLE)[-1]:
         raise NotMeasured("the steering wheel is not turned")
+    # The sum over the run: single samples of the start may have either sign.
     return float(np.sign(motion.lateral_acceleration_on_path(run).sum()))
 
 
@@ -177,6 +183,7 @@ def _curve(name: str, run: Recording, values: np.ndarray) -> Curve:
 
 
 def _curvature(run: Recording) -> np.ndarray:
+    # 1/R = a_y/V^2; 0.1 m/s keeps a car that stands from dividing by zero.
     return _inward_acceleration(run) / np.maximum(motion.speed(run), 0.1) ** 2
 
 
@@ -197,6 +204,7 @@ def _gradient(run: Recording, values: np.ndarray) -> float:
     part = steady(run)
     acceleration, values = _inward_acceleration(run)[part], values[part]
     inside = (acceleration >= GRADIENT_RANGE[0]) & (acceleration <= GRADIENT_RANGE[1])
+    # A slope over a part of the range would be another quantity than the standard's.
     if acceleration.max() < GRADIENT_RANGE[1]:
         raise NotMeasured(f"the lateral acceleration stays below {GRADIENT_RANGE[1]:g} m/s^2")
     if np.count_nonzero(inside) < 2:

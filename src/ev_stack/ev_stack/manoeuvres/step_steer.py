@@ -54,11 +54,14 @@ def response(run: Recording, values: np.ndarray) -> Response:
     final = mean_between(run, angle, *last(run, STEADY_WINDOW))
     if final == 0.0:
         raise NotMeasured("the steering wheel is not turned")
+    # Over the final value, which has a sign: a step to the right rises from 0 to 1, too.
     start = motion.crossing_time(run.time, angle / final, 0.5, "half of the step")
     end = float(run.time[-1])
+    # The two windows that are compared below.
     if not motion.moving(run)[run.time >= end - 2 * STEADY_WINDOW].all():
         raise NotMeasured("the car stands in the end")
     steady = mean_between(run, values, end - STEADY_WINDOW, end)
+    # Also of a car with a lateral quantity of exactly 0, by which the ratios divide.
     if not steady:
         raise NotMeasured("the car does not respond")
     if (
@@ -66,6 +69,7 @@ def response(run: Recording, values: np.ndarray) -> Response:
         > STEADY_BAND
     ):
         raise NotMeasured("the response is not steady in the end")
+    # Positive in the direction of the steady response, so one search serves left and right.
     relative = values / steady
     peak = int(relative.argmax())
     return Response(

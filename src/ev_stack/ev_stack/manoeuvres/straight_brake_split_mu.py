@@ -111,6 +111,7 @@ def _braking(run: Recording) -> slice:
 
 def _after_a_second(run: Recording, values: np.ndarray) -> float:
     start = _onset(run)
+    # As a change since the onset, so a yaw rate or heading of before does not count.
     return motion.value_at(run, values - values[start], float(run.time[start]) + ONE_SECOND)
 
 
@@ -126,4 +127,5 @@ def _locked(run: Recording, wheel: str) -> float:
     # in reverse a braked wheel slips forwards
     towards = np.copysign(1.0, motion.path_speed(run)[part])
     locked = towards * channel(run, f"tire_forces.slip_ratio.{wheel}")[part] < LOCKED_SLIP
+    # A stop from below 2 m/s has no sample that counts, and no locked wheel.
     return 100 * np.count_nonzero(locked & fast) / max(np.count_nonzero(fast), 1)
