@@ -175,7 +175,8 @@ class Runs:
         except ParameterError as error:
             raise ParameterError(f"run {run}: {role}: {error}") from None
         state = self._initial_states[role][run] if role in self._initial_states else part.state
-        # A restart makes a part anew, which the compiled loop cannot do.
+        # A restart is a call back into Python (`lockstep.parts.Restart`), of which a batch has
+        # none.
         if any(text.split()[0] == "restarted" for text in configuration.faults):
             raise ParameterError(
                 f"{role} faults: restarted is refused in a batch, expected all other kinds"

@@ -80,7 +80,6 @@ class Variation:
                 if each not in fixed and each.startswith(_SENSORS) == is_sensor
             ]
             raise unknown_name(f"parameter of {role}", parameter, listed)
-        # A law that assumed another car than the plant's would be a fault, not a variation.
         if parameter.startswith(_VEHICLE) and not for_all:
             raise ParameterError(
                 f"{name} is refused: expected {EVERY_ROLE}.{parameter}, one for all roles"

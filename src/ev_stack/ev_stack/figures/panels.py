@@ -133,7 +133,7 @@ def _draw_curve(axes: Axes, curve: Curve, columns: int, stroke: dict[str, Any]) 
     """Draw a line, or a band of lowest to highest values where the line would be solid ink."""
     found = chatter(curve.time, curve.values, columns)
     line = curve.values if found is None else found.line
-    # One sample per pixel's extreme: files of long runs would otherwise hold every sample.
+    # Only the extremes of each pixel: a PDF would otherwise hold every sample of a long run.
     axes.plot(*thinned(curve.time, line, columns), dash_capstyle="butt", **stroke)
     if found is None:
         return

@@ -148,7 +148,6 @@ def _spans(panels: Sequence[Panel]) -> dict[int, tuple[float, float] | None]:
         if panel.scale and (span := panel.span):
             low, high = together.get(panel.scale, span)
             together[panel.scale] = (min(low, span[0]), max(high, span[1]))
-    # By identity: a panel holds arrays, which have no hash.
     return {id(panel): together.get(panel.scale, panel.span) for panel in panels}
 
 

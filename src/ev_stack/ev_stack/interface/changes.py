@@ -36,6 +36,7 @@ class Changes(TypedDict, total=False):
 def listing_changes(call: C) -> C:
     """Show each keyword of `Changes` in the signature of a call that takes **changes."""
     signature = inspect.signature(call)
+    # **changes makes room for the keywords that it stands for.
     own = [each for each in signature.parameters.values() if each.kind is not each.VAR_KEYWORD]
     keywords = [
         inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind)
@@ -76,6 +77,7 @@ def overrides(**changes: Unpack[Changes]) -> Overrides:
 
 def _seconds(duration: float | str | None) -> float | None:
     seconds = number_of(duration, "s") if isinstance(duration, str) else duration
+    # True is an int to Python.
     is_number = isinstance(seconds, int | float) and not isinstance(seconds, bool)
     if duration is not None and not is_number:
         raise ParameterError(

@@ -47,6 +47,7 @@ def run(
     """
     changed = replace(overrides(**changes), metrics=tuple(metrics))
     loaded = with_own_angles(load_scenario(fspath(scenario), changed, only=runs))
+    # All at once and on all cores, before the first run would compile its own one by one.
     compile_for(loaded.runs, in_nodes=False)
     return Result(loaded, {each.name: drive_offline(each) for each in loaded.runs})
 

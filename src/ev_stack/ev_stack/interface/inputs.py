@@ -17,4 +17,5 @@ def taken_input(name: str, place: int, value: float) -> float:
         return value
     if value < -NEGLIGIBLE:
         raise ParameterError(f"input {name}: {quoted(value)} is refused, expected 0 or more")
+    # A negative number within rounding, such as of a learner's scaled output, counts as none.
     return 0.0

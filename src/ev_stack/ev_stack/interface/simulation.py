@@ -74,6 +74,7 @@ class SteppedLaw:
             if name in given:
                 self._here[place] = taken_input(name, place, given[name])
         here = Frame.of(self._here)
+        # A law that answers reads and writes the frame of one instant.
         self._part.step(here, here)
         return {name: here.numbers[place] for name, place in self._outputs.items()}
 
@@ -142,9 +143,11 @@ class Simulation:
         self.configurations, self._without, self._record = of.configurations, tuple(without), record
         self._writes = {role: each.method.writes for role, each in of.configurations.items()}
         answering, integrating = roles_in_order(self.configurations)
+        # Roles in front of the first one that is left out can answer before anything is given.
         first = min(
             (answering.index(role) for role in without if role in answering), default=len(answering)
         )
+        # Its output is part of the instant from the beginning, so no answer can come before it.
         if any(role in integrating for role in without):
             first = 0
         self._before, self._behind = self._kept(answering[:first]), self._kept(answering[first:])
@@ -211,16 +214,20 @@ class Simulation:
                 raise unknown_name("input", name, self.inputs)
             place = self._inputs[name]
             taken[place] = taken_input(name, place, value)
+        # Only now, when all inputs are taken: a refused one leaves the frame as it was.
         for place, value in taken.items():
             self._here[place] = value
         self._answer(self._behind)
+        # What is given, and answers that are not due yet, keep their last values.
         self._next[:] = self._here
         # by which faults know when they strike
         self._next[frame.TIME] = self._time_of(self._instant + 1)
         for role in self._integrating:
             self._call(role, self._here, self._next)
         if self._record:
+            # A copy: the frame itself is used again two steps later.
             self._frames.append(self._here.copy())
+        # The frames take turns, so that no step makes a new one.
         self._here, self._next = self._next, self._here
         self._instant += 1
         return self._begin_instant()
@@ -288,12 +295,14 @@ class Simulation:
                 f"state: {quoted(saved)} is refused, expected the state of a Simulation"
             )
         here = self._of()
+        # Over the names of both: a role that only one of them has differs, too.
         for what in {**here, **saved.of}:
             if here.get(what) != saved.of.get(what):
                 was, there_is = quoted(saved.of.get(what, "none")), quoted(here.get(what, "none"))
                 raise ParameterError(
                     f"state: {what} was {was}, here it is {there_is}; expected the same"
                 )
+        # Copies, which take effect only when everything fits.
         configurations, parts = {**self.configurations}, {**self._parts}
         for role, seed in saved.seeds.items():
             if configurations[role].common.seed != seed:
@@ -305,6 +314,7 @@ class Simulation:
             for part, state in zip(parts[role], saved.parts[role], strict=True)
         ]
         for role, part, state in states:
+            # All sizes are compared before the first state is set: nothing is half-applied.
             size, fits = np.size(state), np.size(part.state)
             if size != fits:
                 raise ParameterError(

@@ -126,7 +126,7 @@ def _launch(run: Recording) -> slice:
         motion.first(np.abs(channel(run, motion.DRIVE_TORQUE)) > 0.0, "drive torque") - 1, 0
     )
     end = motion.first(motion.speed(run) >= LAUNCH_SPEED, f"{LAUNCH_SPEED:g} m/s")
-    # A run that starts rolling has no launch; its slice would be empty.
+    # A run that begins at speed has no launch, and its slice would be empty.
     if end < start:
         raise NotMeasured(f"the car has {LAUNCH_SPEED:g} m/s before it is driven")
     return slice(start, end + 1)

@@ -209,7 +209,7 @@ def _passes(name: str, runs: Runs) -> float:
     named = float(f"{found[1]}.{found[2]}") if found else 0.0  # 1.5 of times_1_5
     if named and abs(multiple / named - 1.0) > ROUNDING:
         raise NotJudged(f"{multiple:.2f} A was driven, the run is about {named:g} A")
-    # A negative ratio passes: the car has swung to the other side, which S5.2 does not limit.
+    # The limits are upper ones: a yaw rate that has swung to the other side is within them.
     stable = all(_yaw_rate_ratio(run, delay) <= limit for delay, limit in YAW_LIMITS)
     responsive = (
         multiple < FULL * (1.0 - ROUNDING) or _displacement(run, _beginning(run)) >= DISPLACEMENT

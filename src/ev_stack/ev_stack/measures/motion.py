@@ -38,7 +38,6 @@ def path_speed(recording: Recording) -> np.ndarray:
     V of Shchur (2019).
     """
     longitudinal = channel(recording, "twist.longitudinal")
-    # By the longitudinal part: a car that slides straight across counts as going ahead.
     return np.copysign(np.hypot(longitudinal, channel(recording, "twist.lateral")), longitudinal)
 
 

@@ -63,6 +63,7 @@ def _number(value: float, digits: int) -> str:
     """So many significant digits; a whole number, such as a seed, as it is."""
     if isinstance(value, int):
         return str(value)
+    # Rounded first: 9.9996 becomes 10.00, with one digit less behind the point.
     rounded = float(f"{value:.{digits - 1}e}")
     if rounded and not _SMALLEST <= abs(rounded) < _LARGEST:
         return f"{value:.{digits - 1}e}"
@@ -73,6 +74,7 @@ def _number(value: float, digits: int) -> str:
 def _format(shown: Sequence[str]) -> str:
     """Digits for which siunitx leaves room before and behind the point and in the exponent."""
     parts = [number.partition("e") for number in shown]
+    # siunitx reserves room by this format; a number with more digits would move its column.
     signs = "-" * any(number.startswith("-") for number, _, _ in parts)
     whole = max(len(number.lstrip("-").partition(".")[0]) for number, _, _ in parts)
     behind = max(len(number.partition(".")[2]) for number, _, _ in parts)
@@ -87,6 +89,7 @@ def _in_bold(values: Sequence[Any], shown: Sequence[str], better: str) -> list[s
     if not better:
         return list(shown)
     known = [(value, cell) for value, cell in zip(values, shown, strict=True) if value is not None]
+    # By the values themselves; cells that look like the best are marked with it below.
     _, best = (min if better == LOWER else max)(known, key=lambda each: each[0])
     return [rf"\bfseries {cell}" if cell == best else cell for cell in shown]
 

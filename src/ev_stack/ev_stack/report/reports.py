@@ -140,6 +140,7 @@ def known_metrics(runs: Sequence[Run]) -> dict[str, Metric]:
     ParameterError that names the line if the report fails with such runs instead of raising
     NotMeasured.
     """
+    # Every metric of it is NotMeasured, but names, units and formulas are there.
     nothing = Recording(np.zeros(0), {})
     try:
         return metrics_of_runs({run.name: nothing for run in runs}, runs)
@@ -161,6 +162,7 @@ def further_metrics(run: Run, texts: Sequence[str], must_exist: bool = True) -> 
     known = known_metrics([run])
     further = [text for text in texts if text not in known]
     for text in further:
+        # An identifier is a name; what is none is an expression, which is read below.
         if text.isidentifier() and text not in METRICS:
             raise unknown_name("metric", text, [*known, *METRICS])
         if must_exist:

@@ -115,6 +115,7 @@ class Result:
         The speed at which it is run does not count.
         """
         source = files_in_config("scenarios").get(self._report)
+        # A file of one's own may have the report of a source and other numbers.
         own_file = (
             [f"scenario {self.scenario.file}"]
             if source and not source.samefile(self.scenario.file)
@@ -137,6 +138,7 @@ class Result:
     def differs(self) -> Sequence[Difference]:
         """Parameters that differ from the scenario's file, or from the defaults."""
         runs = [run.name for run in self.scenario.runs]
+        # Resolved once more without the command line; nothing is driven.
         return differences(self.scenario, load_scenario(str(self.scenario.file), only=runs))
 
     @cached_property
@@ -235,6 +237,7 @@ class Result:
         Return the content of the last.
         """
         summary = self.summary()
+        # The page takes the figures from their files.
         save_figures(figures, folder)
         content = summary.as_json()
         write_summary(folder / SUMMARY, content)

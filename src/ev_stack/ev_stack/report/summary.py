@@ -50,6 +50,7 @@ def differences(driven: Scenario, own: Scenario) -> list[Difference]:
     nodes: dict[Difference, list[str]] = {}
     for run, before in zip(driven.runs, own.runs, strict=True):
         for found in _of_run(run, before):
+            # Equal differences of several nodes come together under one key, without a node.
             key = Difference(
                 found.by,
                 "",
@@ -65,6 +66,7 @@ def differences(driven: Scenario, own: Scenario) -> list[Difference]:
         )
         for key, members in nodes.items()
     ]
+    # Those of the command line first; sorting is stable, so the order of the nodes stays.
     return sorted(listed, key=lambda difference: difference.by)
 
 
@@ -95,6 +97,7 @@ def _defaults(configuration: Configuration) -> dict[str, Any]:
     given["method"] = configuration.method.name
     extra = type(configuration.extra) if configuration.extra is not None else None
     options = {name: configuration.values()[name] for name in configuration.method.switches}
+    # A switch that is on brings its sensors, whose defaults are wanted; the switch itself is off.
     with_sensors = configure(configuration.role, {**given, **options}, extra).values()
     plain = {**with_sensors, **configure(configuration.role, given, extra).values()}
     return {**plain, "method": ROLES[configuration.role].default_method}
@@ -107,6 +110,7 @@ def _frozen(value: Any) -> Any:
 def _together(members: list[str], driven: Scenario) -> str:
     """The nodes in short: every node, a node of all runs, or each by its run."""
     roles = list(dict.fromkeys(name.rpartition("/")[2] for name in members))
+    # Some nodes differ in some runs only: then each is named with its run.
     if len(members) != len(roles) * len(driven.runs):
         return ", ".join(members)
     return EVERY_NODE if len(roles) == len(driven.runs[0].configurations) else ", ".join(roles)

@@ -110,9 +110,11 @@ def tables_by_width(
 ) -> str:
     """Lay out a table, in a narrow terminal as several, each with the first `kept` columns."""
     widths = [2 + max(len(row[i]) for row in (columns, *rows)) for i in range(len(columns))]
+    # Each column counts with the two blanks behind it; the last one has none.
     room = _terminal_width() + 2 - sum(widths[:kept])
     parts: list[list[int]] = [[]]
     for i in range(kept, len(columns)):
+        # A column that is too wide even alone gets a table of its own all the same.
         if parts[-1] and sum(widths[j] for j in (*parts[-1], i)) > room:
             parts.append([])
         parts[-1].append(i)
@@ -168,6 +170,7 @@ def metric_table(metrics: Mapping[str, Metric], width: int = WIDTH_OF_A_PIPE) ->
     rows = [_row(name, metric, notes) for name, metric in metrics.items()]
     lines = _lines(METRIC_COLUMNS, rows)
     without_degrees = [{**row, "value": row["value in rad"]} for row in rows]
+    # First without bands and degrees, then without references, as far as it is needed.
     for columns in NARROW:
         if max(map(len, lines)) > width:
             lines = _lines(columns, without_degrees)
@@ -252,6 +255,7 @@ def html_of(metrics: Mapping[str, Metric], figures: Mapping[str, Figure], signal
 def quantile(histogram: Mapping[str, Any], share: float) -> float:
     """Smallest end of a bin [s] below which at least this share lies, or the largest time."""
     due, seen = share * sum(histogram["counts"]), 0
+    # Not strict: the last bin has no upper edge, and its end is the largest time.
     for count, end in zip(histogram["counts"], histogram["edges"], strict=False):
         seen += count
         if seen >= due:

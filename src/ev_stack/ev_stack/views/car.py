@@ -42,6 +42,7 @@ def wheels_of(vehicle: Vehicle) -> list[Wheel]:
     front = vehicle.wheelbase - vehicle.centre_of_mass_to_rear_axle
     rear = -vehicle.centre_of_mass_to_rear_axle
     places = [
+        # The offset is that of the centre of mass to the left, from which places count.
         (x, side * track / 2 - vehicle.centre_of_mass_offset)
         for x, track in ((front, vehicle.front_track), (rear, vehicle.rear_track))
         for side in (1, -1)
@@ -80,6 +81,7 @@ def view_channels(run: Recording, vehicle: Vehicle) -> dict[str, np.ndarray]:
             for wheel, at in directions.items()
         }
 
+    # Each on its own: a run without steering still has a heading.
     return {**_if_recorded(lambda: {f"{PREFIX}heading": heading(run)}), **_if_recorded(angles)}
 
 

@@ -80,11 +80,14 @@ class Template:
         stamp = message(
             "builtin_interfaces/msg/Time", sec=_MARKED_STAMP[0], nanosec=_MARKED_STAMP[1]
         )
+        # A different mark for each number, so that the place of each is found in the bytes.
         marks = [_MARKED_NUMBER + place for place in range(count)]
         data = serialized(view.message_type, make(stamp, marks))
         self._bytes = np.frombuffer(data, np.uint8)
         mark = re.escape(struct.pack("<iI", *_MARKED_STAMP))
         self._stamps = [found.start() for found in re.finditer(mark, data, re.DOTALL)]
+        # `index` raises where `make` leaves out a number: a template with a gap would be a silent
+        # fault.
         self._numbers = [data.index(struct.pack("<d", mark)) for mark in marks]
 
     def filled(self, stamps_ns: np.ndarray, numbers: Sequence[np.ndarray]) -> list[bytes]:
@@ -134,6 +137,7 @@ class CarViews:
         for view, (template, numbers) in self._moving.items():
             try:
                 values = numbers(at)
+            # A plant without tyres has no forces, and so no arrows.
             except KeyError:
                 continue
             yield view.within(self.namespace), template.filled(stamps_ns, values)
@@ -144,6 +148,7 @@ class CarViews:
     @cached_property
     def _moving(self) -> dict[View, _Moving]:
         def forces(at: Mapping[str, np.ndarray]) -> list[np.ndarray]:
+            # Metres of an arrow for each newton.
             scale = _LENGTH / mean_load(self.car)
             ways = [
                 (f"tire_forces.{way}_force", name)
@@ -198,6 +203,7 @@ def _frames(at: Mapping[str, np.ndarray]) -> list[np.ndarray]:
     found = [at[f"pose.{name}"] for name in ("x", "y", "orientation_z", "orientation_w")]
     for name in WHEEL_NAMES:
         for angle in (at[f"{PREFIX}wheel_angle.{name}"], at[f"wheel_states.position.{name}"]):
+            # The quaternion of a rotation about one axis.
             found += [np.sin(angle / 2), np.cos(angle / 2)]
     return found
 

@@ -81,7 +81,9 @@ def _rolling(car: Vehicle, wheel: Wheel) -> _Mass:
     spin = car.wheel_inertia * (
         1.0 if wheel.name in car.driven_wheels else car.undriven_inertia_ratio
     )
+    # J = m r^2/2 of a solid cylinder; the spin of a motor behind gears would make it too heavy.
     mass = min(2.0 * spin / wheel.radius**2, _HEAVIEST * car.mass)
+    # Of a solid cylinder about a diameter, m (3 r^2 + l^2)/12.
     across = mass * (3.0 * wheel.radius**2 + (_WIDTH * wheel.radius) ** 2) / 12.0
     # as a body has at least; a motor behind gears has more spin than its mass allows
     across = max(across, spin / 2.0)
@@ -97,10 +99,13 @@ def _body(robot: Element, car: Vehicle, wheels: Sequence[Wheel], others: Sequenc
     """The car without its other parts, in a frame at the centre of mass of the whole."""
     height = car.centre_of_mass_height
     mass = car.mass - sum(each.mass for each in others)
+    # The body has its centre of mass where all parts together have that of the car.
     x, y, z = (-sum(each.mass * each.at[axis] for each in others) / mass for axis in range(3))
     z += car.mass * height / mass
+    # Parallel axes: each part adds m d^2 and its own inertia, and the body has what is left.
     far = [(each.mass * (each.at[0] ** 2 + each.at[1] ** 2), each.inertia[2]) for each in others]
     yaw = car.yaw_inertia - sum(map(sum, far)) - mass * (x**2 + y**2)
+    # Heavy wheels far out may leave less than nothing, which no simulator takes.
     yaw = max(yaw, _LEAST_YAW * car.yaw_inertia)
     xs, ys = [wheel.x for wheel in wheels], [wheel.y for wheel in wheels]
     length, width = max(xs) - min(xs) + _OVERHANG, max(ys) - min(ys)

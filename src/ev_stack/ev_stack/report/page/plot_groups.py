@@ -64,6 +64,7 @@ def _unknown(first: str, members: Sequence[str], units: Mapping[str, str]) -> di
 
 
 def _belongs(channel: str, start: str) -> bool:
+    # With the dot: `angle` must not take in `angle_rate`.
     return channel == start or channel.startswith(start + ".")
 
 

@@ -54,13 +54,17 @@ def pack(values: np.ndarray, planes: int, step: float | None = None) -> Packed:
     finite = np.isfinite(values)
     held = values[finite]
     low, high = (float(held.min()), float(held.max())) if len(held) else (0.0, 0.0)
+    # A given step that would need more codes than there are is dropped for a coarser one.
     if step is None or (high - low) / step > levels(planes):
         step = (high - low) / levels(planes)
     if step > 0.0:
+        # Codes count from a multiple of the step, so that zero is one of the numbers.
         low = float(np.floor(low / step)) * step
     codes = np.zeros(len(values), np.int64)
     codes[finite] = (np.rint((held - low) / step) if step > 0.0 else 0) + 1
+    # Differences of a smooth signal are small and alike, which deflate finds; codes are not.
     changes = np.diff(codes, prepend=0) & (256**planes - 1)
+    # Byte by byte in planes: the high bytes are nearly all zero and shrink to nothing.
     rows = [(changes >> 8 * plane & 255).astype(np.uint8).tobytes() for plane in range(planes)]
     text = base64.b64encode(zlib.compress(b"".join(rows), _LEVEL)).decode()
     return Packed(text, low, step, len(values), planes)
@@ -90,6 +94,7 @@ def envelope(run: Recording, every: int) -> Recording:
 def _ends(values: np.ndarray, size: int) -> np.ndarray:
     bins = values.reshape(-1, size)
     lowest, highest = bins.argmin(axis=1), bins.argmax(axis=1)
+    # In the order of time, or a line would go up where the signal goes down.
     places = np.stack([np.minimum(lowest, highest), np.maximum(lowest, highest)], axis=1)
     return np.take_along_axis(bins, places, axis=1).ravel()
 
@@ -131,6 +136,7 @@ def signal_data(results: Sequence[Signals], most_text: int = MOST_TEXT) -> Signa
     """All channels of all runs as fine as `most_text` characters hold: 24 bits, 16 bits, or an envelope of these."""
     every = 1
     while True:
+        # Precision goes before samples: a thinned signal with 24 bits would be no better to see.
         for planes in _PLANES if every == 1 else _PLANES[-1:]:
             data = _packed(results, planes, every)
             if sum(map(len, data.blocks)) <= most_text:
@@ -142,6 +148,7 @@ def _packed(results: Sequence[Signals], planes: int, every: int) -> SignalData:
     places: dict[str, int] = {}
 
     def placed(packed: Packed) -> dict[str, Any]:
+        # Series that are equal, such as the instants of several runs, stand on the page once.
         block = places.setdefault(packed.text, len(places))
         return {
             "block": block,
@@ -205,6 +212,7 @@ def by_result(summaries: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]
     rows = []
     for name in names:
         found = [summary["metrics"].get(name) for summary in summaries.values()]
+        # Each name comes from one of the summaries, so there is one.
         first = next(metric for metric in found if metric)
         rows.append({"name": name, "unit": first["unit"], "found": found, "first": first})
     return rows
