@@ -17,7 +17,7 @@ import numpy as np
 from ev_core.law import ParameterError, exp, inlined, parameter, setting
 from ev_core.vehicle.tyre import MF_NAMES, Tyre, mf_tyres
 from ev_msgs_py.refusal import quoted, unknown_name
-from ev_sim.tyres.curve import Coefficients, peak
+from ev_sim.tyres.curve import SCALED_BY_FRICTION, Coefficients, peak
 from ev_sim.tyres.mf_tyre import MfTyre, at_load, is_plain
 
 REFERENCE = "dry_asphalt"
@@ -113,24 +113,20 @@ def tyre_on_road(
     its slope, and its available friction is that of the surface.
     """
     of = SURFACES[surface] if isinstance(surface, str) else surface
-    curve, (c0, c1, c2, c3) = tyre.curve, tyre.coefficients
     scale = of.peak_friction / SURFACES[REFERENCE].peak_friction
     rolling_resistance = rolling_resistance_scale * of.rolling_resistance
+    curve = tyre.curve
     if curve == "mf_tyre":
         return TyreOnRoad(
             scale, 1.0, 0.0, 0.0, rolling_resistance, scale * tyre.front_mf[MF_NAMES.index("pdx1")]
         )
+    coefficients = list(tyre.coefficients)
     if curve == "burckhardt":
-        c0 = of.c1
-        c1 = of.c2
-        c2 = of.c3
-        c3 = 0.0
-    elif curve in ("rational", "two_exponential"):
-        c0 *= scale
-    elif curve == "dry_friction":
-        c0, c2 = scale * c0, scale * c2
-    elif curve == "magic_formula":
-        c2 *= scale
+        coefficients = [of.c1, of.c2, of.c3, 0.0]
+    else:
+        for place in SCALED_BY_FRICTION[curve]:
+            coefficients[place] *= scale
+    c0, c1, c2, c3 = coefficients
     available = of.peak_friction if curve == "linear" else peak(curve, (c0, c1, c2, c3))
     return TyreOnRoad(c0, c1, c2, c3, rolling_resistance, available)
 

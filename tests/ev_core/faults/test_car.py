@@ -142,29 +142,6 @@ def test_a_puncture_pulls_to_its_side_and_ends():
     assert ratio[-1] == pytest.approx(1.0, abs=0.01)
 
 
-def test_a_soft_tyre_has_a_smaller_slope_and_the_same_peak():
-    from ev_sim.plant.planar.planar_state import TyreRecord
-    from ev_sim.tyres.curve import FRICTION_CURVES, Coefficients, friction, soften
-
-    for curve, c in enumerate(
-        [
-            (1.0, 17.0, 0.5, 0.0),
-            (1.0, 0.1, 0.0, 0.0),
-            (0.8, 0.05, 0.4, 0.0),
-            (10.0, 1.6, 1.0, 0.5),
-            (20.0, 0, 0, 0),
-        ]
-    ):
-        tyre = TyreRecord(*c)
-        soften(curve, tyre, 0.3)
-        after = Coefficients(tyre.c0, tyre.c1, tyre.c2, tyre.c3)
-        for slip in (0.01, 0.2, 1.0):
-            want = friction(curve, 0.3 * slip, Coefficients(*c))
-            assert friction(curve, slip, after) == pytest.approx(want, rel=1e-12), FRICTION_CURVES[
-                curve
-            ]
-
-
 def test_a_stuck_hall_sensor_costs_a_third_of_the_torque():
     """(3 + 1/2 + 0 + 1/2) / 6; a sector without torque; the same a turn later and a turn before."""
     angles = np.linspace(0.0, math.tau, 6001)[:-1] + 1e-6

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from ev_core.methods.law import namespace
 from ev_core.parameters.declaration import number_tree
 from ev_core.vehicle.tyre import Tyre
+from ev_sim.plant.planar.planar_state import TyreRecord
 from ev_sim.surfaces import SURFACES, tyre_on_road
 from ev_sim.tyres.contact_patch import force_and_rate, slip_vector, uncoupled
 from ev_sim.tyres.curve import (
@@ -21,11 +22,13 @@ from ev_sim.tyres.curve import (
     burckhardt,
     dry_friction,
     friction,
+    linear,
     magic_formula,
     peak,
     peak_slip,
     rational,
     secant,
+    soften,
     two_exponential,
 )
 
@@ -35,6 +38,14 @@ TYRES = {
     "magic_formula": (10.0, 1.6, 0.9, 0.5),
     "linear": (20.0, 0.0, 0.0, 0.0),
     "dry_friction": (1.0, 0.1, 0.7, 0.3),
+}
+FUNCTIONS = {
+    "burckhardt": burckhardt,
+    "rational": rational,
+    "two_exponential": two_exponential,
+    "magic_formula": magic_formula,
+    "linear": linear,
+    "dry_friction": dry_friction,
 }
 SIMPLE = [curve for curve in FRICTION_CURVES if curve != "mf_tyre"]
 
@@ -107,6 +118,41 @@ def test_secant_is_finite_and_never_negative(curve):
             for slip in (0.0, 1e-12, 1e-3, 0.1, 1.0, 2.0, 3.0)
         ]
         assert all(math.isfinite(value) and value >= 0.0 for value in values)
+
+
+@pytest.mark.parametrize("curve", SIMPLE)
+def test_a_name_leads_to_the_function_of_its_curve(curve):
+    """The last branch of `friction` is `linear`: a curve without a branch would be one."""
+    c = on_road(curve, "dry_asphalt")
+    for slip in (0.0, 0.02, 0.1, 1.0):
+        assert friction(FRICTION_CURVES.index(curve), slip, c) == FUNCTIONS[curve](slip, *c)
+
+
+@pytest.mark.parametrize("curve", SIMPLE)
+def test_available_friction_follows_the_road(curve):
+    """From dry asphalt to ice it falls as the peaks of the surfaces do, whatever the curve."""
+    available = {
+        name: tyre_on_road(Tyre(curve=curve, coefficients=TYRES.get(curve, (0.0,) * 4)), name)
+        for name in ("dry_asphalt", "ice")
+    }
+    ratio = available["ice"].friction / available["dry_asphalt"].friction
+    # Rounding of the products alone: the peak is taken on the same grid.
+    assert ratio == pytest.approx(
+        SURFACES["ice"].peak_friction / SURFACES["dry_asphalt"].peak_friction, rel=1e-9
+    )
+
+
+@pytest.mark.parametrize("curve", SIMPLE)
+def test_a_soft_tyre_has_a_smaller_slope_and_the_same_peak(curve):
+    """It gives at a slip what it gave at 0.3 of it."""
+    place, c = FRICTION_CURVES.index(curve), on_road(curve, "dry_asphalt")
+    tyre = TyreRecord(*c)
+    soften(place, tyre, 0.3)
+    after = Coefficients(tyre.c0, tyre.c1, tyre.c2, tyre.c3)
+    for slip in (0.01, 0.2, 1.0):
+        assert friction(place, slip, after) == pytest.approx(
+            friction(place, 0.3 * slip, c), rel=1e-12
+        )
 
 
 def test_slip_vector_stays_on_the_friction_circle_and_uncoupled_does_not():

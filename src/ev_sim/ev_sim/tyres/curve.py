@@ -6,21 +6,27 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from ev_core.law import atan, compilable, exp, inlined, sin
+from ev_core.vehicle.tyre import POSITIVE_COEFFICIENTS
 
 # One curve over the slip each, but for dry_friction over the slip speed, and mf_tyre
 # (`mf_tyre.forces`).
-FRICTION_CURVES = (
-    "burckhardt",
-    "rational",
-    "two_exponential",
-    "magic_formula",
-    "linear",
-    "mf_tyre",
-    "dry_friction",
-)
-BURCKHARDT, RATIONAL, TWO_EXPONENTIAL, MAGIC_FORMULA, LINEAR_FRICTION, MF_TYRE, DRY_FRICTION = (
-    range(len(FRICTION_CURVES))
-)
+FRICTION_CURVES = tuple(POSITIVE_COEFFICIENTS)
+BURCKHARDT = FRICTION_CURVES.index("burckhardt")
+RATIONAL = FRICTION_CURVES.index("rational")
+TWO_EXPONENTIAL = FRICTION_CURVES.index("two_exponential")
+MAGIC_FORMULA = FRICTION_CURVES.index("magic_formula")
+LINEAR_FRICTION = FRICTION_CURVES.index("linear")
+MF_TYRE = FRICTION_CURVES.index("mf_tyre")
+DRY_FRICTION = FRICTION_CURVES.index("dry_friction")
+# Places of the coefficients that are in proportion to the friction of the road. A linear tyre keeps
+# its slope; Burckhardt's coefficients are those of the surface, mf_tyre has a scale of its own.
+SCALED_BY_FRICTION = {
+    "rational": (0,),
+    "two_exponential": (0,),
+    "magic_formula": (2,),
+    "dry_friction": (0, 2),
+    "linear": (),
+}
 # Slip at which the slope of a curve at zero slip is taken: small against any peak, large against
 # rounding.
 SLIP_FLOOR = 1e-6
