@@ -58,6 +58,7 @@ def main(argv: Sequence[str] | None = None) -> None:
         )
     except ValueError as error:  # also a ParameterError
         refuse(error)
+    # The front share h of the source; without a force there is nothing to share.
     share = (drive.front_left + drive.front_right) / sum(drive) if given.drive_force else 0.0
     model = side_slip_model(
         vehicle, given.speed, plant.acceleration, given.drive_force, share, given.surface
@@ -108,6 +109,7 @@ def drive_torques(vehicle: Vehicle, force: float) -> Wheels:
     driven = [name in vehicle.driven_wheels for name in WHEEL_NAMES]
     if force and not any(driven):
         raise ParameterError(f"vehicle {vehicle.name} has no driven wheels")
+    # A force on the car from torques at the wheels, equal ones.
     each = force * vehicle.wheel_radius / max(sum(driven), 1)
     return Wheels(*(each if drives else 0.0 for drives in driven))
 
@@ -120,6 +122,7 @@ def rows(
     front_stiffness, rear_stiffness = axle_cornering_stiffnesses(vehicle, surface)
     slow = np.array([0.0])
     yaw_gain = plant.response(slow)[0, 1].real
+    # The slowest one decides how long the car swings; a positive one is an unstable car.
     poles = np.linalg.eigvals(plant.system.A)
     speeds = [
         ("characteristic speed", characteristic_speed(vehicle, surface), "m/s"),
@@ -143,6 +146,7 @@ def rows(
         ("cornering stiffness of the front axle", front_stiffness, "N/rad"),
         ("cornering stiffness of the rear axle", rear_stiffness, "N/rad"),
         ("understeer gradient", understeer_gradient(vehicle, surface), "rad s^2/m"),
+        # An oversteering car has no characteristic speed, an understeering one no critical speed.
         *(row for row in speeds if math.isfinite(row[1])),
         ("speed of what follows", model.speed, "m/s"),
         *(side_slip if model.drive_force else ()),

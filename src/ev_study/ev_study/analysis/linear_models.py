@@ -40,6 +40,8 @@ def single_track(vehicle: Vehicle, speed: float, surface: str = REFERENCE) -> St
         2 * tyre.lateral_stiffness,
         2 * tyre.lateral_stiffness * tyre.lateral_damping_time,
     )
+    # A positive side force is to the left. It turns the front wheels out of the bend, to the right,
+    # and the rear wheels into it, to the left: both are understeer.
     front_turning, rear_turning = (
         -suspension.front_compliance_steer,
         suspension.rear_compliance_steer,
@@ -49,15 +51,18 @@ def single_track(vehicle: Vehicle, speed: float, surface: str = REFERENCE) -> St
         Axle(-rear, vehicle.rear_steering_ratio, rear_stiffness, carcass, damping, rear_turning),
     )
     a, b = np.zeros((4, 4)), np.zeros((4, 1))
+    # v' = sum(F)/m - V r, in axes that turn with the car.
     a[0, 1] = -speed
     for n, axle in enumerate(axles):
         # v_s as a row of the state, and by the road-wheel angle
         slip, by_angle = np.zeros(4), speed * axle.steered
         slip[0], slip[1], slip[2 + n] = -1.0, -axle.place, speed * axle.turning * axle.carcass
+        # The denominator C + V d of the carcass.
         renewal = axle.stiffness + speed * axle.damping
         a[2 + n] = axle.stiffness / renewal * slip
         a[2 + n, 2 + n] -= speed * axle.carcass / renewal
         b[2 + n, 0] = axle.stiffness / renewal * by_angle
+        # F = k u + d u', as a row of the state.
         force = axle.damping * a[2 + n]
         force[2 + n] += axle.carcass
         for state, inertia in ((0, vehicle.mass), (1, vehicle.yaw_inertia / axle.place)):
@@ -77,9 +82,11 @@ def yaw_damping(system: StateSpace) -> tuple[float, float]:
     A complex pole has its conjugate. A real one is taken as of a pair with the next real one: a
     pair of one real pole and half of a complex pair is the motion of no car.
     """
+    # By the real part: what dies out last.
     slowest, *others = sorted(np.linalg.eigvals(system.A), key=lambda pole: -pole.real)
     partner = next(pole for pole in others if (pole.imag == 0.0) == (slowest.imag == 0.0))
     product, total = (slowest * partner).real, -(slowest + partner).real
+    # Two real poles of opposite sign, beyond the critical speed, are no oscillator.
     frequency = math.sqrt(product) if product > 0.0 else math.nan
     return total / (2.0 * frequency), frequency
 

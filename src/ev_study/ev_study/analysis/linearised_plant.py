@@ -1,6 +1,11 @@
 """The planar plant linearised by finite differences about steady cornering, straight running or an acceleration.
 
 And the Bode plot of its slip angles beside those of the linear model.
+
+How it works: the compiled plant is driven until its motion is that of the operating point. There
+its equations are evaluated at small steps of each state and of the steering angle; the central
+differences are A, B, C and D. States that only move the car along (place, heading, speed) are left
+out.
 """
 
 from __future__ import annotations
@@ -130,7 +135,9 @@ def linearised(vehicle: Vehicle, point: OperatingPoint) -> LinearisedPlant:
         return _outputs(vehicle, _moved(middle, places, change), angle)
 
     still, size, angle = np.zeros(len(places)), len(places), point.road_wheel_angle
+    # Rates of the states that are left over at the point.
     rest = rates_at(still, angle)
+    # The longitudinal velocity is no state of the linear model, so its rate is read apart.
     acceleration = float(equations.rates(middle, starts=True)[VX])
     if not point.accelerates and np.abs(rest[:2]).max() > _STEADY:
         raise ValueError(
@@ -145,6 +152,7 @@ def linearised(vehicle: Vehicle, point: OperatingPoint) -> LinearisedPlant:
     b = (rates_at(still, angle + _STEP) - rates_at(still, angle - _STEP)) / (2 * _STEP)
     d = (outputs_at(still, angle + _STEP) - outputs_at(still, angle - _STEP)) / (2 * _STEP)
     for n in (0, 1):  # lateral velocity and yaw rate
+        # The part -V'/V d of the docstring: only these two are divided by V in a slip angle.
         a[n, n] -= acceleration / point.speed
     states = tuple(INTEGRATED_PLACES[n].name for n in places)
     return LinearisedPlant(StateSpace(a, b[:, None], c, d[:, None]), states, state, acceleration)
@@ -166,6 +174,7 @@ def _parameters(point: OperatingPoint, initial_speed: float) -> PlanarParameters
 
 def _brought_to(vehicle: Vehicle, point: OperatingPoint) -> np.ndarray:
     """The state of a plant in the motion of the point."""
+    # The plant reads its inputs of the one frame and writes its state to the other.
     here, there = Frame(), Frame()
     column = SteeringColumnState(0.0, 0.0, 0.0, point.road_wheel_angle, 0.0)
     for signal in (WheelTorqueCommand(point.drive), column):
@@ -188,7 +197,9 @@ def _brought_to(vehicle: Vehicle, point: OperatingPoint) -> np.ndarray:
         raise ValueError(
             "an acceleration is linearised straight ahead, at a speed above that of its first second"
         )
+    # It passes the speed after about a second of acceleration, settled in all but the speed itself.
     plant = plant_from(point.speed - run_up)
+    # Drag or a weak drive may keep it below the speed for ever.
     longest = round(10 * _SETTLING / _PERIOD)
     while plant.state[VX] < point.speed and longest:
         plant.step(here, there)
@@ -204,6 +215,7 @@ def _outputs(vehicle: Vehicle, y: np.ndarray, angle: float) -> np.ndarray:
     rear_arm = vehicle.centre_of_mass_to_rear_axle
     front_arm = vehicle.wheelbase - rear_arm
     return np.array(
+        # Against the axes of ISO, in which a slip angle to the left of the wheel is positive.
         [v, r, angle - math.atan((v + front_arm * r) / u), -math.atan((v - rear_arm * r) / u)]
     )
 

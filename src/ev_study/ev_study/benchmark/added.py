@@ -62,6 +62,7 @@ def with_added(board: Board, words: Sequence[str]) -> tuple[Board, list[str]]:
 
 
 def _with_method(board: Board, law: str) -> Mapping[str, Any]:
+    # The first role that knows the name has it: a differential goes before a traction control.
     for role in (ROLE, *FURTHER):
         try:
             find_method(role, law)
@@ -105,6 +106,7 @@ def check_laws(board: Board, laws: Sequence[str], added: Sequence[str]) -> None:
 
 def _hold_against_contract(name: str, car: str, configuration: Configuration) -> None:
     law = configuration.method.law
+    # Batches drive compiled laws alone.
     if law is None or not law.is_compilable:
         raise ParameterError(
             f"law {name} runs in plain Python, allowed on a board are laws that run compiled"
@@ -135,6 +137,7 @@ def _refuse_variation(variation: Variation, driven: Mapping[str, Configuration])
     if variation.parameter != PERIOD:
         VariedRuns(driven, {variation.parameter: [None]}, {})  # the names alone
     if role in (ROLE, *FURTHER) and parameter in flatten(driven[role].parameters):
+        # Both would change what a law believes of the friction, and only one of them would be seen.
         if parameter in BELIEF:
             raise ParameterError(
                 f"it is what a law believes of the friction, expected {TOLD_FRICTION}"

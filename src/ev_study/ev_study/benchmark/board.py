@@ -1,4 +1,10 @@
-"""A board as its file declares it: cars, roads, manoeuvres, variations, laws, and their cells."""
+"""A board as its file declares it: cars, roads, manoeuvres, variations, laws, and their cells.
+
+How it works: the YAML text becomes records (`records.record`), which refuse entries of another
+kind. `_refuse` then holds names and bounds against each other: cars, layouts, roads, manoeuvres,
+variations and laws. What needs a configured run (whether a parameter exists, fits or is varied
+twice) is refused later, by `cell_runs` and `added`.
+"""
 
 from __future__ import annotations
 
@@ -193,6 +199,7 @@ def by_role(law: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     found: dict[str, dict[str, Any]] = {ROLE: {}}
     for name, value in law.items():
         role, _, parameter = name.partition(".")
+        # A dot may also belong to a group of the differential's own parameters.
         own, of = (role, parameter) if role in FURTHER else (ROLE, name)
         found.setdefault(own, {})[of] = value
     return found
@@ -222,6 +229,7 @@ def _refuse(board: Board, path: Path) -> None:
                     _rise(bounds) and bounds[0] > 0.0 and bounds[1] <= 2.0,
                     f"{name} has the bounds {bounds}, expected two numbers that rise, above 0 to 2",
                 )
+    # Those of training, validation and the end as well: a mistake there would show only then.
     for car in cars:
         configured_file("vehicle", TextOfFile.of(car.partition(":")[0], path))
     refuse_unknown("layout", [car.partition(":")[2] for car in cars], board.layouts)

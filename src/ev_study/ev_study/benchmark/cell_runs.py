@@ -51,6 +51,7 @@ def values_of(board: Board, cell: Cell) -> dict[str, Any]:
             raise ParameterError(
                 f"metric {name} of {cell.manoeuvre} has the name of a field of records, expected is another name"
             )
+    # The names are what counts here; any value of the range gives them.
     searched = searched_at(manoeuvre, np.array(manoeuvre.searched[:1]))
     varied = [each.parameter for each in board.variations]
     for number, name in enumerate(varied):
@@ -62,6 +63,7 @@ def values_of(board: Board, cell: Cell) -> dict[str, Any]:
     if manoeuvre.steering_on:
         values[SCALE_OF_ANGLES] = _scale_of_angles(board, replace(cell, road=manoeuvre.steering_on))
     if manoeuvre.entry_speed:
+        # The lower bound: a run that is only configured needs some speed.
         values |= {name: column[0] for name, column in searched.items()}
     return values
 
@@ -105,6 +107,7 @@ def _scale_of_angles(board: Board, cell: Cell) -> float:
     values = {
         **_layout_and_road(board, cell),
         **board.manoeuvres[cell.manoeuvre].values,
+        # The run that finds the scale has none itself.
         SCALE_OF_ANGLES: 1.0,
     }
     scenario = _scenario(board, cell, values)
@@ -115,6 +118,7 @@ def _scale_of_angles(board: Board, cell: Cell) -> float:
         )
     except NotMeasured as why:
         raise ParameterError(f"steering angles of {cell.manoeuvre} for {cell.car}: {why}") from None
+    # The scenario's angles are those of its own car at the same lateral acceleration.
     return angle / ramp.reference_angle
 
 
@@ -148,10 +152,12 @@ def law_values(board: Board, law: str, base: Run) -> dict[str, dict[str, Any]]:
     for role, values in found.items():
         common = base.configurations[role].common
         known = configure(role, {**flatten(common), **values}).values()
+        # Of the nominal car on dry asphalt: a law does not know the drawn road.
         stiffness = axle_cornering_stiffnesses(common.vehicle)
         for group in TYRES:
             for axle, value in zip(("front", "rear"), stiffness, strict=True):
                 name = f"{group}.{axle}_cornering_stiffness"
+                # What the board gives the law stays.
                 if name in known and name not in values:
                     values[name] = value
         varied = [SEEDS, *(each.parameter for each in board.variations)]

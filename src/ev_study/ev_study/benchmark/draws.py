@@ -1,4 +1,9 @@
-"""Variations between the runs of a cell: seeded draws, the same for all laws."""
+"""Variations between the runs of a cell: seeded draws, the same for all laws.
+
+How it works: one generator for each cell, with the seed of the board and the name of the cell,
+gives all numbers in the order of the variations. So draws do not depend on laws, on other cells or
+on which of them are driven, and all laws meet the same ones.
+"""
 
 from __future__ import annotations
 
@@ -35,6 +40,7 @@ def numbers_drawn(board: Board, cell: Cell) -> tuple[list[int], dict[str, list[A
     That is a factor, a value, a whole number or a choice; of MOTOR_FAULT the text of the fault,
     empty without one.
     """
+    # crc32, since Python's own hash of a text differs from process to process.
     random = np.random.Generator(np.random.PCG64([board.seed, zlib.crc32(cell.id("").encode())]))
     seeds, found = random.integers(_ANYTHING, size=board.draws).tolist(), {}
     for variation in board.variations:
@@ -58,6 +64,7 @@ def _motor_faults(
     random: np.random.Generator,
 ) -> list[str]:
     """The fault of each run: none, or that of the motor of one of some wheels."""
+    # Drawn for all runs, struck or not: the numbers behind them stay the same for any probability.
     struck = random.random(len(shares)) < variation.probability
     places = random.integers(len(wheels), size=len(shares))
     low, high = variation.begin
@@ -75,16 +82,20 @@ def drawn(board: Board, cell: Cell, base: Mapping[str, Configuration]) -> Draws:
     believed = [1.0] * board.draws
     for variation in board.variations:
         found = numbers[variation.parameter]
+        # No parameter of the car: it changes what the laws are given (`own_draws`).
         if variation.parameter == TOLD_FRICTION:
             believed = found
         elif variation.parameter == FRICTION:
             surfaces = [surfaces_of(board, cell, factor) for factor in found]
+            # Both are frictions; c2 is where over the slip the largest one lies.
             for name in ("own_c1", "own_c3"):
                 values[f"{MASTER}.road.{name}"] = [each[name] for each in surfaces]
         elif variation.parameter == MOTOR_FAULT:
             of_run = base[MASTER].values()[_FAULTS]
             values[f"{MASTER}.{_FAULTS}"] = [
-                [*of_run, fault] if fault else of_run for fault in found
+                # A fault of the manoeuvre itself stays.
+                [*of_run, fault] if fault else of_run
+                for fault in found
             ]
         elif variation.factor:
             of_car = value_in(base, variation.parameter)

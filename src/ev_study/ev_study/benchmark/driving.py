@@ -92,10 +92,12 @@ def drive_law(
     if manoeuvre.run:
         words += ["--run", manoeuvre.run]
     words += ["--vehicle", cell.car.partition(":")[0], "--duration"]
+    # The speeds that were found are fixed in the command, so that it searches nothing.
     columns = {**runs.vary, **speeds}
     commands = []
     for draw, end in enumerate(found[END].tolist()):
         values = {**runs.fixed, **{name: column[draw] for name, column in columns.items()}}
+        # A run that ended early has the same hash only if it ends there again.
         command = [*words, repr(manoeuvre.duration if math.isnan(end) else end)]
         for name, value in values.items():
             command += ["--set", f"{name}={json.dumps(value)}"]
@@ -118,6 +120,8 @@ def laws_in_cell(board: Board, cell: Cell, laws: Sequence[str]) -> dict[str, Law
         for role, values in law_values(board, law, base).items():
             of_law |= {f"{role}.{name}": value for name, value in values.items()}
         run = replace(base, configurations={**base.configurations, **playing})
+        # The configuration of the law takes the place of that of the scenario, and what the
+        # manoeuvre sets in it would be lost.
         for name in sorted(fixed.keys() - of_law.keys()):
             if name.partition(".")[0] in playing and _value(run, name) != _value(base, name):
                 sets = f"manoeuvre {cell.manoeuvre} sets {name}"

@@ -1,6 +1,10 @@
 """The highest speed that a car drives clean, looked for in the runs of all draws at once.
 
 It is the entry speed of a manoeuvre, or the scale of the speed profile of a lap.
+
+How it works: speeds are places on an even grid. One search runs for all draws at once: each batch
+drives those draws that are still open, each at a place of its own, and ends every run as soon as it
+is known whether it is clean. The last clean run of a draw is its result.
 """
 
 from __future__ import annotations
@@ -70,6 +74,7 @@ def _ending(board: Board, manoeuvre: Manoeuvre, run: Run) -> Ending:
     def known(driven: DrivenRun, since: int) -> bool:
         signals, vehicle, course = driven.signals, driven.vehicle, driven.course
         new = signals.part(since)
+        # Only what is new since the last look: the rest was looked at then.
         if peak_sideslip(new) >= board.unstable:
             return True
         if course is None:
@@ -168,6 +173,7 @@ def at_highest_clean(
         # At the lowest place a run counts in any case: there is no slower one.
         taken = is_clean | (places == 0)
         for name, of in found.items():
+            # Clean places only rise within a search, so what was written last is the fastest.
             best.setdefault(name, np.empty(board.draws, of.dtype))[draws[taken]] = of[taken]
         return is_clean
 
@@ -175,10 +181,13 @@ def at_highest_clean(
         is_clean: np.ndarray = driven_at(places, {})[CLEAN] == 1.0
         return is_clean
 
+    # First the run without draws, from the middle of the range: where to begin for all draws.
     nominal = speeds(last_true(count, np.array([count // 2]), is_nominal_clean_at))
+    # v^2/R at the limit is in proportion to the friction.
     expected = nominal * np.sqrt(_friction_factors(board, run, vary))
     start = (expected - lowest) / (highest - lowest) * count
     places = last_true(count, np.rint(start).astype(int), is_clean_at)
+    # The search never asks for place 0, so these draws have not been driven at it.
     never = np.flatnonzero(places == 0)
     if never.size:
         is_clean_at(never, places[never])
@@ -205,15 +214,18 @@ def last_true(
     """
     low = np.zeros(len(start), int)
     high = np.full(len(start), count)
+    # Place 0 is the answer where nothing is true, and needs no question.
     at = np.clip(start, 1, count - 1)
     step = _FIRST_STEP
     while (asked := np.flatnonzero(high - low > 1)).size:
         found = is_true(asked, at[asked])
+        # Invariant: true at low (or low is 0), false at high (or high is count).
         low[asked] = np.where(found, at[asked], low[asked])
         high[asked] = np.where(found, high[asked], at[asked])
         # Up or down as long as one end is that of all places, then the middle.
         down_or_middle = np.where(low == 0, high - step, (low + high) // 2)
         at = np.where(high == count, low + step, down_or_middle)
         at = np.clip(at, low + 1, high - 1)
+        # Doubling: an expectation that is far off costs a few runs more, not all of them.
         step *= 2
     return low

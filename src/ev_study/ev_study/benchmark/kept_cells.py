@@ -79,6 +79,7 @@ def keys_of_cells(
 
     What does not belong to other cells and laws stays in the key, so that nothing is forgotten.
     """
+    # A key without these: another name, scale or reference changes no run that was driven.
     others = replace(board, name="", cars=[], scales={}, reference="", closed=[], tuned={})
     others = replace(others, training=None, validation=None, held_out=None)
     of_runs: dict[tuple[str, str], tuple[Key, Run]] = {}
@@ -99,6 +100,7 @@ def keys_of_cells(
                 of_laws[cell.car, law] = of_law
                 runs.append(_playing(base, nodes.configurations))
             of_law = of_laws[cell.car, law]
+            # Only its own law and manoeuvre: an edit of another one leaves this row.
             manoeuvres = {cell.manoeuvre: board.manoeuvres[cell.manoeuvre]}
             declared = replace(others, laws={law: board.laws[law]}, manoeuvres=manoeuvres)
             content = declared, replace(cell, board=""), of_run.digest, of_law.digest

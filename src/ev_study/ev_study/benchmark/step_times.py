@@ -31,6 +31,7 @@ def step_times(board: Board, cell: Cell, laws: Sequence[str]) -> dict[str, float
         run = replace(base, configurations={**base.configurations, **law_of(board, law, base)})
         period = run.configurations[MASTER].period
         graph = GraphRun(run.configurations, stamps.from_seconds(run.duration) // period + 1)
+        # Fills the series with the inputs that each role had.
         graph.drive(lambda _: None, lambda role, text: None)
         found[law] = sum(
             _step_time(run.configurations[role], graph.series) for role in by_role(board.laws[law])
@@ -41,9 +42,12 @@ def step_times(board: Board, cell: Cell, laws: Sequence[str]) -> dict[str, float
 def _step_time(configuration: Configuration, series: np.ndarray) -> float:
     frames, times = np.ascontiguousarray(series.T), []
     for _ in range(REPETITIONS):
+        # A new part each time: its state begins anew, so all repetitions do the same work.
         part = method_part(configuration, compiled=True)
         rows = np.array([(*part.addresses(), *frame.span(configuration.method.writes))], np.int64)
+        # CPU time of this thread: waiting for a busy machine does not count.
         begin = time.thread_time_ns()
         run_instants(frames, 0, len(frames) - 1, True, Parts(rows, 1), np.zeros(2, np.int64))
         times.append(time.thread_time_ns() - begin)
+    # The least: what disturbs a repetition only makes it longer.
     return min(times) / len(frames)

@@ -64,12 +64,14 @@ def run_benchmark(argv: Sequence[str]) -> None:
     if given.drive:
         _drive_alone(board, given)
         return
+    # Only a single run can be driven in another way.
     if given.offline or given.in_process:
         raise ParameterError(
             "--offline and --in-process are refused: a board is driven in batches, "
             "allowed with --drive"
         )
     cells = board.cells(given.cells)
+    # Nothing of the runs of a secret board is left on the disk.
     store = {} if given.secret else ResultStore(digest_of_sources(config=True))
     kept = kept_cells(board, cells, laws, store, given.anew)
     with output_folder(given.out, "benchmark") as folder:

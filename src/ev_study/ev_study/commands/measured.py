@@ -207,8 +207,10 @@ def _identify_car(given: argparse.Namespace, command: str) -> None:
                 f"--{name} {value:g} is refused, expected more than 0 and at most {most:g}"
             )
     record = open_record(given.record, given.mapping)
+    # Both parts now: one without a window is refused before the search, not hours behind it.
     replays = _replays_of_parts(given, record)
     replay = replays[PARTS[0]]
+    # A fit would bend the car until a wrong sign or unit is made up for.
     if wrong := contradictions(replay):
         raise ParameterError(f"{record.source}: {wrong[0]}")
     stated, beside = _given(given)
@@ -226,6 +228,7 @@ def _identify_car(given: argparse.Namespace, command: str) -> None:
         given.steps,
         given.impose,
     )
+    # Evaluations are kept one by one, so a search that is stopped goes on where it was.
     answers = Answers(ResultStore(digest_of_sources()), key)
     with output_folder(given.out, "identify") as folder:
         fitted = identify(
@@ -249,6 +252,7 @@ def _identify_car(given: argparse.Namespace, command: str) -> None:
 def _replays_of_parts(given: argparse.Namespace, record: MeasuredRecord) -> dict[str, OpenLoop]:
     """Replays of the part that is fitted and, if something is left of the record, of the part that is held out."""
     begin, end = given.part
+    # Training first: windows of the rest are newer than all that the fit has seen.
     split = begin + given.train * (end - begin)
     parts = {PARTS[0]: (begin, split)}
     if given.train < 1.0:
@@ -306,6 +310,7 @@ def _given(given: argparse.Namespace) -> tuple[dict[str, Any], dict[str, Any]]:
         beside |= {
             f"{role}.{name}": value for role in (ROLES_OF_REPLAY if node == "*" else (node,))
         }
+    # What belongs to the car goes into the vehicle file that is written, not beside it.
     of_car = {
         name.partition(".")[2]: value for name, value in beside.items() if ".vehicle." in name
     }
@@ -381,6 +386,7 @@ def _parted(
             values |= file.values_for(f"/ev/{name}", by_name=True)
     for name, key, value in changed.values:
         if name in found:
+            # A value that nothing reads is refused, as everywhere.
             if name != CORRIDOR and not with_estimators:
                 raise ParameterError(f"{name}.{key} is refused without --estimators")
             found[name][key] = value

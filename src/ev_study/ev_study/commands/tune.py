@@ -121,7 +121,9 @@ def _references(board: Board, given: argparse.Namespace) -> list[Reference]:
     ]
     if not cells:
         raise ParameterError("--cells leaves none to tune on: entry speeds are not tuned for")
+    # Validation cars differ, so cells are matched by what is driven where.
     kept = {(cell.manoeuvre, cell.road) for cell in cells}
+    # Another seed, so that no road or draw is the same.
     validation = with_cases(board, PARTS[1], given.seed + 1)
     others = [cell for cell in validation.cells() if (cell.manoeuvre, cell.road) in kept]
     if not others:
@@ -156,6 +158,7 @@ def _tune(
         Training(of.board, name, of.driven(answer), given.cost, given.threads)
         for of, answer in zip(references, asked, strict=True)
     )
+    # Counted from here: laws that were tuned before in this command have taken some, too.
     taken, reference = answers.taken, references[0].board.reference
     history, more = [], min(given.finalists + 1, given.budget) * validation.runs
     with bar_of_runs(f"tune {name}", given.budget * training.runs + more) as bar:

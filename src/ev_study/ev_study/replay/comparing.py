@@ -37,6 +37,7 @@ def latency_of(recorded: Recorded) -> dict[str, Any]:
     ]
     jitter = {}
     for topic in (topic for topics in of_roles for topic in topics):
+        # Only two instants in a row with both messages have an interval.
         came, there = recorded.arrivals[topic], recorded.came[topic]
         jitter[topic.name] = _counted(
             np.abs(np.diff(came)[there[1:] & there[:-1]] - recorded.period)
@@ -47,10 +48,13 @@ def latency_of(recorded: Recorded) -> dict[str, Any]:
 def _latencies(recorded: Recorded) -> Iterator[tuple[str, dict[str, Any]]]:
     for role in ROLES.values():
         reads = [TOPICS[signal] for signal in role.reads if recorded.has(signal)]
+        # The master sets the pace and answers to nothing.
         if role.name == MASTER or not reads:
             continue
+        # An answer cannot come before the last of its inputs.
         last_input = np.max([recorded.arrivals[topic] for topic in reads], axis=0)
         known = np.all([recorded.came[topic] for topic in reads], axis=0)
+        # What integrates answers inputs of t_k with a state that has the stamp t_k+1.
         ahead = int(role.kind is RoleKind.INTEGRATES)
         for topic in (TOPICS[signal] for signal in role.writes if recorded.has(signal)):
             count = len(known) - ahead
@@ -120,6 +124,7 @@ def difference_of(
 ) -> Difference:
     """That of a channel from its recorded values, (n,), at the `known` instants, (n,)."""
     values, before = replayed.channels[name], before[: len(known)]
+    # As integers, so that NaN equals itself and -0.0 differs from 0.0: bits, not values.
     differ = np.flatnonzero(known & (values.view(np.int64) != before.view(np.int64)))
     apart = np.where(known, np.abs(values - before), 0.0)
     compared = int(np.sum(known))
@@ -166,6 +171,7 @@ def in_words(found: Sequence[Difference]) -> str:
     differing = [d for d in found if d.differing]
     if not differing:
         return f"bit-identical: {len(found)} channels at {compared} instants"
+    # The first step counts; in one step the first channel in the order of the topics.
     first = min(differing, key=lambda d: (d.step or 0, found.index(d)))
     where = f"first {first.channel} in step {first.step} at {cell(first.time)} s"
     return f"{len(differing)} of {len(found)} channels differ, compared at {compared} instants; {where}"

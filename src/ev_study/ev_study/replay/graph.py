@@ -1,4 +1,10 @@
-"""A replay of a run: one role is played again, all others play back their recorded outputs."""
+"""A replay of a run: one role is played again, all others play back their recorded outputs.
+
+How it works: the recorded signals are saved as signals.npz, and every role but one gets that file
+as its method, so it plays back what was recorded. The one role is configured as in the recorded
+run, with what the command changes. The graph then runs as any other, offline or, with a program in
+the role, as processes.
+"""
 
 from __future__ import annotations
 
@@ -43,6 +49,7 @@ from ev_study.replay.comparing import Difference, difference_of
 from ev_study.replay.recorded import Recorded
 
 _RECORDED, REPLAYED, _LATENCY = "recorded", "replayed", "latency"
+# How the recorded run kept to the time of the world, which a replay does not.
 _OF_WALL_TIME = (
     "mode",
     "scheduling_priority",
@@ -79,12 +86,15 @@ class Replay:
             if name in entries_by_name(CommonParameters, "")
         }
         for role in ROLES:
+            # Roles of which nothing was recorded are left out: nothing of the replayed role reads
+            # them.
             if role == self.role:
                 configurations[role] = self.configuration
             elif any(map(self.recorded.has, ROLES[role].writes)):
                 values = {**common, "method": str(signals)}
                 values, extra = _with_duration(role, values, self.duration)
                 configurations[role] = configure(role, values, extra)
+        # Without it nothing counts the instants.
         if MASTER not in configurations:
             topics = ", ".join(TOPICS[signal].name for signal in ROLES[MASTER].writes)
             raise ParameterError(
@@ -95,6 +105,7 @@ class Replay:
     def differences(self, replayed: Recording) -> tuple[Difference, ...]:
         """All channels that the role writes and that were recorded, where both sides are known."""
         came, units = self.recorded.came, frame.units()
+        # A replay may be shorter than the record (--duration).
         known = self._compared()[: len(replayed.time)]
         return tuple(
             difference_of(
@@ -112,6 +123,7 @@ class Replay:
             if signal is not Instant:
                 there &= self.recorded.came[TOPICS[signal]]
         return (
+            # Its first state follows from no input.
             np.append([True], there[:-1]) if ROLES[self.role].kind is RoleKind.INTEGRATES else there
         )
 
@@ -144,6 +156,7 @@ def replay_of(recorded: Recorded, role: str, method: str, overrides: Overrides) 
     _refuse_other_car(files[0], recorded.namespace, role, values)
     if method:
         values["method"] = method
+    # A bag without parameters.yaml still shows its period by its stamps.
     values.setdefault("control_period", stamps.to_seconds(recorded.period))
     for name in _OF_WALL_TIME:
         values.pop(name, None)
@@ -179,6 +192,7 @@ def _refuse_other_car(
     driven: ParameterFile, namespace: str, role: str, values: Mapping[str, Any]
 ) -> None:
     """ParameterError if the car is not that of the file of what was driven."""
+    # Against what is on file for the node; what it leaves out is a default of both.
     car = driven.values_for(f"{namespace}/{role}")
     for name, value in values.items():
         if name.startswith(f"{VEHICLE}.") and value != car.get(name, value):

@@ -1,6 +1,11 @@
 """The recorded signals of a run, to be replayed, with the parameters beside them.
 
 They are found in a bag (rosbag2, of ours or of any other recorder) or in signals.npz.
+
+How it works: the messages of a bag are sorted by topic; their stamps, divided by the control
+period, give the row of a stack of frames into which their numbers go. The record begins when all
+topics have begun and ends when the first one ends. An instant without a message holds the numbers
+of the one before and is marked, so that nothing is compared there.
 """
 
 from __future__ import annotations
@@ -90,6 +95,7 @@ def read_bag(bag: Path, namespace: str, given: ParameterFile | None) -> Recorded
         )
     namespace, found = _messages(bag, namespace)
     period = _period(bag, namespace, found, given)
+    # Common to all topics: before it a reader would have nothing of some role.
     first = max(int(messages.stamps.min()) for messages in found.values())
     for topic, messages in found.items():
         _refuse_time(bag, topic, messages.stamps, first, period)
@@ -99,6 +105,8 @@ def read_bag(bag: Path, namespace: str, given: ParameterFile | None) -> Recorded
     frames, there, arrivals = frame.stack(instants, period), {}, {}
     for topic, messages in found.items():
         there[topic], arrivals[topic] = _put(bag, topic, messages, first, period, frames)
+    # A recorder of a run in lockstep writes the stamp as the time of arrival, too: no latency is in
+    # it.
     by_stamp = all(np.array_equal(messages.stamps, messages.came) for messages in found.values())
     notes = _notes(found, first, last, there)
     recording = recording_of(frames, there)
@@ -125,6 +133,7 @@ def _messages(bag: Path, wanted: str) -> tuple[str, Mapping[Topic, _Messages]]:
                     data[place].append(bytes(message))
                     came[place].append(time)
                     size += len(message)
+                    # A packed bag within the limit may still unfold to more.
                     if size > SIGNALS:
                         raise ValueError(f"its messages are larger than {SIGNALS // MEGABYTE} MB")
     except MemoryError:
@@ -136,6 +145,7 @@ def _messages(bag: Path, wanted: str) -> tuple[str, Mapping[Topic, _Messages]]:
     except Exception as error:
         raise ParameterError(f"{bag}: the bag cannot be read: {first_line(error)}") from None
     namespaces = sorted({namespace for namespace, _ in data})
+    # Without a wish the only one there is; several are a question for the user.
     if wanted not in namespaces and (wanted or len(namespaces) != 1):
         have = f"those of {', '.join(namespaces)}" if namespaces else "none"
         raise ParameterError(
@@ -165,6 +175,7 @@ def _room_at_most(more: int) -> Iterator[None]:
     """
     limits = {resource.RLIMIT_FSIZE: more}
     if sys.platform == "linux":
+        # Data and stack of this process by now, in pages: the limit counts them as well.
         taken = int(Path("/proc/self/statm").read_text().split()[5]) * resource.getpagesize()
         limits[resource.RLIMIT_DATA] = taken + more
     before = {kind: resource.getrlimit(kind) for kind in limits}
@@ -172,7 +183,9 @@ def _room_at_most(more: int) -> Iterator[None]:
         for kind, most in limits.items():
             soft, hard = before[kind]
             resource.setrlimit(
-                kind, (most if soft == resource.RLIM_INFINITY else min(soft, most), hard)
+                # A user's own limit stays if it is lower.
+                kind,
+                (most if soft == resource.RLIM_INFINITY else min(soft, most), hard),
             )
         yield
     finally:
@@ -204,6 +217,7 @@ def _period(
     values = given.values_for(f"{namespace}/plant") if given else {}
     if "control_period" in values:
         return stamps.from_seconds(values["control_period"])
+    # Unique stamps: a repeated message has a step of zero.
     steps = np.concatenate([np.diff(np.unique(messages.stamps)) for messages in found.values()])
     refuse_short(bag, len(steps) + 1)
     return int(np.median(steps))
@@ -211,6 +225,7 @@ def _period(
 
 def _refuse_time(bag: Path, topic: Topic, at: np.ndarray, first: int, period: int) -> None:
     """ParameterError if stamps are between two steps or go back, as after a reset; a repetition may be there."""
+    # A stamp between two steps belongs to no row.
     if len(odd := at[(at - first) % period != 0]):
         allowed = (
             f"multiples of {stamps.to_seconds(period):g} s from {stamps.to_seconds(first):g} s on"
@@ -218,6 +233,7 @@ def _refuse_time(bag: Path, topic: Topic, at: np.ndarray, first: int, period: in
         raise ParameterError(
             f"{bag}: {topic.name} at {stamps.to_seconds(int(odd[0]))} s, expected {allowed}"
         )
+    # A repeated message may be a step or two behind; more is another run.
     if len(back := np.flatnonzero(np.diff(at) < -2 * period)):
         ends = [f"{stamps.to_seconds(int(stamp)):g} s" for stamp in at[back[0] : back[0] + 2]]
         raise ParameterError(
@@ -237,6 +253,7 @@ def _put(
     except MessageError as error:
         raise ParameterError(f"{bag}: {topic.name}: {error}") from None
     instants = np.arange(len(frames))
+    # The row of the last message up to each instant.
     held = np.searchsorted(steps, instants, side="right") - 1
     there: np.ndarray = steps[held] == instants
     where = frame.PLACES[topic.signal]
@@ -304,11 +321,13 @@ def _found(path: Path) -> tuple[Path, Path]:
             )
     elif path.suffix in (".mcap", ".db3"):
         bag = path.parent / _METADATA
+        # A bag of ours is a folder in that of its run, beside parameters.yaml.
         return path, path.parent.parent if bag.exists() else path.parent
     elif path.suffix == ".npz":
         return path, path.parent
     if not path.exists():
         raise ParameterError(f"{path}: no such bag")
+    # A bag without an index would look like no run at all.
     refuse_unfinished(path)
     refuse_unfinished(path / recording.BAG)
     raise ParameterError(

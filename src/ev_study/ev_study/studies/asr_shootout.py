@@ -162,7 +162,9 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
     wheels = [_wheel(recording, name, vehicle) for name in vehicle.driven_wheels]
     slips = np.array([each.slip for each in wheels])
     ripples = [each.ripple for each in wheels]
+    # Every so many samples, whatever the control period is.
     step = _samples_in(TRACE_STEP, recording)
+    # Before that the car is held by its brake.
     asked = slips[:, time >= ASKED]
     reached = metric(lambda: crossing_time(time, speed(recording), REACHED, "30 km/h"), "s")
     return {
@@ -193,8 +195,10 @@ def _given(recording: Recording, name: str, vehicle: Vehicle) -> tuple[np.ndarra
     """
     command = channel(recording, f"torque_command.drive.{name}")
     if SET_POINT + name not in recording.channels:
+        # In torque mode the control limits where it gives less than is asked for.
         return command, command < channel(recording, f"torque_request.drive.{name}")
     gear = drive_train_numbers(vehicle)["gear"][WHEEL_NAMES.index(name)]
+    # A set-point beyond the largest speed of the motor limits nothing (docs/asr.md).
     in_reach = channel(recording, SET_POINT + name) < vehicle.motor.maximum_speed / gear
     effort = channel(recording, f"wheel_states.effort.{name}")
     return effort / vehicle.motor.gear_efficiency, in_reach
@@ -228,13 +232,16 @@ def _wheel(recording: Recording, name: str, vehicle: Vehicle) -> _Wheel:
     def of_tyre(quantity: str) -> np.ndarray:
         return channel(recording, f"tire_forces.{quantity}.{name}")
 
+    # At least 1 N: a lifted wheel would divide by zero.
     grip = np.maximum(of_tyre("load") * of_tyre("friction_coefficient"), 1.0)
     use = np.abs(of_tyre("longitudinal_force")) / grip
     given, limited = _given(recording, name, vehicle)
     before = _samples_in(GRIP_TIME, recording)
     false = 0
     for begin in np.flatnonzero(limited[1:] & ~limited[:-1]) + 1:
+        # A limitation begins here though the tyre was far from its limit all the time before.
         false += bool(use[max(begin - before, 0) : begin + 1].max() < GRIP)
+    # Only what is lost; noise of a rolling wheel has either sign.
     power = np.maximum(slip_powers(recording, vehicle, name)[0], 0.0)
     energy = float(np.trapezoid(power, recording.time))
     return _Wheel(of_tyre("slip_ratio"), energy, _ripple(given, recording.time), false)
@@ -247,6 +254,8 @@ def _ripple(values: np.ndarray, time: np.ndarray) -> float | None:
     inner = (middle >= time[0] + half) & (middle <= time[-1] - half)
     if not inner.any():
         return None
+    # The integral of a command that holds over each period, so that means over any window are
+    # exact.
     held = np.concatenate(([0.0], np.cumsum(values[:-1] * np.diff(time))))
     before = np.interp(middle[inner] - half, time, held)
     after = np.interp(middle[inner] + half, time, held)
@@ -264,6 +273,7 @@ def _recovery(recording: Recording, vehicle: Vehicle) -> float | None:
         rises = np.flatnonzero(np.diff(friction) > 0.0)
         if not len(rises):
             continue
+        # The last rise: behind it the friction stays.
         risen = rises[-1] + 1
         least = SERVED * channel(recording, f"torque_request.drive.{name}")
         given, _ = _given(recording, name, vehicle)

@@ -74,6 +74,7 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
     for method in dict.fromkeys(chosen):
         if not is_code(method) and method not in known:
             raise unknown_name(f"{ROLE} method", method, known)
+        # Raises for a file that cannot be loaded, before anything is driven.
         find_method(ROLE, method)
         name = _name_of(method)
         if name in names:
@@ -165,6 +166,7 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
         over_time("Speed", "speed [m/s]", "speed"),
         over_time("Torque request, right minus left", "torque [N m]", "torque_difference"),
     ]
+    # The plan view is a sheet of its own: its axes have equal scales.
     tracks = [_curve(name, of, "x", "y") for name, of in driven.items()]
     return {"overlay": Sheet(panels), "paths": plan_view(f"Paths, {given.scenario}", tracks)}
 

@@ -4,6 +4,11 @@ Those of ours are one digest for all that is driven. Those of a user's methods, 
 studies count where they are used, so that an edit of one law leaves the rows of the others. The
 data files of their packages, such as published.csv, count with them; those in their config folders
 are read, and counted, with what is driven.
+
+How it works: three digests are made. That of our sources names the folder of a store
+(`digest_of_sources`); those of a user's methods, reports and studies go into the key of each row.
+Imports are followed through the text of the modules, without importing them, as far as the user's
+own code goes.
 """
 
 from __future__ import annotations
@@ -44,6 +49,7 @@ def imported_files(module: str, but: Collection[str]) -> list[Path]:
     found: dict[str, Path] = {}
     waiting, own = [module], module.partition(".")[0]
     for name in waiting:
+        # `waiting` grows while it is walked: each module adds those that it imports.
         top = name.partition(".")[0]
         file = (
             None if name in found or top in but or top in sys.stdlib_module_names else _file(name)
@@ -78,11 +84,13 @@ def _imports(module: str, file: Path) -> Iterator[str]:
     for node in ast.walk(tree):
         if isinstance(node, ast.Import | ast.ImportFrom):
             names = [alias.name for alias in node.names]
+            # `from a import b` may mean the module a.b or a name in a: both are tried.
             if isinstance(node, ast.ImportFrom):
                 base = resolve_name("." * node.level + (node.module or ""), package)
                 names = [base, *(f"{base}.{name}" for name in names)]
             for name in names:
                 parts = name.split(".")
+                # A package is executed on the way to its modules, so its __init__ counts, too.
                 yield from (".".join(parts[: n + 1]) for n in range(len(parts)))
 
 
@@ -105,6 +113,7 @@ def text_of_report(name: str) -> str:
     module, sources = offered(REPORTS).get(name, ""), sorted(offered(SOURCES).values())
     if not module:
         return ""
+    # One of ours measures by our published numbers alone.
     own = _texts_of(module)
     return short_digest((own, _published(), [_texts_of(each) for each in sources] if own else []))
 
@@ -126,6 +135,7 @@ def _data_of(package: str) -> Iterator[tuple[str, Path]]:
     for path in file.parent.rglob("*"):
         name = path.relative_to(file.parent)
         is_code = path.suffix == ".py" or "__pycache__" in name.parts
+        # Code is found by its imports, config by what is read of it.
         if path.is_file() and not is_code and name.parts[0] != "config":
             yield f"{package}/{name.as_posix()}", path
 
@@ -164,6 +174,7 @@ def short_digest(content: object) -> str:
 def _digest(head: str, files: Iterable[tuple[str, Path]]) -> str:
     digest = hashlib.sha256(head.encode())
     for name, path in sorted(files):
+        # The name counts as well: texts that change places are another content.
         digest.update(f"{name}\0".encode() + path.read_bytes())
     return digest.hexdigest()[:_LENGTH]
 

@@ -30,6 +30,7 @@ def drive_cases(
     and result of each as it comes. `bar` has the name of the progress bar and the number of runs
     before these. Raises what `perform_jobs` does.
     """
+    # Workers elsewhere compile for themselves.
     if workers.scheduler is None:
         load_for(run_of_each_kind(cases))
     measures = [measure] * len(cases) if callable(measure) else measure
@@ -51,6 +52,7 @@ def run_of_each_kind(cases: Sequence[Case]) -> list[Run]:
     kinds = {}
     for case in cases:
         methods = [f"{node} {value}" for node, name, value in case.values if name == "method"]
+        # The last case of a kind stays: other values compile to the same code.
         kinds[case.scenario, case.run, case.vehicle, case.files, *methods] = case
     runs = []
     for case in kinds.values():
@@ -78,9 +80,11 @@ def estimated_time(cases: Sequence[Case], workers: Workers) -> float:
             run = run_of(case)
             resolving = time.monotonic() - start
             compile_for([run], in_nodes=False)
+            # Twice: only the second time is that of a run.
             _timed(run, 0.0)  # loads what all need
             beginning = _timed(run, 0.0)
             sample = min(_SAMPLE, run.duration)
+            # A run of no length has the same beginning: what is left is the rate.
             rate = max(_timed(run, sample) - beginning, 0.0) / sample
             each = resolving + beginning + rate * run.duration
             return each * len(cases) / min(workers.here, len(cases))

@@ -99,6 +99,7 @@ def read_cars(file: Path | str) -> list[ElectricCar]:
             raise ParameterError(
                 f"{file}, line {line}, column drive: {quoted(drive)} is refused, allowed: {allowed}"
             )
+        # From miles per gallon equivalent to W h per mile.
         per_mile = {cycle: ENERGY_OF_A_GALLON / number(f"{cycle}_mpge", 0.0) for cycle in CYCLES}
         axles = _DRIVEN_AXLES[drive]
         cars.append(
@@ -144,6 +145,7 @@ def _classes() -> tuple[tuple[str, str], ...]:
 
 def _class_of(name: str, axles: int) -> str:
     fallback = _ONE if axles == 1 else _TWO
+    # By the driven axles where the name tells nothing.
     return next((drive for part, drive in _classes() if part in name), fallback)
 
 
@@ -210,20 +212,29 @@ WHEELS, ROTOR, SLIP_STIFFNESS = 43.0, 13.8, 20.0
 def consumption(car: ElectricCar, cycle: str, a: Assumptions) -> float:
     """Consumption from the wall [W h/km] by sums over the cycle."""
     speed, acceleration, h = _cycle(cycle)
+    # Two machines per driven axle, as in the plant; each turns its rotor along.
     inertia = car.mass + WHEELS + ROTOR * 2 * car.driven_axles
     force = (
+        # At rest nothing rolls.
         car.constant * (speed > 0.0)
         + car.linear * speed
         + car.quadratic * speed**2
         + inertia * acceleration
     )
+    # A heavier car has larger machines: less copper loss at a force, more drag at idle.
     size, efficiency = car.mass / REFERENCE_MASS, a.gear_efficiency
     driving = np.maximum(force, 0.0)
+    # Beyond the recovery the friction brakes do the rest.
     braking = np.minimum(np.maximum(-force, 0.0), a.recovery[car.drive] * car.mass)
+    # Small slip: force over slip stiffness; each axle is taken to carry half the car.
     slip = driving / (SLIP_STIFFNESS * car.mass * GRAVITY * car.driven_axles / 2)
+    # The wheel turns faster than the car by the slip. A gear takes its share either way.
     power = driving * speed * (1.0 + slip) / efficiency - braking * speed * efficiency
+    # At the shaft a drive force is divided by the efficiency and a brake force multiplied by it;
+    # squared and related to the drive force that is its fourth power.
     power += a.copper / size * (driving**2 + efficiency**4 * braking**2)
     power += a.idle[car.drive] * size * speed + a.auxiliary_power
+    # J per m over 3.6 are W h per km.
     return float(power.sum() * h / 3.6 / (speed.sum() * h) / a.charger_efficiency)
 
 
@@ -265,6 +276,7 @@ def fit(cars: Sequence[ElectricCar]) -> Assumptions:
         return np.concatenate((np.array(errors) / _SPREAD, scaled))
 
     bounds = ((low - expected) / firm - 1e-12, (high - expected) / firm)
+    # What is expected beforehand, inside the bounds: that of idle is the lower one itself.
     start = np.clip(np.zeros(len(names)), bounds[0] + 1e-6, bounds[1] - 1e-6)
     found = assumptions(least_squares(residuals, start, bounds=bounds, loss="soft_l1").x)
     return replace(found, fitted=frozenset(car.vehicle for car in cars))

@@ -115,6 +115,8 @@ def _values(car: ElectricCar, cycle: str, a: Assumptions) -> tuple[tuple[str, st
     gear = base.gear_ratio
     size = car.mass / REFERENCE_MASS
     # squared force at the wheel over squared torque at the shaft
+    # All machines share the force: a F^2 = n k T^2 with F = n T times this root gives k = n a times
+    # this.
     torques = (gear * a.gear_efficiency / radius) ** 2
     vehicle = {
         "mass": car.mass,
@@ -129,6 +131,8 @@ def _values(car: ElectricCar, cycle: str, a: Assumptions) -> tuple[tuple[str, st
         "motor.iron_loss": a.idle[car.drive] * size * radius / gear / machines,
         "battery.auxiliary_power": a.auxiliary_power,
         "maximum_brake_torque": _LARGE_TORQUE,
+        # So large and without resistance that the battery loses nothing: losses are those of the
+        # assumptions.
         "battery.capacity": 1000.0,
         "battery.resistance": 1e-3,
         **dict.fromkeys(
@@ -158,7 +162,9 @@ def _values(car: ElectricCar, cycle: str, a: Assumptions) -> tuple[tuple[str, st
 
 def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
     """Consumption from the battery [W h/km] and largest difference from the cycle's speed [m/s]."""
+    # The current of the battery is positive when it is charged.
     power = -channel(recording, "battery.voltage") * channel(recording, "battery.current")
+    # The power at the end of a step held over it.
     energy = float((power[1:] * np.diff(recording.time)).sum())
     distance = float(motion.distance_on_path(recording)[-1])
     wanted = run.configurations["driver"].parameters.speed_profile

@@ -92,6 +92,7 @@ def values_of(road: str, law: str, asr: str, fault: str) -> tuple[tuple[str, str
     """Values of one case that differ from the scenario's own file."""
     name = law.removesuffix(POWERED)
     column = "manual" if law == name else "powered"
+    # Their column has no shaft between hands and wheels.
     if law in BY_WIRE:
         column = "by_wire"
     values = [
@@ -177,9 +178,11 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
     places = zip(channel(recording, "pose.x"), channel(recording, "pose.y"), strict=True)
     for n, (x, y) in enumerate(places):
         _, leg = nearest(path, x, y, leg)
+        # Cross product of direction and distance: positive to the left of the path.
         across = path.along_x[leg] * (y - path.y[leg])
         deviation[n] = across - path.along_y[leg] * (x - path.x[leg])
     speed = channel(recording, "twist.longitudinal")
+    # The circle is the last leg of the path; the fault comes when the car is on it.
     yaw_rate = np.degrees(channel(recording, motion.YAW_RATE) - wanted.curvature[-1] * speed)
     sideslip = np.degrees(np.where(motion.moving(recording), motion.sideslip_angle(recording), 0.0))
     return {
@@ -195,6 +198,7 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
 
 def is_safe(given: argparse.Namespace, measured: Mapping[str, Any]) -> bool:
     """Return True if the car keeps its lane, and its sideslip the limit, from the fault on."""
+    # What is left on each side of a car in the middle of the lane.
     half = 0.5 * (given.lane - given.car_width)
     return bool(measured["path_error"] <= half and measured["sideslip"] <= given.sideslip)
 
@@ -209,6 +213,7 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
             measured = results[name_of(fault, law, OFF, road)].measured
             if measured:
                 safe.append(is_safe(given, measured))
+        # A law that the car forbids has no row.
         if safe:
             found[f"safe_{law}"] = Metric(float(sum(safe)), "1")
     return found

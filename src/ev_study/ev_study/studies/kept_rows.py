@@ -51,6 +51,7 @@ class Key:
     def refuse_changed(self) -> None:
         """RunFailed if a file is another one by now: each job reads it again."""
         for path, digest in self.files.items():
+            # A worker reads the file once more, and may have read another one than the key has.
             if not (Path(path).is_file() and digest_of(Path(path)) == digest):
                 raise RunFailed(f"{path} has changed since the runs began: start them again")
 
@@ -65,11 +66,13 @@ def run_key(make: Callable[[], Run], *choices: object) -> tuple[Key, Run]:
     with files_read() as files:
         run = make()
         for configuration in run.configurations.values():
+            # Laws read files (maps, policies) when they are made: those count, too.
             configuration.create()
     roles = {
         role: (text_of_method(configuration.method), configuration.values())
         for role, configuration in run.configurations.items()
     }
+    # By name and content, not by path: the same run in another folder is the same.
     read = sorted((Path(name).name, digest) for name, digest in files.items())
     measured = run.report, text_of_report(run.report), run.metrics, run.course
     driven = run.name, run.duration, run.slow_ramp
@@ -172,6 +175,7 @@ def row_of(kind: type[Row], content: bytes) -> Row:
 
 def _encoded(value: Any) -> Any:
     if isinstance(value, np.ndarray):
+        # float.__repr__ in JSON gives the same bits when it is read again.
         return {_ARRAY: value.ravel().tolist(), "type": value.dtype.str, "shape": value.shape}
     if isinstance(value, np.generic):
         return value.item()

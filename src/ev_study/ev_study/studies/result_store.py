@@ -51,6 +51,7 @@ class ResultStore:
         self.folder = parent / sources
         self.folder.mkdir(parents=True, exist_ok=True)
         os.utime(self.folder)  # each result that is kept later counts as a use as well
+        # With each command that opens a store: no process has to clean up.
         _forget_old(parent)
 
     def path(self, name: str) -> Path:
@@ -71,6 +72,7 @@ def _forget_old(parent: Path) -> None:
     folders = sorted(parent.glob(_DIGEST), key=_last_used, reverse=True)
     for number, folder in enumerate(folders):
         unused = time.time() - _last_used(folder)
+        # The order of the folders is by their last use, the latest first.
         if unused > _MONTH:
             shutil.rmtree(folder, ignore_errors=True)
         elif number >= _FOLDERS and unused > _DAY:
@@ -106,6 +108,7 @@ class Answers:
         name = f"{hashlib.sha256(asked).hexdigest()}.answer"
         kept = self._results.get(name)
         if kept is not None:
+            # An answer that this very command has computed is no earlier one.
             self.taken += name not in self._own
             return np.load(io.BytesIO(kept), allow_pickle=False)
         found = compute(points)

@@ -118,6 +118,7 @@ def _refuse_unused(study: Study, given: argparse.Namespace, cases: Sequence[Case
     varied = study.variations(given) if hasattr(study, "variations") else {}
     places = [(*name.split(".", 1), None) for name in varied if "." in name]
     named = [*overrides(given).values, *places]
+    # Without options there is nothing to check, and no run to make for it.
     if not named:
         return
     runs = run_of_each_kind(cases)
@@ -167,6 +168,7 @@ def run_study(words: Sequence[str]) -> None:
     if given.signals:
         signals = {case: f"{SIGNALS}/{key.digest}{RECORDING}" for case, key in keys.items()}
     kept = {case: store.path(Path(path).name) for case, path in signals.items()}
+    # From here on it takes time: what a command line may have wrong was refused above.
     with output_folder(given.out, name) as folder:
         start = time.monotonic()
         rows = KeptRows(store, CaseResult, keys, given.anew)
@@ -174,6 +176,7 @@ def run_study(words: Sequence[str]) -> None:
         if signals:
             (folder / SIGNALS).mkdir()
         for case, path in signals.items():
+            # Copied, not moved: the store has them for the next command.
             if kept[case].exists():  # none of a case that is refused
                 shutil.copyfile(kept[case], folder / path)
         wall_time = time.monotonic() - start
@@ -210,6 +213,7 @@ def _drive(
     found = {}
     for case in cases:
         result = rows.get(case.name)
+        # A row without its signals is driven again; a file that was cut off is no zip archive.
         if result and (case.name not in paths or is_zipfile(paths[case.name])):
             found[case.name] = replace(result, name=case.name)
     before = len(found)
@@ -262,6 +266,7 @@ def _summed_up(study: Study, given: argparse.Namespace, results: Results) -> Sum
             table=study.table(given, results) if hasattr(study, "table") else None,
         )
     except Exception as error:
+        # The error of a complete study is its own; only one with a gap is explained by it.
         lacking = next((result for result in results.values() if result.refused), None)
         if lacking is None or isinstance(error, ParameterError):
             raise
@@ -351,6 +356,7 @@ def _summary(
     metrics: Mapping[str, Metric],
 ) -> dict[str, Any]:
     """Return the content of summary.json without arrays, which are for figures."""
+    # In the order of the cases, with their names: a hash over all signals of the study.
     hashes = "".join(f"{result.name}\0{result.signal_hash}\n" for result in results.values())
     options = {key: str(value) for key, value in sorted(vars(given).items()) if value is not None}
     return {

@@ -74,6 +74,7 @@ def drive_case(case: Case, measure: Measure) -> CaseResult:
     if its signals cannot be written.
     """
     try:
+        # Exactly one run: `scenario_of` refuses more.
         (run,) = with_own_angles(scenario_of(case)).runs
         start = time.monotonic()
         notes: list[str] = []
@@ -86,6 +87,7 @@ def drive_case(case: Case, measure: Measure) -> CaseResult:
     except ValueError as error:
         return CaseResult(case.name, {}, refused=str(error))
     wall_time = time.monotonic() - start
+    # The hash is there even if measuring fails: what was driven can still be compared.
     driven = CaseResult(
         case.name,
         {},
@@ -99,6 +101,7 @@ def drive_case(case: Case, measure: Measure) -> CaseResult:
         motion = true_motion(recording, run.configurations)
         driven = replace(driven, spun=has_spun(motion))
         return replace(driven, measured=measure(motion, run))
+    # A full disk is no property of the case.
     except OSError:
         raise
     except NotMeasured as why:
@@ -116,6 +119,7 @@ def scenario_of(case: Case) -> Scenario:
         case.files, (), case.duration, case.vehicle, prepared=case.values, metrics=case.metrics
     )
     scenario = load_scenario(case.scenario, overrides, only=(case.run,) if case.run else ())
+    # A case of several runs would have several results.
     if len(scenario.runs) > 1:
         names = [run.name for run in scenario.runs]
         raise unknown_name(f"run of {case.scenario}", case.run, names)
@@ -133,6 +137,7 @@ def run_of_command(given: argparse.Namespace) -> Run:
     As it is in the scenario's file if the change does not fit it: that of a case may fit then.
     """
     changed, runs = overrides(given), load_scenario(given.scenario).runs
+    # Whether it fits a case is found out when that case is made.
     with suppress(ParameterError):
         prepared = Overrides(
             changed.files, (), changed.duration, changed.vehicle, changed.all_values

@@ -88,6 +88,7 @@ def variations(given: argparse.Namespace) -> dict[str, list[Any]]:
             varied[place] = _values(text)
         except ValueError as why:
             raise ParameterError(f"--vary {quoted(word)} is refused, expected {why}") from None
+    # Before the product is made: 100 000 combinations are fine, a typing error may mean billions.
     runs = given.seeds * math.prod(map(len, varied.values()))
     if runs > MOST:
         raise ParameterError(
@@ -145,6 +146,7 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
     found = []
     for values in itertools.product(*varied.values()):
         named = dict(zip(varied, values, strict=True))
+        # A seed is that of all nodes.
         places = [
             ("*", SEED, value) if name == SEED else (*name.split(".", 1), value)
             for name, value in named.items()
@@ -218,11 +220,13 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
         name: np.array(values, float) for name, values in varied.items() if _are_numbers(values)
     }
     lengths = [len(values) for values in axes.values()]
+    # Only numbers have an axis; more than two have no figure.
     if len(axes) != len(varied) or len(axes) not in (1, 2) or min(lengths) < 2:
         return {}
     panels = []
     for name, unit in _shown(given, results).items():
         values = np.array([values_of(result).get(name, math.nan) for result in results.values()])
+        # In the order of `cases`: the seed changes fastest, since it is last in `variations`.
         values = values.reshape(*lengths, seeds)
         shown, factor = IN_FIGURES.get(unit, (unit, 1.0))
         title = readable(name)

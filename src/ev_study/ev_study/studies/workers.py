@@ -90,12 +90,14 @@ def perform_jobs(
 
 
 def _perform_here(jobs: Sequence[Job], done: Done, workers: Workers) -> None:
+    # Reversed, so that pop gives the first job first.
     waiting = list(reversed(range(len(jobs))))
     losses = [0] * len(jobs)
     busy: list[Worker] = []
     try:
         while waiting or busy:
             while waiting and len(busy) < workers.here:
+                # A fork: the worker has the jobs already, and gets only their numbers.
                 busy.append(Worker(lambda number: jobs[number]()))
                 busy[-1].begin(waiting.pop())
             for worker in wait(busy):
@@ -107,12 +109,14 @@ def _perform_here(jobs: Sequence[Job], done: Done, workers: Workers) -> None:
                     if losses[number] == _LOSSES:
                         lost = f"{_LOSSES} workers were lost with it"
                         raise RunFailed(f"{jobs[number].name}: {lost}") from None
+                    # At the end, so it is the next one that is begun.
                     waiting.append(number)
                 else:
                     done(number, result)
                     if waiting:
                         worker.begin(waiting.pop())
                         continue
+                # The process is lost, or there is no more work for it.
                 busy.remove(worker)
                 worker.end()
     finally:
@@ -192,6 +196,7 @@ def refuse_other_files(worker: str, folder: Path, files: Mapping[str, str]) -> N
     """
     for path, digest in files.items():
         here = Path(path)
+        # A dask worker may run in another folder with a copy of the user's files.
         if here.is_relative_to(folder) and here.relative_to(folder).is_file():
             here = here.relative_to(folder)
         if not (here.is_file() and digest_of(here) == digest):

@@ -37,6 +37,7 @@ class Free:
         """The value at a share of the way from the lower to the upper bound."""
         share = min(max(share, 0.0), 1.0)
         if self.by_factors:
+            # The power may leave the bounds by a rounding, which the declaration would refuse.
             return min(max(self.low * (self.high / self.low) ** share, self.low), self.high)
         return self.low + share * (self.high - self.low)
 

@@ -38,6 +38,7 @@ def search(
     start = np.array([each.share for each in free])
     yield from _judged(training, free, start[None, :], answer)
     random = np.random.Generator(np.random.PCG64(seed))
+    # NaN keeps cma from seeding numpy's global generator; its numbers come from ours.
     options = {
         "bounds": [0.0, 1.0],
         "seed": np.nan,
@@ -47,6 +48,8 @@ def search(
     strategy, used = cma.CMAEvolutionStrategy(start, STEP, options), 1
     while used < budget:
         asked = strategy.ask()
+        # The last generation may be cut by the budget; then there is nothing to learn from any
+        # more.
         found = _judged(training, free, np.array(asked)[: budget - used], answer)
         yield from found
         used += len(found)
@@ -66,6 +69,7 @@ def chosen(
     The start comes first, so it stays where no candidate is better.
     """
     start, *others = found
+    # At equal costs the earlier candidate stays in front, since the sort is stable.
     best = [start, *sorted(others, key=lambda each: each.cost)[:finalists]]
     judged = _judged(validation, free, np.array([each.shares for each in best]), answer)
     costs = [each.cost for each in judged]

@@ -99,6 +99,7 @@ class Training:
         Values that are allowed one by one and do not fit together cost the most, and are not
         driven.
         """
+        # One candidate that is refused would refuse the whole batch.
         fitting = [n for n, each in enumerate(candidates) if self._fits(each)]
         costs = np.full(len(candidates), robust_cost(np.full(1, LARGEST)))
         if fitting:
@@ -123,6 +124,7 @@ class Training:
             self._board.manoeuvres[of.cell.manoeuvre],
             len(candidates),
         )
+        # All draws of the first candidate, then all of the second: the shape below follows that.
         vary = {name: list(column) * count for name, column in law.vary.items()}
         for role, values in by_role(candidates[0]).items():
             for name in values:
@@ -139,6 +141,7 @@ class Training:
         reference = {
             name: np.tile(each, count) for name, each in of.metrics[board.reference].items()
         }
+        # To `costs_of` all candidates together are one law beside the reference.
         both = {board.reference: reference, "": metrics}
         unstable = np.stack([~(each["peak_sideslip"] < board.unstable) for each in both.values()])
         costs = costs_of(board, manoeuvre, self._cost, both, unstable)

@@ -46,6 +46,7 @@ class Tolerance:
                 f"the tolerance {quoted(text)} has no reason, expected one in the column why"
             )
         try:
+            # An end that is left out is open.
             if ".." in text:
                 low, _, high = text.partition("..")
                 ends = float(low.strip() or -math.inf), float(high.strip() or math.inf)
@@ -64,6 +65,7 @@ class Tolerance:
 
     def band(self, value: float) -> Band:
         """The band in which a number counts as the published value."""
+        # Given ends go before a width: they need no value.
         return self.ends or within(value, relative=self.relative, absolute=self.absolute)
 
     def text(self, unit: str) -> str:
@@ -120,6 +122,7 @@ class Check:
         """The number with its reference; of a claim in words the ratio [1], with both numbers in its source."""
         if not self.is_judged:
             return metric(lambda: self.measure(driven), self.unit)
+        # A claim in words is held against the ratio 1.
         band = self._tolerance(driven).band(1.0 if self.value is None else self.value)
         if self.value is not None:
             return metric(
@@ -127,11 +130,14 @@ class Check:
             )
         assert self.than is not None
         try:
+            # Magnitudes: larger means further from zero, whatever the sign convention of the
+            # quantity is.
             value, other = abs(self.measure(driven)), abs(self.than(driven))
         except NotMeasured as why:
             return Metric(None, "1", reference(1.0, band, ""), str(why))
         compared = f"; measured {value:.5g} against {other:.5g} {self.unit}".removesuffix(" 1")
         return metric(
+            # Larger than nothing at all is larger by any tolerance.
             lambda: value / other if other else math.inf,
             "1",
             reference=reference(1.0, band, compared),
@@ -151,6 +157,7 @@ class Check:
         found = Tolerance.of(self.tolerance.filled(driven), self.why.filled(driven))
         if not self.than:
             return found
+        # The tolerance t is a share of the larger number: x (1 - t) > y, or x < y (1 - t).
         ends = (1 / (1 - found.relative), math.inf) if self.is_larger else (0.0, 1 - found.relative)
         return Tolerance(found.why, ends=ends)
 
@@ -191,6 +198,7 @@ def check_of(row: Mapping[str, str], measures: Measures, needs: tuple[Need, ...]
         raise ParameterError(
             f"the tolerance is missing, expected one with its reason, or {SHOWN!r} for the value"
         )
+    # Other texts are known only when their runs are driven.
     if tolerance.is_plain and why.is_plain:
         found = Tolerance.of(row["tolerance"], row["why"])
         if sign and not 0.0 < found.relative < 1.0:

@@ -26,6 +26,7 @@ def measures_of(*modules: ModuleType) -> dict[str, Measure]:
     found: dict[str, Measure] = {}
     for module in modules:
         for name, function in inspect.getmembers(module, inspect.isfunction):
+            # Functions that a module imports are not measures of it.
             if function.__module__ == module.__name__ and not name.startswith("_") and found.setdefault(
                 name, function
             ) is not function:  # fmt: skip
@@ -60,9 +61,11 @@ class Call:
         name, *words = text.split() or [""]
         if name not in measures:
             raise unknown_name("measure", name, measures)
+        # Words that are no numbers stay texts, such as names of runs.
         given = tuple(float(word) if _NUMBER.fullmatch(word) else word for word in words)
         signature = inspect.signature(measures[name])
         try:
+            # Checked before anything is driven, with the needs in the place of what is driven.
             signature.bind(*needs, *given)
         except TypeError as error:
             raise ParameterError(
@@ -89,6 +92,7 @@ class Template:
     @classmethod
     def of(cls, text: str, measures: Measures, needs: Sequence[Need]) -> Template:
         """The template of a text; ParameterError as `Call.of`."""
+        # The group in the pattern makes every second part a call.
         parts = _CALLS.split(text)
         return cls(
             tuple(Call.of(part, measures, needs) if n % 2 else part for n, part in enumerate(parts))
@@ -130,6 +134,7 @@ class Expression:
                 raise ParameterError(
                     "an expression is of the runs of a scenario, and a study keeps none"
                 )
+            # A need that drives one named run leaves no question.
             runs.append(need.runs[0] if not run and len(need.runs) == 1 else run)
         if not 1 <= len(runs) <= 2:
             raise ParameterError(

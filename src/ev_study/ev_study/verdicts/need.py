@@ -1,4 +1,10 @@
-"""Runs that verdicts need, each driven once, and their results for a verdict."""
+"""Runs that verdicts need, each driven once, and their results for a verdict.
+
+How it works: what verdicts are about is stated as needs: a scenario with some values, or a study
+with options. Equal needs are driven once. Each becomes cases with keys; what the store has under a
+key is not driven again. Of a scenario the signals are kept as files, since measures of all kinds
+read them; of a study only its rows.
+"""
 
 from __future__ import annotations
 
@@ -85,6 +91,7 @@ def need_of(text: str) -> Need:
     --slow; a study counts as slow unless there is --quick. ParameterError if the text is refused.
     """
     name, *words = shlex.split(text) or [""]
+    # A study parses its own options, so its words are passed on as they are.
     if name in study_names():
         return StudyNeed(
             name, tuple(word for word in words if word != "--quick"), slow="--quick" not in words
@@ -104,11 +111,13 @@ def need_of(text: str) -> Need:
     return ScenarioNeed(name, values, tuple(given.runs), found.duration, given.slow)
 
 
+# argparse would end the process; a table of published numbers needs a line with its place.
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         raise ParameterError(f"what is driven: {message}")
 
 
+# A need is a key of dicts, so lists become tuples.
 def _frozen(value: Any) -> Any:
     return tuple(map(_frozen, value)) if isinstance(value, list) else value
 
@@ -150,6 +159,7 @@ def key_of(study: str, case: Case) -> Key:
     """
     key = Key(case_key(case), {})
     given = case.scenario, case.vehicle, case.files, tuple(value for _, _, value in case.values)
+    # Only such a text may be the name of a file.
     if any(set("./").intersection(text) for text in _texts(given)):
         with suppress(ValueError):  # the case is refused, as it will be when it is driven
             key = row_key(study, case)
@@ -175,6 +185,7 @@ class _KeepSignals:
         return {}
 
 
+# Many measures in a row ask for the same few runs; all of them together do not fit into memory.
 _recording_at = lru_cache(maxsize=6)(load)
 
 Drive = Callable[[Sequence[Case], Sequence[Measure], Keep], Sequence[CaseResult]]
@@ -192,6 +203,7 @@ def drive(needs: Iterable[Need], kept: ResultStore, drive_cases: Drive) -> dict[
     for need, (cases, _) in wanted.items():
         study = need.study if isinstance(need, StudyNeed) else ""
         keys[need] = [key_of(study, case) for case in cases]
+    # Two needs may have a case in common.
     every = {key.digest: key for of in keys.values() for key in of}
     rows = KeptRows(kept, CaseResult, every)
     jobs: dict[str, tuple[Case, Measure]] = {}
@@ -208,6 +220,7 @@ def drive(needs: Iterable[Need], kept: ResultStore, drive_cases: Drive) -> dict[
     def keep(number: int, result: CaseResult) -> None:
         _, measure = jobs[digests[number]]
         if not isinstance(measure, _KeepSignals):
+            # At once: a command that is stopped here has lost nothing.
             rows.keep(digests[number], result)
         elif result.refused:
             raise RunFailed(f"{result.name}: {result.refused}")
@@ -219,6 +232,7 @@ def drive(needs: Iterable[Need], kept: ResultStore, drive_cases: Drive) -> dict[
         at = list(zip(cases, keys[need], strict=True))
         if isinstance(need, StudyNeed):
             results = {case.name: rows.get(key.digest) for case, key in at}
+            # The row may have been driven under another name.
             results = {name: replace(row, name=name) for name, row in results.items()}
             found[need] = StudyCases(results, arguments(need.study, need.options))
             continue

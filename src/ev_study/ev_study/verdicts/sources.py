@@ -152,6 +152,7 @@ def _published(id: str, rows: list[_Row], measures: Measures) -> Published:
                     raise ParameterError(
                         f"{refused} is refused, expected one that begins with {': , '.join(NOTES)}: "
                     )
+                # A note may need what is driven in its own row.
                 entry = replace(
                     entry, note=note, text=Template.of(text, measures, of_row), text_needs=of_row
                 )
@@ -178,11 +179,13 @@ def _rows_by_id(source: str) -> dict[str, list[_Row]]:
     texts: dict[str, str] = {}
     if (short := path.with_name("texts.csv")).is_file():
         for _, (name, text) in _lines(short, ("name", "text")):
+            # A short text may use those above it, not those below.
             texts[name] = _expanded(text, texts)
     found: dict[str, list[_Row]] = {}
     id = ""
     for line, cells in _lines(path, COLUMNS):
         row = {name: _expanded(cell, texts) for name, cell in zip(COLUMNS, cells, strict=True)}
+        # A row without id belongs to the one above.
         id = row["id"] or id
         row["place"] = f"{path}, line {line}, {id or 'no id'}"
         if row["id"] in found:
@@ -206,6 +209,7 @@ def _expanded(text: str, texts: Mapping[str, str]) -> str:
 def _lines(path: Path, columns: tuple[str, ...]) -> Iterator[tuple[int, list[str]]]:
     """Number and cells of each line of a file; those left out at the end of a line are empty."""
     text = read_data(path, TEXT).decode("utf-8-sig")
+    # Comments become empty lines, so that the numbers of the lines stay those of the file.
     lines = csv.reader("" if line.startswith("#") else line for line in text.splitlines())
     rows = ((lines.line_num, row) for row in lines if row)
     line, header = next(rows, (1, []))
@@ -218,4 +222,5 @@ def _lines(path: Path, columns: tuple[str, ...]) -> Iterator[tuple[int, list[str
             raise ParameterError(
                 f"{path}, line {line}: {len(row)} cells, expected {len(columns)}: quote what has commas"
             )
+        # The last columns of most rows are empty, and a line may leave them out.
         yield line, row + [""] * (len(columns) - len(row))

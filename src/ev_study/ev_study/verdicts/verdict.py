@@ -56,12 +56,14 @@ class Verdict:
         if not self.published.is_judged:
             return self.published.note
         first, *others = (metric.judgement for metric in self.metrics.values() if metric.reference)
+        # The first number is the one as the source defines it: only that may fail for "in part".
         if (
             self.published.note == IN_PART
             and first == NOT_REPRODUCED
             and set(others) == {REPRODUCED}
         ):
             return IN_PART
+        # A number that is missing is worse than one that is off: nothing is known of it.
         for worst in (NOT_MEASURED, NOT_REPRODUCED):
             if worst in (first, *others):
                 return worst
@@ -143,6 +145,7 @@ def wanted(only: Sequence[str], quick: bool) -> list[tuple[str, Published]]:
         for each in published(source).values()
         if not only
         or any(word in (source, each.id) or each.id.startswith(f"{word}.") for word in only)
+        # A need that is slow makes the whole id slow.
         if not (quick and any(need.slow for need in each.needs))
     ]
 
@@ -157,6 +160,7 @@ def metrics_at_hand(source: str, scenario: str, driven: ScenarioRuns) -> dict[st
         at_hand = tuple(
             check for check in each.checks if all(_is_plain(need, scenario) for need in check.needs)
         )
+        # An id counts only if all its judged numbers can be measured on this scenario.
         if each.needs and all(check in at_hand for check in each.checks if check.is_judged):
             for name, metric in (
                 replace(each, checks=at_hand).metrics(dict.fromkeys(each.needs, driven)).items()

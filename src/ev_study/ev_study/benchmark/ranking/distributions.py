@@ -51,6 +51,7 @@ def _mean(of_runs: np.ndarray, seed: int) -> Estimate:
 def _counts(cells: int, draws: int, seed: int) -> Iterator[np.ndarray]:
     """Count each run in each resampled board, some boards at once, (boards, cells x draws)."""
     for chosen in resampled_draws(cells, draws, seed):
+        # Draw d of cell c is run c draws + d of the flat array.
         places = chosen + draws * np.arange(cells)[:, None]
         yield np.stack(
             [np.bincount(each.ravel(), minlength=cells * draws) for each in places]

@@ -118,6 +118,7 @@ def _ends(result: BoardResult, i: int) -> Iterator[list[str]]:
     reference = result.laws.index(result.board.reference)
     middle = result.middles["handling"]
     order = np.argsort(middle[i] - middle[reference], kind="stable")
+    # Both ends show different cells, also of a board with few of them.
     count = min(ENDS, len(order) // 2) or 1
     for n in dict.fromkeys((*order[:count].tolist(), *order[-count:].tolist())):
         worst = int(np.argmax(result.costs["handling"][i, n]))

@@ -1,4 +1,9 @@
-"""Result of a board: scores of all laws, and records of all runs."""
+"""Result of a board: scores of all laws, and records of all runs.
+
+How it works: a cell is read once, and of it only the numbers that count are held: costs, unstable
+runs, demand, medians. All scores are made of these arrays, (laws, cells, draws). Records of single
+runs are read again from the store, one cell at a time, so the memory does not grow with them.
+"""
 
 from __future__ import annotations
 
@@ -74,9 +79,11 @@ class BoardResult:
             return np.array([of.metrics[name] for of in of_laws])
 
         is_clean = np.array([of.clean for of in of_laws])
+        # Not below, and not `>=`: NaN counts as unstable.
         unstable = ~(measured("peak_sideslip") < board.unstable) | ~is_clean
         driven = 0
         for of in of_laws:
+            # With a search a draw takes several runs, else one.
             driven += int(of.metrics[DRIVEN].sum()) if DRIVEN in of.metrics else board.draws
         met = demand_met(board, manoeuvre, cell.metrics)
         recorded = named_metrics(manoeuvre.metrics("recorded"))
@@ -205,6 +212,7 @@ class BoardResult:
         digest = hashlib.sha256(b"[")
         before = b""
         for run in self.runs():
+            # It has the words of this command, which change nothing that was driven.
             del run["once_more"]
             digest.update(before + json.dumps(run, sort_keys=True).encode())
             before = b", "

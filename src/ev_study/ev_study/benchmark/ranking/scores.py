@@ -3,6 +3,11 @@
 Agarwal et al. (2021), Deep reinforcement learning at the edge of the statistical precipice, NeurIPS
 34: the mean of the middle half of all runs, with intervals by a bootstrap within each cell
 (stratified).
+
+How it works: each run gets a cost against the reference in the same draw, between 0 and LARGEST, so
+that one lost car cannot outweigh all others. Scores are means over the costs of all cells and
+draws. The bootstrap draws runs again within each cell, alike for all laws, so that the interval of
+a difference is that of laws on the same draws.
 """
 
 from __future__ import annotations
@@ -53,6 +58,7 @@ def costs_of(
     lost = unstable
     for name, metric in named_metrics(manoeuvre.metrics(cost)).items():
         values, more = _over_reference(board, name, metrics)
+        # A cost is better low: of what is better high the sign is turned.
         found.append(1.0 + (-more if metric.better == HIGHER else more))
         lost = lost | np.isnan(values)
     own = np.clip(np.mean(found, axis=0), 0.0, LARGEST)
@@ -73,6 +79,7 @@ def demand_met(
     least = np.ones((len(metrics), 1))
     for name in named_metrics(manoeuvre.demand):
         values, more = _over_reference(board, name, metrics)
+        # More than the reference does is no merit, and pays for no lack elsewhere.
         least = np.minimum(least, np.where(np.isnan(values), 0.0, np.clip(1.0 + more, 0.0, 1.0)))
     return least
 
@@ -84,11 +91,13 @@ def _over_reference(
     base = metrics[board.reference][name]
     values = np.array([of[name] for of in metrics.values()])
     more = (values - base) / np.maximum(np.abs(base), board.scales[name])
+    # Where the reference has no number there is nothing to be better or worse than.
     return values, np.where(np.isnan(base), 0.0, more)
 
 
 def interquartile_mean(costs: np.ndarray) -> np.ndarray:
     """The mean of the middle half along the last axis."""
+    # A quarter at each end; of fewer than four runs none is cut.
     cut = costs.shape[-1] // 4
     return np.asarray(np.sort(costs, axis=-1)[..., cut : costs.shape[-1] - cut].mean(axis=-1))
 
@@ -123,6 +132,7 @@ def ranked(found: np.ndarray) -> list[Score]:
     """
     values, resampled = found[0], found[1:]
     low, high = np.percentile(resampled, ENDS, axis=0)
+    # Positive at the lower end of the interval: surely more cost than the other one.
     worse = np.percentile(resampled[:, :, None] - resampled[:, None, :], ENDS[0], axis=0) > 0.0
     ranks = 1 + np.count_nonzero(worse, axis=1)
     return [

@@ -51,6 +51,7 @@ def differences_by_variation(
     Compared are the runs with the least and the greatest third of a range, the least and the
     greatest choice, or none and a fault of MOTOR_FAULT. A variation of a single choice is left out.
     """
+    # Drawn once more: the seed gives the same numbers, and no record has to hold them.
     of_cells, found = [numbers_drawn(board, cell)[1] for cell in cells], {}
     for variation in board.variations:
         if len(set(variation.choice)) != 1:
@@ -91,10 +92,12 @@ def mantel_haenszel(
     nothing which cells happen to have more runs with the most. All cells together give a variance
     for each kind of runs, and Student's t with the freedom of the fewer ones the interval.
     """
+    # A cell without runs of either kind has no difference.
     both = with_least.any(axis=-1) & with_most.any(axis=-1)
     values, kinds = values[:, both], np.stack([with_least[both], with_most[both]])
     counts = kinds.sum(axis=-1)
     freedom = (counts - 1).sum(axis=-1)
+    # One run in each cell has no variance.
     if not freedom.min():
         return [Difference(math.nan, math.nan)] * len(values)
     weights = counts.prod(axis=0) / counts.sum(axis=0)
