@@ -182,6 +182,7 @@ def maximum_transmissible_torque(
     ratio = car.driven_wheel_inertia[motion.place] / (
         p.relaxation * mass_share(car) * (radius * radius)
     )
+    # A road that pushes the wheel, as on the overrun, transmits no drive torque.
     transmissible = (ratio + 1.0) / car.motor.gear_efficiency * max(road, 0.0)
     if p.limits == Limits.ALWAYS:
         w.rate += share * ((wanted - w.asked) / period - w.rate)

@@ -134,6 +134,7 @@ def blended_brakes(
     direction = -sign(s.reference.speed) if braked else sign(total)
     rolling = rolling_speeds(p.reference, car, s.reference, period, sensors, direction)
     speed = s.reference.speed
+    # About rest the sign of the speed is noise, and the request shows where the car is to go.
     ahead = sign(speed) if abs(speed) >= p.standing else sign(total)
     if ahead == 0.0 or (braked and abs(speed) < p.standing):
         s.velocity[:] = velocity

@@ -75,6 +75,7 @@ def feedback_linearisation(
     slip = weighed(p.regulator, slip, motion)
     needed = acceleration_with_decay(p, car, slip, acceleration, motion)
     torque = road + car.driven_wheel_inertia[motion.place] / (1.0 - min(slip, 0.9)) * needed
+    # The command counts before the gear, which takes its part on the way to the wheel.
     return until_served(p.regulator, w, period, torque / car.motor.gear_efficiency, wanted)
 
 
@@ -144,6 +145,7 @@ def modified_lambda(
     if stays_out(p.regulator, w, slip):
         return inf
     slip = weighed(p.regulator, slip, motion)
+    # Integral action goes on from the last limit, at first from the torque that acts.
     before = min(w.limit, wanted)
     if w.limit == inf:
         before = min(max(motion.torque, 0.0), wanted)

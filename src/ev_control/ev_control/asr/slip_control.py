@@ -133,6 +133,7 @@ def fuzzy(
         forget_filtered(w.slip)
     else:
         last, torque = w.slip.value, min(w.limit, wanted)
+    # The rate of the filtered slip in this step, not a difference of two noisy ones.
     rate = (slip - last) / (p.filter_time + period)
     follow(w.slip, slip, filter_share(period, p.filter_time))
     error = weighed(p.regulator, slip, motion) - p.regulator.target

@@ -227,6 +227,7 @@ def slip_target(
     slip_right = slip_ratio(wheels.velocity.rear_right * car.wheel_radius, u + side, p.slowest)
     difference = p.yaw_gain * (yaw_rate - delta * speed / car.wheelbase)
     share = equal.drive.rear_left
+    # Without the pedal there is no share, and so no correction.
     limit = p.largest_correction * share
     # Straight ahead the yaw rate shows which wheel is outside.
     turn = delta if delta != 0.0 else yaw_rate
@@ -335,6 +336,7 @@ def wheel_speed(
         s.held = mean
         s.holds = True
     wanted = s.held if p.mean == KeptMean.SPEED else mean
+    # Half the difference of the speeds: w B tan(delta)/(2 L), the outer wheel faster.
     turned = wanted * car.rear_track * tan(seen.column.road_wheel_angle) / (2.0 * car.wheelbase)
     error = turned - (right - left) / 2.0
     difference = s.difference + p.integral_gain * period * error

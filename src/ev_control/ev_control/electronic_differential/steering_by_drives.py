@@ -374,6 +374,8 @@ def yaw_moment(
         wish = (1.0 + p.gamma) * i * column.hand_torque / (p.stiffness + i * i * p.k_ck)
     limit = p.grip_share * friction * GRAVITY / abs(u)
     wanted = min(max(u * wish / turning_length(car.wheelbase, p.understeer, u), -limit), limit)
+    # Errors are counted against the range of yaw rates that are left alone: one value, or all
+    # between none and the wanted one.
     least = most = wanted
     if p.against == Against.OVERSTEER:
         least, most = min(wanted, 0.0), max(wanted, 0.0)
@@ -400,6 +402,7 @@ def room_of(
     grip_right = along * wheel_load(car, 1, imu.longitudinal_acceleration, imu.lateral_acceleration)
     left = motor_range(car, 0, wheels.velocity[0])
     right = motor_range(car, 1, wheels.velocity[1])
+    # Left gets share - half and right share + half, and both have to stay within their ranges.
     least = max(max(right.least, -grip_right) - share, share - min(left.most, grip_left))
     most = min(min(right.most, grip_right) - share, share - max(left.least, -grip_left))
     return Range(min(least, 0.0), max(most, 0.0))

@@ -100,9 +100,9 @@ def load_proportional(
     load, total = wheel_loads(car, imu), driver.drive_torque
     front_left, front_right = c.resistance[0] * load[0], c.resistance[1] * load[1]
     rear_left, rear_right = c.resistance[2] * load[2], c.resistance[3] * load[3]
-    # Driven wheels that carry nothing leave no ratio to share by, see below.
     # Left and right first, so that a mirrored car gets exactly mirrored torques.
     whole = (front_left + front_right) + (rear_left + rear_right)
+    # Driven wheels that carry nothing leave no ratio to share by.
     if whole == 0.0:
         return split(p.brake, car, driver, 0.0)
     drive = Wheels(

@@ -132,6 +132,7 @@ def observed_slip_angles(
     braking = driver.brake_torque > 0.0 or (
         driver.drive_torque > 0.0 if reverses else driver.drive_torque < 0.0
     )
+    # Speeds have a sign: of a car in reverse the least number is the fastest wheel.
     u = most if braking != reverses else least
     turn = Turn(u, sensors.imu.lateral_acceleration, r, delta)
     return slip_angles_at(p, car, s, period, turn, p.kinematic_share)
@@ -153,6 +154,8 @@ def slip_angles_at(
     ahead = -1.0 if turn.speed <= -p.slowest else 1.0
     u = max(abs(turn.speed), p.slowest)
     delta = ahead * turn.road_wheel_angle
+    # Over the mass, so all below are accelerations; `at_rest` is the tyres' without lateral
+    # velocity.
     front = p.front_cornering_stiffness / car.mass
     rear = p.rear_cornering_stiffness / car.mass
     at_rest = front * (delta - (car.wheelbase - b) * r / u) + rear * b * r / u

@@ -83,6 +83,7 @@ def add_sample(
     fit.template = template
     old_x = old_y = old_root = 0.0
     if is_full(fit):
+        # Read before the newest sample is written, which takes its place in the longest window.
         oldest = int(fit.taken - size) % CAPACITY
         old_x, old_y = fit.x[oldest], fit.y[oldest]
         old_root = shape(old_x, offset, template)
@@ -223,9 +224,11 @@ def fitted_peak(p: SlipCurveParameters, fit: SlipCurveFit) -> float:
     if not fits(p, fit, curve):
         return inf
     if fit.template == Template.SQUARE:
+        # A x + B x^2 turns down with B < 0 only; with A < 0 it falls from the very beginning.
         if curve.b >= 0.0:
             return inf if curve.a >= 0.0 else 0.0
         return max(curve.a / (-2.0 * curve.b), 0.0)
+    # A x + B sqrt(x + e): both parts rise with A >= 0 and B > 0, both fall with A < 0 and B <= 0.
     if curve.a >= 0.0:
         return inf
     if curve.b <= 0.0:

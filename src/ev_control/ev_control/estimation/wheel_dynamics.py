@@ -37,6 +37,7 @@ def _assignments(place: str, start: Any) -> Iterator[str]:
         if is_dataclass(value):
             yield from _assignments(name, value)
         elif isinstance(value, list):
+            # All numbers of a series start alike.
             yield f"for n in range({len(value)}):"
             yield f"    {name}[n] = {value[0]!r}"
         else:
@@ -150,6 +151,7 @@ def wheel_load(
     wheels.
     """
     half_mass = car.mass / 2.0
+    # Half of m h a_x/L: both wheels of an axle share what moves from one axle to the other.
     along = half_mass * car.pitch_height / car.wheelbase * longitudinal_acceleration
     front = wheel in (FRONT_LEFT, FRONT_RIGHT)
     roll = car.front_roll_share if front else 1.0 - car.front_roll_share

@@ -190,10 +190,12 @@ class WheelDemand(NamedTuple):
 def drive_range(car: Car, place: int, velocity: float, ahead: float) -> DriveRange:
     """Torques that a drive can give at a wheel speed [rad/s], as far as the battery takes them."""
     can = motor_range(car, place, velocity)
+    # In reverse the torque that brakes is the positive one.
     brakes, pushes = (-can.least, can.most) if ahead > 0.0 else (can.most, -can.least)
     turns = abs(velocity)
     # An equal share of what the battery takes, whatever the other wheels do.
     charged = car.battery.charge_power / max(car.number_driven * turns, 1.0)
+    # Towards rest the drive hands its braking over to the friction brake.
     return DriveRange(min(brakes, charged) * min(turns / car.blend_fade_speed, 1.0), pushes)
 
 
@@ -203,9 +205,11 @@ def blended(
 ) -> float:
     """Torque of the drive along the travel [N m]; the friction brake goes on in the state."""
     brakes, pushes = can.brakes, can.pushes
+    # The drive does what is asked of it and no more; the friction brake alone follows the slip.
     if p.blending == Blending.FRICTION:
         brakes = min(max(-asked.drive, 0.0), brakes)
         pushes = max(min(asked.net, pushes), 0.0)
+    # A drive that keeps the slip needs room to both sides, so it does not brake with all it has.
     all_of_it = w.slip.limit == inf or p.blending == Blending.FRICTION
     used = brakes if all_of_it else p.use * brakes
     # What the drive does not brake is for the friction brake, never more than the pedal asks.

@@ -176,6 +176,8 @@ def due_torque(
     outer, other = (s.most[i], -s.least[i]) if ahead > 0.0 else (-s.least[i], s.most[i])
     # The partner may still give more than its command now.
     outer_partner = s.most[j] if ahead > 0.0 else -s.least[j]
+    # The bounds were widened by the gear and `commanded` was narrowed: both on the side of the
+    # least.
     outer *= car.motor.gear_efficiency * car.motor.gear_efficiency
     outer_partner *= car.motor.gear_efficiency * car.motor.gear_efficiency
     due, most = commanded, lasting_torque(p, car, wheels.velocity[i], ahead)
@@ -234,12 +236,16 @@ def expect(
         # With blended brakes the motor also takes a part of the brake torque.
         braked = drive - copysign(car.blend_brakes * command.brake[i], wheels.velocity[i])
         low, high = min(drive, braked), max(drive, braked)
+        # Before the first command motors may already give something, as after a restart on the
+        # move.
         if not s.known:
             s.most[i] = max(measured(wheels, i), 0.0)
             s.least[i] = min(measured(wheels, i), 0.0)
         forwards, backwards = max(high, 0.0) / efficiency, min(low, 0.0) / efficiency
         s.most[i] = max(forwards, s.most[i] + share * (forwards - s.most[i]))
         s.least[i] = min(backwards, s.least[i] + share * (backwards - s.least[i]))
+        # What is sure: the end that is nearer to none, and none where both ends have different
+        # signs.
         goal = efficiency * (max(low, 0.0) + min(high, 0.0))
         # A torque that changes its sign passes zero, so it starts from rest.
         from_rest = s.commanded[i] if s.commanded[i] * goal > 0.0 else 0.0

@@ -50,6 +50,7 @@ def split(
 
     The drive torques add up to what the driver asks for; the brake torque goes to all four wheels.
     """
+    # Half less on the left and half more on the right: the sum stays that of the driver.
     equal, half = driver.drive_torque / car.number_driven, difference / 2.0
     drive = Wheels(
         equal - half if car.driven[0] else 0.0,

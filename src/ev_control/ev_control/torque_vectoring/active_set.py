@@ -76,6 +76,7 @@ def costliest_bound(w: Program) -> int:
         slope = gradient(w, i)
         largest = max(largest, abs(w.slope[i]))
         if w.bound[i] == 1.0 and w.low[i] < w.high[i]:
+            # At the lower bound only growth is allowed, which pays where the gradient is negative.
             gain = -slope if w.x[i] == w.low[i] else slope
             if gain > most:
                 worst, most = i, gain
@@ -88,6 +89,7 @@ def towards_least(w: Program) -> None:
     n = SIZE
     for i in range(n):
         for j in range(i + 1):
+            # An unknown at a bound gets a row of the identity, and no right side: its step is none.
             free = w.bound[i] == 0.0 and w.bound[j] == 0.0
             value = w.hessian[i * n + j] if free else (1.0 if i == j else 0.0)
             for k in range(j):

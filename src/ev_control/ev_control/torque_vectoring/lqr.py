@@ -81,6 +81,7 @@ def _gains_at(
     effort = 1.0 / (p.moment * p.moment)
     aside = p.sideslip_error * max(abs(speed), tyres.slowest)
     cost = (1.0 / (aside * aside), 0.0, 0.0, 1.0 / (p.yaw_rate_error * p.yaw_rate_error))
+    # A, G and H of the doubling algorithm: `closed`, `reach` and `cost`.
     closed = a
     reach = (b[0] * b[0] / effort, b[0] * b[1] / effort, b[1] * b[0] / effort, b[1] * b[1] / effort)
     # Each round doubles the horizon behind which the errors no longer cost anything.
@@ -137,6 +138,7 @@ def lqr_moment(gains: Gains, speed: float, lateral_error: float, yaw_error: floa
 @compilable
 def at_speed(row: tuple[float, ...], speed: float) -> float:
     """A row of the schedule, interpolated at a speed [m/s], constant beyond the last."""
+    # Rows of reverse lie behind those of ahead, each with rising magnitudes.
     place = min(abs(speed) / SPEED_STEP, SPEEDS - 1.0)
     below = min(int(place), SPEEDS - 2)
     first = below if speed >= 0.0 else SPEEDS + below

@@ -90,6 +90,8 @@ def predictive_moment(
         # Errors without any moment at the end of period k.
         v, r = motion.a_11 * v + motion.a_12 * r, motion.a_21 * v + motion.a_22 * r
         q = last if k == SIZE - 1 else within
+        # The i-th moment has acted for k - i further periods by then; only the lower half is
+        # filled.
         for i in range(k + 1):
             by_v = q.lateral * w.lateral[k - i] + q.both * w.yaw[k - i]
             by_r = q.both * w.lateral[k - i] + q.yaw * w.yaw[k - i]

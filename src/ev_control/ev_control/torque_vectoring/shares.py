@@ -38,6 +38,7 @@ def can_turn(car: Car, front: bool) -> bool:
 def by_axle(p: ShareParameters, car: Car, total: float, moment: float) -> Wheels:
     """Equal torques of all driven wheels, and a fixed share of the moment on each axle [N m]."""
     share, equal = p.front, total / car.number_driven
+    # An axle without two motors cannot turn the car: the other one gives all of the moment.
     if not can_turn(car, True):
         share = 0.0
     elif not can_turn(car, False):
