@@ -1,4 +1,9 @@
-"""The channels of a bus as a node uses them: classic data frames in and out, metered and logged."""
+"""The channels of a bus as a node uses them: classic data frames in and out, metered and logged.
+
+How it works: a `Channel` has a bus of python-can. It sends and receives without waiting, takes
+classic data frames alone and counts the others, and notes each frame in log and meter. `Channels`
+are those of both circuits, all of them open or none.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,10 @@
 """End-to-end protection of a payload by AUTOSAR E2E profile 1: what the receiver makes of it.
 
+How it works: a receiver calls `check` for each frame that has come, and `no_new_data` for each
+cycle without one. Each call widens the step of the counter that is tolerated, and a right frame
+narrows it again. After a wrong step or a long silence frames may be right, but their content is not
+used until enough of them have followed each other.
+
 The algorithm of E2E_P01Check (AUTOSAR PRS E2E protocol, profile 1), with its names for what lasts
 between two calls.
 """

@@ -1,5 +1,9 @@
 """A hub for frames between processes of one machine, by socketcand's raw mode over TCP.
 
+How it works: one asyncio loop has all connections, and runs while `serve` is called. What one
+client sends on a bus goes to all others on it. Nothing waits for a client: what it does not take is
+kept for it, up to a limit, and then lost.
+
 For machines without multicast. Text in angle brackets: `open NAME`, `rawmode`, then `send ID LENGTH
 BYTES` from a client, and `frame ID SECONDS DATA` to all others with the same name.
 """

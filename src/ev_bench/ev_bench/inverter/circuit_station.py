@@ -1,5 +1,10 @@
 """The cycles of an inverter, and one circuit on its channel.
 
+How it works: in each cycle of an inverter causes of faults are latched, the state machine of CiA
+402 takes a step, torque and temperatures follow, and frames are made of the result. `lead_inverter`
+is the part before the torque and `end_inverter_cycle` the part behind it, so that a bench can turn
+a shaft of its own in between.
+
 Neither bus nor clock is used here: the caller counts time.
 """
 

@@ -1,4 +1,10 @@
-"""The devices of the bench: their parameters, their states, and faults that are set by name."""
+"""The devices of the bench: their parameters, their states, and faults that are set by name.
+
+How it works: the state of all devices is in records, their parameters are in dataclasses; compiled
+code gets both as numbers. A load machine is a machine under test with other defaults (`_as_in`). A
+fault from outside is an entry of `Injected`, which the other modules read at the place where it
+acts.
+"""
 
 from __future__ import annotations
 

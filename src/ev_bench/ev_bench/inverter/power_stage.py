@@ -1,4 +1,9 @@
-"""The power side of an inverter: DC link, temperatures, and torque within limits."""
+"""The power side of an inverter: DC link, temperatures, and torque within limits.
+
+How it works: `largest_torque` takes the limits that need roots and divisions, once in a cycle.
+Within them `follow_reference` lets the torque follow, which a bench does several times in a cycle.
+`advance_electrical` computes currents and losses at its end.
+"""
 
 from __future__ import annotations
 

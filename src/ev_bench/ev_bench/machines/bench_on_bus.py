@@ -1,4 +1,9 @@
-"""The bench as a role of the graph in real time: its inverters on a CAN bus, in cycles of 1 ms."""
+"""The bench as a role of the graph in real time: its inverters on a CAN bus, in cycles of 1 ms.
+
+How it works: frames come by `receive` and time by `cycle`; the circuits are those of lockstep. An
+instant of the graph ends a period (`_take`): means, heat and counts of the bus become the outputs,
+and begin anew.
+"""
 
 from __future__ import annotations
 

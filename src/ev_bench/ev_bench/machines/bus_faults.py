@@ -1,4 +1,9 @@
-"""One fault that is put into a circuit on its bus, from one instant to another."""
+"""One fault that is put into a circuit on its bus, from one instant to another.
+
+How it works: `present` gives the kind of fault in a tick. Faults of an inverter go into its state
+(`put_in`), those of the bus change the set-point on its way (`on_the_way`), and those of the
+transducer change what it measures (`measured`).
+"""
 
 from __future__ import annotations
 

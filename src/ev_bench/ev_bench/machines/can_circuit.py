@@ -1,5 +1,10 @@
 """One circuit of the bench behind its CAN bus: set-points arrive, inverters act, feedback leaves.
 
+How it works: a control period is a number of ticks of 1 ms. In each tick set-points are released at
+its beginning, those that have arrived act at the phase of the inverters (`make_cycle`), feedback is
+released there, and what has arrived at the end of the tick is kept for the gateway. `make_cycle` is
+the same on a real bus (`bench_on_bus`).
+
 State and constants are in records, which compiled code passes as one address each.
 """
 

@@ -1,4 +1,10 @@
-"""One circuit of the bench: machine under test, shaft with transducer, load machine."""
+"""One circuit of the bench: machine under test, shaft with transducer, load machine.
+
+How it works: a set-point goes into a ring of the last periods (`send`), and is followed late and
+not faster than its rate (`follow`). In each step both torques follow, the shaft between the rotors
+turns (`turn`), and energies are booked (`_account`). Heat and electrical quantities follow once in
+a period (`end_period`).
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""The test bench as a method of the role `test_bench`: two machines for each driven wheel."""
+"""The test bench as a method of the role `test_bench`: two machines for each driven wheel.
+
+How it works: each driven wheel has a circuit (`circuit`). In each period it gets the torque of the
+law over the gear ratio for the machine under test, and what the plant asks of the load machine.
+`outputs` shows all channels at the instant of the state.
+"""
 
 from __future__ import annotations
 

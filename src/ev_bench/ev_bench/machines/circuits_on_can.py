@@ -1,4 +1,9 @@
-"""The test bench with a CAN bus between controller and inverters, as a method of `test_bench`."""
+"""The test bench with a CAN bus between controller and inverters, as a method of `test_bench`.
+
+How it works: in the place of torques come the words of frames, and words of frames go out
+(`SetPointFrames`, `FeedbackFrames`). Between them each circuit has a channel of its own, and
+`can_circuit` advances both.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""The CAN bus of a run: channels of its own in real time, the log of its frames in lockstep."""
+"""The CAN bus of a run: channels of its own in real time, the log of its frames in lockstep.
+
+How it works: in real time `real_bus` finds a bus for both ends: multicast on loopback where a frame
+comes back, else a hub that lasts as long as the run. In lockstep the bus is a model, and its frames
+are made again for the log after the run (`frame_log`).
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""The frames of a run in lockstep, stepped again from its recording, as a log."""
+"""The frames of a run in lockstep, stepped again from its recording, as a log.
+
+How it works: a recording has the signals that the bench has read, not its frames. So the bench is
+stepped again with them, and the frames are taken from its state, as far as its bus does the same as
+in the run.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""Peak of the slip curve that a wheel has passed, and a target slip below it."""
+"""Peak of the slip curve that a wheel has passed, and a target slip below it.
+
+How it works: `watch_slip` takes each sample into the window of a fit, and `peak_is_passed` is true
+once the fitted curve has fallen at the slip for some steps in a row. A traction control makes a
+target of that peak; `most_by_road` makes a bound of the targets of rear wheels.
+"""
 
 from dataclasses import dataclass
 from enum import auto

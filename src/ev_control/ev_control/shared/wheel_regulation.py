@@ -1,5 +1,9 @@
 """Beginning and end of traction controls that regulate a slip or set a speed.
 
+How it works: a limit has a beginning and an end, which are here, and a law that moves it in
+between. Of a torque limit `stays_out` is before the beginning and `until_served` leads to the end.
+A speed set-point does both in `moved`, by the sign of a course that the law gives.
+
 They begin by the slip, or where a wheel gains on the car by the ratio of their accelerations
 (dissertation, eq 1.4).
 """

@@ -1,4 +1,9 @@
-"""A closed course: the middle of its road, its width, and the number of laps."""
+"""A closed course: the middle of its road, its width, and the number of laps.
+
+How it works: a course is checked as it is declared: the distances of its points, and edges that do
+not fold. One from a file is first moved to the middle of its road, and turned to begin at the
+origin along x.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""The driver's hands, and drivers that follow profiles of speed and steering, or a path by eye."""
+"""The driver's hands, and drivers that follow profiles of speed and steering, or a path by eye.
+
+How it works: a driver is feet (`pedals`) and hands. Hands give a torque, or turn the steering wheel
+to an angle by a PID control of their torque (`turn_to_angle`). The angle comes from a profile, or
+from pure pursuit of a path (`keep_lane`).
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,9 @@
 """The driver's feet, which follow a speed or the pedals of standard manoeuvres.
 
+How it works: `follow_speed` is a PI control of the speed. It shares a torque that slows down
+between drives and brakes, and holds a car that is to stand. `work_pedals` follows the speed profile
+by it until the pedal profile begins, which then gives both torques itself.
+
 The driver `manoeuvre` works only these.
 """
 

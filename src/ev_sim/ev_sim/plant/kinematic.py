@@ -1,5 +1,10 @@
 """The kinematic plant: a point mass on wheels that roll without slip (Shchur 2019, eqs 8 to 13).
 
+How it works: a period is divided into sub-steps. In each the drives see the speeds of their wheels
+and give torques, and the point mass moves under their sum, exactly up to the instant at which dry
+friction stops it. The road-wheel angle is held over the period, so the path is an arc: pose and
+wheel angles follow from its length, at the end.
+
 Ackermann-Jeantaud steering: the centre of the turn lies on the line of the rear axle. The equations
 are multiplied through with sin(delta), so they hold in straight running, and delta < 0 mirrors
 delta > 0: eq 11 as printed has lost the sign of delta and would turn the front wheels backwards in

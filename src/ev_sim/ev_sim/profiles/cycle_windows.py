@@ -1,4 +1,9 @@
-"""The windows of a speed cycle, listed or found by rule, and what a driver does in each of them."""
+"""The windows of a speed cycle, listed or found by rule, and what a driver does in each of them.
+
+How it works: each leg of the speed profile stands, falls, or is traction; legs of one mode in a row
+are a window. A short window between two of another mode then joins them (`windows_by_rule`). In a
+run the mode is looked up by time (`mode_at`), afterwards for all times at once (`modes_at`).
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,10 @@
-"""A value over time, given by points: the wanted speed among them, and the speed cycles."""
+"""A value over time, given by points: the wanted speed among them, and the speed cycles.
+
+How it works: a profile is points in time, among which compiled code searches by halving
+(`value_at`). A speed profile may name a CSV file. It is read into points before anything runs; what
+still names a file then is refused. `cycle_values` makes of the name of a cycle the values that a
+scenario takes for it.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""An electric motor that turns road wheels, and a steering wheel by wire (Shchur 2019)."""
+"""An electric motor that turns road wheels, and a steering wheel by wire (Shchur 2019).
+
+How it works: `turn` is a cascade: the error of the angle asks for a rate, that of the rate for a
+torque, within the limits of the motor. It turns rear wheels (`rear_axle`) as well as the front
+wheels of `actuated`, where the steering wheel is an oscillator of its own.
+"""
 
 from __future__ import annotations
 

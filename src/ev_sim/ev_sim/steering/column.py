@@ -1,4 +1,9 @@
-"""Steering columns by eq 3 of Shchur (2019): by hand, with the front drives, by these alone."""
+"""Steering columns by eq 3 of Shchur (2019): by hand, with the front drives, by these alone.
+
+How it works: a column is an oscillator (`friction_oscillator`) under a moment that is held over a
+period. `manual` has the moment of the hands, `powered` that of the drives as well. `by_wire` has
+two oscillators: road wheels under the drives, and a steering wheel under the hands.
+"""
 
 from __future__ import annotations
 

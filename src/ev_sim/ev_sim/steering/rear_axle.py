@@ -1,4 +1,9 @@
-"""Steered rear wheels: by a ratio over speed, or so that the sideslip angle stays zero."""
+"""Steered rear wheels: by a ratio over speed, or so that the sideslip angle stays zero.
+
+How it works: a law gives the wanted angle of the rear wheels, and the motor of `actuated` turns
+them there against the moment of the road. The plant with the option `rear_steering` reads their
+angle and rate.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""The friction curves of tyres over the slip, by name, their peaks, and those of softer tyres."""
+"""The friction curves of tyres over the slip, by name, their peaks, and those of softer tyres.
+
+How it works: each curve is a function of the slip and four coefficients, chosen by its place in
+FRICTION_CURVES (`friction`). A plant takes the `secant`, friction over slip, which is finite at
+rest. Peaks are searched once, before a run.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,10 @@
-"""The planar plant at the start of a run, its signals at an instant, and its notes."""
+"""The planar plant at the start of a run, its signals at an instant, and its notes.
+
+How it works: `begin` makes the state of the start: rolling, in the equilibrium of given drive
+torques, or parked on a slope. `outputs` evaluates the rates once at the instant of the state, which
+leaves forces, slips and accelerations in the step. `keep_noted` marks events in the state, of which
+`notes` makes lines after the run.
+"""
 
 from __future__ import annotations
 
