@@ -76,20 +76,26 @@ def commanded(
     """
     speed = speed_along_path(body)
     holds = 1.0 if s.left > 0.0 else 0.0
+    # A command that begins or ends: the speed goes on from what the car does, without a jump.
     if holds != s.held:
         s.held, s.speed = holds, speed
+        # Until a command has turned them, the hands keep the angle that the wheels have.
         if s.angle == 0.0:
             s.angle = column.road_wheel_angle
+    # The node sets it anew with each command.
     s.left = max(s.left - period, 0.0)
     wanted, most, rate = 0.0, p.stopping_deceleration, 0.0
     if holds == 1.0:
         wanted = min(max(s.wanted_speed, s.lowest_speed), s.highest_speed)
         most, rate = s.acceleration, s.angle_rate
     s.speed = towards(s.speed, wanted, most * period)
+    # Without a command the rate is 0, so the angle stays.
     s.angle = towards(s.angle, s.wanted_angle, rate * period)
     drive, brake = follow_speed(p.speed_control, car, s.feet, period, s.speed, speed)
+    # The integral is cleared, or the car would jerk when the gear is put in again.
     if holds == 1.0 and s.in_neutral == 1.0:
         s.speed, s.feet.integral, drive, brake = speed, 0.0, 0.0, 0.0
+    # Copied for the reports of the node, which reads this state and no topic.
     s.longitudinal, s.lateral, s.yaw_rate = body.longitudinal, body.lateral, body.yaw_rate
     s.road_wheel_angle = column.road_wheel_angle
     return DriverCommand(

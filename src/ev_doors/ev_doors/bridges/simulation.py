@@ -132,6 +132,7 @@ class SimulationInterfaces:
                 "the state is that already",
             )
         try:
+            # Stopped is paused at zero: a playing graph is paused first, and then reset.
             if wanted == of.STATE_PLAYING:
                 await self._ask("resume")
             elif now == of.STATE_PLAYING:
@@ -151,6 +152,7 @@ class SimulationInterfaces:
         """SimulateSteps: feedback after each step; a cancelled goal stops after a whole one."""
         wanted, result = goal.request.steps, self._action.Result()
         code, text, done = self._result.RESULT_OK, "", 0
+        # One by one, since each step has its feedback and may be the last.
         while done < wanted and code == self._result.RESULT_OK and not goal.is_cancel_requested:
             code, text = await self._take_steps(1)
             if code == self._result.RESULT_OK:
@@ -172,6 +174,7 @@ class SimulationInterfaces:
         """ResetSimulation: all, or time and state together; nothing is ever spawned."""
         of, scope = self._reset_kind.Request, request.scope
         both = of.SCOPE_TIME | of.SCOPE_STATE
+        # A reset of the master begins a new run, in which time and state are at their start.
         if scope not in (of.SCOPE_DEFAULT, of.SCOPE_ALL) and scope & both != both:
             text = f"scope {scope}: time and state are reset together"
             return self._answered(response, self._result.RESULT_FEATURE_UNSUPPORTED, text)
@@ -205,6 +208,7 @@ class SimulationInterfaces:
         try:
             for done in range(0, count, _AT_ONCE):
                 steps = min(count - done, _AT_ONCE)
+                # Before the request: the ticks may come before the answer does.
                 stepped = self._future(self._ticks + steps)
                 await self._ask("step", steps)
                 self._paused, self._is_stopped = True, False
@@ -254,17 +258,21 @@ class SimulationInterfaces:
 
     def _note(self, message: Any) -> None:
         """Read the master's reports of time, whichever client asked for them."""
+        # A report from before our last request may say the opposite of what has been answered
+        # since.
         if Time.from_msg(message.header.stamp).nanoseconds < self._asked_at:
             return
         for status in message.status:
             if status.name == f"{self._master}: {TIME_SERVICE}":
                 values = {each.key: each.value for each in status.values}
                 self._paused = values.get("rests") == "True"
+                # Stopped ends when time goes on, by whatever client.
                 self._is_stopped &= self._paused
 
     def _give_up(self) -> None:
         now = time.monotonic()
         for _, future, deadline in self._waiting:
+            # As long as the clock ticks, steps are being taken, however many there are.
             if now > max(deadline, self._ticked + _PATIENCE) and not future.done():
                 future.set_result(False)
         self._waiting = [each for each in self._waiting if not each[1].done()]

@@ -65,11 +65,13 @@ class CommandedDriver(SteppedNode):
         super().sweep()
         for reader, kind, read in self._inputs:
             newest = None
+            # Only the newest counts: each command holds until the next one.
             while (message := reader.take()) is not None:
                 newest = message
             if newest is not None:
                 self._obey(read(deserialize_message(newest, kind)))
         now = self.stepper.answered
+        # A negative distance is a reset, behind which reports begin again at once.
         if now >= 0 and not 0 <= now - self._reported < _REPORT_PERIOD:
             self._reported = now
             sec, nanosec = divmod(now, stamps.NANOSECONDS)
@@ -79,6 +81,7 @@ class CommandedDriver(SteppedNode):
             )
 
     def _obey(self, command: dict[str, float]) -> None:
+        # All of a command or nothing: half of one would be none that was ever sent.
         wrong = [name for name, value in command.items() if not math.isfinite(value)]
         if wrong:
             self.reports.note(
@@ -171,6 +174,7 @@ class Autoware:
     def _change_gear(self, message: Any) -> dict[str, float]:
         """Drive, however far, and low go forwards; NONE changes nothing."""
         gear, of = int(message.command), self._gears
+        # An empty command changes nothing, also not the gear that is reported.
         if gear == of.NONE or gear > of.LOW_2:
             return {}
         self._gear = gear
@@ -185,8 +189,11 @@ class Autoware:
         """Report velocities of the middle of the rear axle, Autoware's origin of a vehicle."""
         modes = self._modes
         mode = modes.AUTONOMOUS if state["held"] == 1.0 else modes.NOT_READY
+        # Not ready before the first command; without a fresh one after that, disengaged.
         if mode == modes.NOT_READY and self._was_commanded:
             mode = modes.DISENGAGED
+        # v_y at the rear axle, b behind the centre of mass: v_y - b r. The longitudinal one is the
+        # same.
         lateral = state["lateral"] - self._to_rear_axle * state["yaw_rate"]
         self._send(
             self._velocity,
@@ -203,6 +210,7 @@ class Autoware:
     def _send(to: tuple[Any, type], stamp: Any, **content: Any) -> None:
         publisher, kind = to
         message: Any = kind(**content)
+        # Some of these messages have a header, others only a stamp.
         if hasattr(message, "header"):
             message.header.frame_id = "base_link"
         place = message.header.stamp if hasattr(message, "header") else message.stamp

@@ -43,6 +43,7 @@ def main(argv: list[str] | None = None) -> None:
                     run.send_signal(signal.SIGINT)
     except RunFailed as error:
         refuse(error)
+    # The run has printed why; its status becomes ours, so a script sees it.
     if run is not None and run.returncode:
         sys.exit(run.returncode)
     if ended is None:
@@ -72,6 +73,7 @@ def _arguments(argv: list[str] | None) -> tuple[argparse.Namespace, list[str]]:
         help="of the graph; default: that of the run, or of each in turn",
     )
     given, words = parser.parse_known_args(argv)
+    # argparse leaves what it does not know, and a scenario has no dash.
     if words and words[0].startswith("-"):
         parser.error(f"{quoted(words[0])} is not known; options of a run stand behind its SCENARIO")
     if words and words[0] in offered(STUDIES):
@@ -120,6 +122,7 @@ def _run_of(words: Sequence[str], domain: int) -> Iterator[subprocess.Popen | No
         scenario,
     ]
     run = subprocess.Popen(
+        # In front of the user's own options, of which the last one counts.
         [*command, "--set", "plant.real_time_factor=1", *others],
         env={**os.environ, "ROS_DOMAIN_ID": str(domain)},
         preexec_fn=ends_with_us(),
@@ -131,5 +134,6 @@ def _run_of(words: Sequence[str], domain: int) -> Iterator[subprocess.Popen | No
         run.send_signal(signal.SIGINT)
         raise
     finally:
+        # A second Ctrl-C does not leave the run alone while it stops its nodes.
         with suppress(KeyboardInterrupt):
             run.wait()

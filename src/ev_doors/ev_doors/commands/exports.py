@@ -60,6 +60,7 @@ def export_fmu(argv: list[str]) -> None:
     )
     given = parser.parse_args(argv)
     try:
+        # A target that is named twice is built once: an FMU has one library for each.
         targets = [target_of(name) for name in dict.fromkeys(given.target.split(","))]
         content = _content(given)
         write_fmu(content, given.fmi, targets, given.out)

@@ -40,6 +40,8 @@ def visualize(argv: list[str]) -> None:
                 node.context, node.get_namespace(), f"{_VISUALIZATION}_controls", frames.take_car
             )
             was_there = False
+            # Waits for a master that has yet to come, and ends when the one that was there has
+            # left.
             while not stop.received and (controls.has_master or not was_there):
                 was_there |= controls.has_master
                 controls.look()

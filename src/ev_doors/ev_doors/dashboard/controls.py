@@ -76,6 +76,7 @@ class Controls:
         for _ in range(_AT_ONCE if self._waiting else 0):
             self._executor.spin_once(timeout_sec=0.0)
         now = time.monotonic()
+        # An answer may ask the next question, which goes into the new list.
         waiting, self._waiting = self._waiting, []
         for future, then, otherwise, deadline in waiting:
             if future.done():
@@ -115,6 +116,7 @@ class Controls:
         here = self._node.get_namespace()
         there = self._node.get_node_names_and_namespaces()
         present = {name for name, space in there if space == here and name in ROLES}
+        # A node that comes again is asked anew: it may have other parameters.
         for name in self._present - present:
             self._asked.discard(name)
             self.nodes.pop(name, None)
@@ -122,6 +124,7 @@ class Controls:
         self._present = present
         for name in sorted(present - self._asked):
             client = self._of.setdefault(name, AsyncParameterClient(self._node, name))
+            # A service that is not there yet is looked for again a second later.
             if client.services_are_ready():
                 self._asked.add(name)
                 self._ask(
@@ -167,6 +170,7 @@ class Controls:
     def _was_set(self, node: str, name: str, value: Any, result: Any) -> None:
         for known in self.nodes.get(node, {}).get("parameters", ()):
             if known["name"] == name:
+                # Also after a refusal, so that the page puts its field back.
                 known["value"] = value if result.successful else known["value"]
                 self._tell(
                     {"kind": "parameter", "node": node, "name": name, "value": known["value"]}

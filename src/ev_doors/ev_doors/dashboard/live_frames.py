@@ -53,6 +53,7 @@ class Reported:
 
     def admits(self, gid: bytes) -> bool:
         """Mark of a report by a node that the graph knows under the name of a role."""
+        # Asked of the graph only where a publisher is new: the answer costs a look at all of them.
         if gid not in self._names:
             self._names = {
                 bytes(end.endpoint_gid): (end.node_namespace, end.node_name)
@@ -147,11 +148,14 @@ class LiveFrames:
             self._numbers[0, PLACES[signal]] = numbers
             if signal is _TELLS_TIME:
                 newest = stamp
+            # In the order of the frame, not of arrival, so that columns do not depend on luck.
             if signal not in self._heard:
                 self._heard = [each for each in PLACES if each in self._heard or each is signal]
+        # The master repeats a state that was not answered: no other instant.
         if newest is None or newest == self._stamp:
             return False
         self._stamp = newest
+        # The rest above a multiple of the period is the number of the run, no time.
         self._numbers[0, TIME] = stamps.to_seconds(
             newest - newest % self._period if self._period else newest
         )

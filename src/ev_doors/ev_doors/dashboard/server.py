@@ -68,6 +68,7 @@ class Pages:
         self.open: set[_Socket] = set()
         self.rows: deque[bytes] = deque(maxlen=_KEPT)
         self.port: int = sockets[0].getsockname()[1]
+        # A name of another site that resolves to this machine (DNS rebinding) is not among them.
         hosts = {f"{name}:{self.port}" for name in (ADDRESS, "localhost")}
         text = filled("dashboard.html", title=title)
         self._server = HTTPServer(
@@ -155,6 +156,7 @@ class _Socket(_Local, tornado.websocket.WebSocketHandler):
             if not isinstance(request, dict):
                 raise ValueError("a request of a page is refused, expected an object")
             self.pages.obey(request)
+        # Of the parser of JSON; ValueError is all else that it refuses.
         except RecursionError:
             self.send(line("a request of a page is refused: it is nested too deeply", refused=True))
         except ValueError as error:
@@ -166,6 +168,7 @@ class _Socket(_Local, tornado.websocket.WebSocketHandler):
 
     def send_row(self, row: bytes) -> None:
         """Send numbers, unless the page has not taken the last ones yet."""
+        # Rows that wait for a slow page would pile up in memory: it misses some instead.
         if self._sent is None or self._sent.done():
             self._sent = self._write(row)
 
@@ -219,6 +222,7 @@ async def attached(
                 if run is None and not dashboard.master and loop.time() - start > _PATIENCE:
                     anywhere = f"{namespace}/{MASTER}" if namespace else MASTER
                     raise RunFailed(f"no {anywhere} in ROS domain {domain} after {_PATIENCE:g} s")
+                # In a fixed pace, but without making up for looks that were missed.
                 next_look = max(next_look + _PERIOD, loop.time())
                 await asyncio.sleep(next_look - loop.time())
             return None
@@ -288,6 +292,7 @@ class _Dashboard:
                 if name == MASTER
             }
             if there and (self._graph is None or self._graph.namespace not in there):
+                # Of several graphs always the same one, whatever order discovery gives.
                 self._show(min(there))
         if (graph := self._graph) is None:
             return
@@ -298,6 +303,7 @@ class _Dashboard:
             self.master = f"{graph.namespace}/{MASTER}"
         if not graph.frames.look():
             return
+        # Time that goes back is another run, whose rows do not continue those before.
         if graph.frames.columns != self._columns or graph.frames.time < self._time:
             self._columns = graph.frames.columns
             self.pages.forget()
@@ -324,4 +330,5 @@ class _Dashboard:
     def _present(self) -> list[dict[str, Any]]:
         if (graph := self._graph) is None:
             return []
+        # The title first: a page forgets all when it comes.
         return [graph.title, graph.frames.layout(), *graph.controls.nodes.values()]

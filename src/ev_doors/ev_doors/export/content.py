@@ -101,12 +101,16 @@ class Content:
                 f"{run.name}: all roles are left out, expected to keep one at least"
             )
         self._kept = {role: run.configurations[role] for role in self.roles}
+        # As in `ev_stack.Simulation`: what answers in front of the first input is shown at once.
         first = min(
             (answering.index(role) for role in without if role in answering), default=len(answering)
         )
+        # An input in the place of what integrates counts from the start of an instant: none answers
+        # before.
         if any(role in integrating for role in without):
             first = 0
         before = answering[:first]
+        # A parameter that another method requires of this one must not change alone.
         required = {name for each in run.configurations.values() for name in each.method.requires}
         self.parts = [part for each in self._kept.values() for part in _parts(each, required, bare)]
         self.before = sum(part.role in before for part in self.parts)
@@ -175,6 +179,7 @@ def _parts(configuration: Configuration, required: Collection[str], bare: bool) 
     parts = [Part(role, code, constants, state, *span, tunables=tuple(tunables), restarts=again)]
     for each in () if bare else rows_of(configuration):
         seed = measuring.SEED if isinstance(each, SensorRow) else row.SEED
+        # Each row of a sensor or fault has a seed of its own, at the same place within the row.
         seeds = tuple(range(each.head + seed, len(each.constants), each.width))
         parts.append(
             Part(role, ROW_CODE[type(each)], list(each.constants), list(each.state), *span, seeds)
@@ -188,6 +193,7 @@ def _tunables(configuration: Configuration, given: Given) -> list[Tunable]:
     They are numbers that set nothing up and that no rule ties to others.
     """
     law, used = law_of(configuration.method), set[str]()
+    # What is read while the law is set up is fixed: a change later would not reach it.
     parameters, common = _watched(configuration.given, used), configuration.common
     if law.prepare:
         _read_all(law.prepare(parameters, common.vehicle, common.control_period))
@@ -196,6 +202,7 @@ def _tunables(configuration: Configuration, given: Given) -> list[Tunable]:
     if law.start:
         values = {**given.values, "p": _watched(given.values["p"], used)}
         law.start(*(values[name] for name in given_names(law.start)))
+    # Behind the head of the row of constants, in the order of the record.
     places = {name: len(HEAD) + n for n, name in enumerate(_names(given.trees["p"]))}
     return [
         Tunable(
@@ -253,11 +260,13 @@ def _watched(parameters: Any, used: set[str], prefix: str = "") -> Any:
             used.add(prefix + name)
         return value
 
+    # A subclass, so that isinstance and the methods of the parameters still work.
     watched: Any = type(kind.__name__, (kind,), {"__slots__": (), "__getattribute__": read})
     made = watched.__new__(watched)
     for name in names:
         value = getattr(parameters, name)
         of_group = _watched(value, used, f"{prefix}{name}.") if _is_group(value) else value
+        # The records are frozen.
         object.__setattr__(made, name, of_group)
     if hasattr(made, "__post_init__"):
         made.__post_init__()

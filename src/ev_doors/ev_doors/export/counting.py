@@ -23,6 +23,7 @@ def counted(command: Sequence[str], folder: Path) -> list[str]:
     """
     _HOST.refuse_missing_compiler()
     *emulator, program = command
+    # The first version that this emulator loads; it refuses all others at its start.
     for version in _VERSIONS:
         options = ("-O2", "-fPIC", "-shared", f"-DAPI={version}", f"-DDESCRIPTOR={_DESCRIPTOR}")
         plugin = _HOST.program([_SOURCE], folder / f"qemu_count_{version}.so", options)

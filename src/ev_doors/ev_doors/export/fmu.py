@@ -29,6 +29,7 @@ _OPTIONS = (
     "-shared",
     "-s",
 )
+# No build id and no time stamp, so that the same export is the same file.
 _OPTIONS_OF = {
     "Linux": ("-Wl,-Bsymbolic,--build-id=none",),
     "Windows": ("-static-libgcc", "-Wl,--no-insert-timestamp"),
@@ -100,6 +101,7 @@ def write_fmu(content: Content, fmi: int, targets: Sequence[Target], file: Path)
         with atomic_file(new_file(file)) as written, zipfile.ZipFile(written, "w") as archive:
             for name, path in packed.items():
                 entry = zipfile.ZipInfo(name, _NO_DATE)
+                # Unix permissions, without which some tools unpack files that nobody can read.
                 entry.external_attr = 0o644 << 16
                 archive.writestr(entry, path.read_bytes(), zipfile.ZIP_DEFLATED)
 
@@ -168,8 +170,10 @@ def _variables(library: Library) -> list[Variable]:
             "causality": causality,
             "variability": variability,
         }
+        # FMI does not allow `initial` of an input or of the independent variable.
         attributes |= {} if initial == "none" else {"initial": initial}
         attributes |= {"description": about[name]} if name in about else {}
+        # XML of FMI has no infinity: a limit that is none is left out.
         finite = {name: value for name, value in limits.items() if math.isfinite(value)}
         found.append(Variable(attributes, {"unit": unit or "1", **finite}))
 
@@ -201,6 +205,9 @@ def base_unit(unit: str) -> dict[str, float] | None:
             if symbol not in _SYMBOLS:
                 return None
             for base, exponent in _SYMBOLS[symbol].items():
+                # The power outside of the parentheses counts for each unit within, as in 1/(s
+                # rad)^2.
                 by = sign * int(power or 1) * int(own or 1)
                 exponents[base] = exponents.get(base, 0) + by * exponent
+    # What cancels out is not listed.
     return {base: exponent for base, exponent in exponents.items() if exponent}

@@ -53,6 +53,7 @@ class Library:
     """Write the C text of an export under a name with a prefix; ParameterError if C refuses it."""
 
     def __init__(self, content: Content, name: str) -> None:
+        # ASCII: \w would also take letters that C compilers refuse.
         if not re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII):
             raise ParameterError(f"name {quoted(name)} is refused, expected one of a function in C")
         self.content, self.given_name, self.name = content, name, _PREFIX + name
@@ -60,7 +61,9 @@ class Library:
         state = constants = 0
         for part in content.parts:
             self.places.append(Place(part, state, constants if part.is_changed else -1))
+            # One number at least, for C has no arrays of none.
             state += max(len(part.state), 1)
+            # Constants that never change are shared by all objects, and count for none of them.
             constants += len(part.constants) * part.is_changed
         self.state_size, self.constants_size = state, constants
         self.codes = {self.symbol(part): part.code for part in content.parts}
@@ -199,6 +202,7 @@ def write_library(content: Content, name: str, target: Target, directory: Path) 
         objects = library.objects(target, folder)
         sources = library.write(folder, target, ["model.h", "constants.h", "model.c"])
         loop = target.compiled(sources[-1])
+        # What the objects define themselves does not have to be anywhere else.
         called = {each for file in (*objects, loop) for each in calls(file.read_bytes())} - {
             *library.codes,
             _OF_LINKER,
@@ -224,6 +228,7 @@ def write_library(content: Content, name: str, target: Target, directory: Path) 
             *(["board.c", "board.ld"] if target.board else []),
         ]
         written = [*sources, archive, *library.write(folder, target, templates, **more)]
+        # Only now, when everything is made: a refusal leaves no folder behind.
         output = new_or_empty(directory)
         for file in written:
             with atomic_file(output / file.name) as to:

@@ -53,12 +53,15 @@ class OnProcessor:
                 f"processor: {role} has a fault `restarted`, which a program elsewhere cannot have"
             )
         method = configuration.method
+        # As a factory of methods has them, in whose place this stands.
         self.writes, self.requires, self.mirrored = method.writes, method.requires, method.mirrored
         self.role, self.where, self._words = role, where, _words(where)
+        # Bare: sensors and faults stay here, and would otherwise be applied twice.
         self.content = Content(run, only=[role], bare=True)
         self._why_not_counted = ""
         if where in EMULATED:
             target = target_of(EMULATED[where])
+            # Before the run: the program is built and started only with the first step.
             if target.emulator and not shutil.which(target.emulator[0]):
                 raise ParameterError(
                     f"processor {where}: {target.emulator[0]} is not installed; Debian has it in "
@@ -137,6 +140,7 @@ class ProcessorPart(CalledBack):
     def program(self) -> Program:
         """The running program, at rest."""
         program = Program(self._on.content, self._on.command)
+        # Whatever becomes of the run, no emulator outlives its part.
         weakref.finalize(self, program.close)
         program.create()
         return program
@@ -155,6 +159,7 @@ class ProcessorPart(CalledBack):
         status, outputs = self.program.step([here.numbers[place] for place in self._inputs])
         for place, value in zip(self._outputs, outputs, strict=True):
             there.numbers[place] = value
+        # Before the status: a number that is not finite is the clearer reason.
         self.refuse_not_finite(there)
         if status:
             raise SignalError(f"{self._on.role} on {self._on.where}: status {status}, expected 0")

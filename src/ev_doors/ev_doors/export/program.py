@@ -107,10 +107,13 @@ class Program:
             )
         except (OSError, ValueError) as error:
             raise self._refused(getattr(error, "strerror", "") or "it does not start") from None
+        # A program that is refused is ended; one that is ours goes on.
         with ExitStack() as unless_ours:
             unless_ours.callback(self.close)
             assert self._process.stdin is not None
+            # A full pipe must not hold us up while the program waits for us to read.
             os.set_blocking(self._process.stdin.fileno(), False)
+            # The version alone first, since what follows may have another size in another version.
             if self._asked(b"i", _VERSION.size) != _VERSION.pack(PROTOCOL):
                 raise self._refused("it knows another version of the protocol: build it again")
             identity, *_, self._state_size = _IDENTITY.unpack(self._asked(b"", _IDENTITY.size))
@@ -157,6 +160,7 @@ class Program:
         Raises ParameterError if a step stops.
         """
         kind = np.dtype([("status", "<i4"), ("outputs", "<f8", (len(self._content.outputs),))])
+        # All requests at once: waiting for each answer would take most of the time.
         answers = np.frombuffer(self._asked(b"c" + b"s" * steps, (steps + 1) * kind.itemsize), kind)
         for n in np.flatnonzero(answers["status"]):
             raise self._refused(f"status {answers['status'][n]} in step {n}")
@@ -202,6 +206,7 @@ class Program:
                     if not (more := os.read(by.fileno(), min(size - len(answer), _AT_ONCE))):
                         break
                     answer += more
+        # A pipe that is closed at the other end: the line below names it.
         except OSError:
             pass
         if rest or len(answer) < size:

@@ -82,6 +82,7 @@ class Target:
         )
         if done.returncode:
             lines = done.stderr.splitlines() or ["failed"]
+            # Warnings and the place of an include come before the error.
             line = next((line for line in lines if "error" in line), lines[0])
             raise ParameterError(f"target {self.name}: {words[0]}: {line}")
 

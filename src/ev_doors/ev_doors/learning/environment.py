@@ -55,6 +55,7 @@ def _drive(signal: type) -> Callable[[Vehicle], tuple[str, ...]]:
 def _wheel_torques(plant: Configuration) -> tuple[np.ndarray, np.ndarray]:
     """Range of the torque at each driven wheel [N m] from the motors that reach it."""
     least, most = motor_torques(plant)
+    # Braking torques are positive magnitudes there, and negative torques here.
     return -_at_wheels(plant.common.vehicle, least), _at_wheels(plant.common.vehicle, most)
 
 
@@ -66,6 +67,7 @@ def _at_wheels(vehicle: Vehicle, motor_torque: float) -> np.ndarray:
 
 def _torque_limits(plant: Configuration) -> tuple[np.ndarray, np.ndarray]:
     lowest, highest = _wheel_torques(plant)
+    # A limit holds in both directions, so it has to reach the larger of the two.
     return np.zeros_like(highest), np.maximum(-lowest, highest)
 
 
@@ -117,7 +119,7 @@ def never(frame: Mapping[str, float]) -> bool:
 
 
 class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
-    """A scenario with an action in the place of a law or of the driver's hands (`actions.ACTIONS`).
+    """A scenario with an action in the place of a law or of the driver's hands (`ACTIONS`).
 
     - `action`: torque_split, traction_control or steering, in SI units, by driven wheel
     - `observe`: channels such as imu.yaw_rate, or topics for all their channels, SI, float64
@@ -208,6 +210,7 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
             )
         if seed is None:
             seed = self._first_seed
+        # Only the first episode has the given seed: the next ones would all be the same.
         self._first_seed = None
         super().reset(seed=seed)
         is_drawn = seed is None or seed > _LARGEST_SEED
@@ -232,17 +235,20 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
                 f"action of shape {np.shape(action)} is refused, expected {allowed}"
             )
         values = np.asarray(action)
+        # Floats, integers with and without sign, and booleans, by numpy's letters for kinds.
         if values.dtype.kind not in "fiub" or not np.isfinite(values).all():
             raise ParameterError(
                 f"action {quoted(str(values.tolist()))} is refused, expected are finite numbers"
             )
         values = values.astype(np.float64)
         means = self._action.means(self._frame, self.channels, values)
+        # That of the instant at which the action was chosen: the step replaces it.
         own = self._own
         # What equals the output of the law is that output: of two zeros one may have a sign.
         meant = {name: value for name, value in means.items() if value != self._answer[name]}
         frame = self.simulation.step({**self._answer, **meant})
         seen, info = self._seen(frame), self._info(frame)
+        # Beyond, not at: the instant of the duration belongs to the run.
         over = self.simulation.time > self.simulation.duration
         return seen, float(self._reward(frame, values, own)), self._ends(frame), over, info
 
@@ -261,6 +267,7 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
         self._frame = frame
         if self.render_mode:
             self._way.append((frame["pose.x"], frame["pose.y"]))
+        # The law answers at every instant, whether or not it is followed: its state goes on.
         self._answer = self._law.answer(self.simulation.time, frame)
         self._own = self._action.of_law(np.array([self._answer[name] for name in self.channels]))
         self._refuse_what_no_action_means()

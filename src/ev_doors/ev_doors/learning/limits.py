@@ -49,6 +49,7 @@ class _Episode(NamedTuple):
 def motor_torques(plant: Configuration) -> tuple[float, float]:
     """Largest torques at the shaft of a motor, braking and driving [N m], as the plant has them."""
     values = plant.values()
+    # A plant with a model of the drive takes its limit from there, not from the vehicle.
     if values.get("drive") in DRIVE_MODELS:
         return values["motor.torque_limit"], values["motor.torque_limit"]
     motor = plant.common.vehicle.motor
@@ -63,7 +64,9 @@ def _episode(
         motors_behind(car, wheel) * gear for wheel, gear in zip(WHEEL_NAMES, gears, strict=True)
     )
     by_motor = motors * motor_torque
+    # The whole weight on one wheel, which bounds every load transfer.
     by_tyre = LARGEST_FRICTION * car.mass * GRAVITY * car.wheel_radius
+    # The smallest wheel turns fastest.
     rolling = LARGEST_SPEED / (car.wheel_radius * min(car.wheel_radius_ratio))
     spin = max(rolling, car.motor.maximum_speed / min(gears))
     power = (
@@ -166,6 +169,7 @@ def limits(
             for pattern, reason, largest in _OF_CHANNELS
             if fnmatchcase(channel, pattern)
         )
+        # The first pattern that fits, else the rule of the unit.
         reason, largest = next(rules, _OF_UNITS[units[channel]])
         found[channel] = Limit(largest(of), reason)
     return found

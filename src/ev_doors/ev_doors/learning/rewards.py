@@ -37,6 +37,8 @@ class CalmYaw:
         neutral = (
             speed * frame["steering_column.state.angle"] / (self.steering_ratio * self.wheelbase)
         )
+        # V times a yaw rate is a lateral acceleration, which weighs the error by what it does to
+        # the path.
         error = speed * (frame["imu.yaw_rate"] - neutral) / LARGE_YAW_ACCELERATION
         return -error * error + little_slip(frame, action, own)
 

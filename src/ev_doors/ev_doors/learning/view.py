@@ -23,6 +23,7 @@ def picture(
     car: Vehicle, here: Mapping[str, float], time: float, way: Sequence[tuple[float, float]]
 ) -> np.ndarray:
     """Draw a car at an instant [s] after a way of points x, y [m]: (SIZE, SIZE, 3) of uint8."""
+    # Without pyplot, which would keep every figure and may open a window.
     figure = Figure(figsize=(SIZE / _DPI, SIZE / _DPI), dpi=_DPI)
     axes = figure.add_axes((0.13, 0.11, 0.84, 0.82))
     x, y = here["pose.x"], here["pose.y"]
@@ -48,6 +49,7 @@ def picture(
             )
     for along, across, angle, long, wide, color in shapes:
         corners = np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)]) * (long / 2.0, wide / 2.0)
+        # Turned about its own centre first, then put to its place, then turned with the car.
         in_car = corners @ _turned(angle) + (along, across)
         axes.add_patch(Polygon(in_car @ _turned(heading) + (x, y), color=color))
     axes.set(
@@ -60,6 +62,7 @@ def picture(
     axes.set_title(f"{time:.2f} s, {3.6 * speed:.1f} km/h", fontsize="medium")
     pixels = io.BytesIO()
     figure.savefig(pixels, format="rgba")
+    # A copy, since what a buffer of bytes holds cannot be written to.
     return np.frombuffer(pixels.getvalue(), np.uint8).reshape(SIZE, SIZE, 4)[..., :3].copy()
 
 

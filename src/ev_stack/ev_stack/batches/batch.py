@@ -47,7 +47,7 @@ class _Placed(NamedTuple):
 
     @property
     def row(self) -> tuple[int, ...]:
-        """Numbers that the compiled loop takes (`compiling.loop`)."""
+        """Numbers that the compiled loop takes (`ev_core.compiled.loop`)."""
         function, _, constants = self.part.addresses()
         return function, self.state.ctypes.data, constants, *self.writes
 

@@ -177,7 +177,7 @@ def plan_view(
 def timing_sheet(timings: Mapping[str, Mapping[str, Any]]) -> Sheet:
     """Panels of period, lateness of the steps, and arrival of every input, a row for each run.
 
-    The numbers are those of `master/real_time.py`.
+    The numbers are those of `ev_nodes/master/real_time.py`.
     """
     panels = [
         panel
@@ -192,7 +192,7 @@ def timing_sheet(timings: Mapping[str, Mapping[str, Any]]) -> Sheet:
 
 
 def histograms(title: str, counted: Mapping[str, Mapping[str, Any]]) -> Panel:
-    """Times counted in bins (`master/real_time.py`), by label."""
+    """Times counted in bins (`ev_nodes/master/real_time.py`), by label."""
 
     def stairs(axes: Axes) -> None:
         for number, (label, histogram) in enumerate(counted.items()):

@@ -24,7 +24,7 @@ class RunFailed(RuntimeError):
 class Outcome:
     """The signals of a run, the wall time of driving [s], why it may not be reproducible, and what nodes noted.
 
-    `timing` is how well real time was kept (`nodes/master/real_time.py`), empty of a run in
+    `timing` is how well real time was kept (`ev_nodes/master/real_time.py`), empty of a run in
     lockstep.
     """
 

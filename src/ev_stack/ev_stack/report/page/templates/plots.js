@@ -146,7 +146,7 @@ function obeyHand(chart) {
   chart.over.addEventListener("dblclick", () => clock.all());
 }
 
-/** Limits in which a constant does not look like noise; see drawing.py. */
+/** Limits in which a constant does not look like noise; as in figures/sheets.py. */
 function roomy([low, high]) {
   if (low > high) return [0, 1];
   if (low === 0 && high === 0) return [-1, 1];

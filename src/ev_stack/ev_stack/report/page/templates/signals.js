@@ -1,5 +1,5 @@
 "use strict";
-// Packed signals of the page (see codec.py), unpacked when something draws them first.
+// Packed signals of the page (see writing.py, `pack`), unpacked when something draws them first.
 
 const INDEX = JSON.parse(document.getElementById("index").textContent);
 const GAP = 0;
