@@ -30,6 +30,7 @@ from ev_study.benchmark.records import is_of, mapping, record, refuse_unknown
 COSTS = ("handling", "energy")
 SIDES = ("left", "right")
 ROLE = "electronic_differential"  # that every law of a board plays
+# Of these roles a law's values begin with the name of the role.
 FURTHER = ("asr",)  # roles that it may play as well
 CASES = ("training", "validation", "held_out")
 _ALIKE = ("method", "reference", "allocation", "estimation", "asr.method")  # in the closed division
@@ -144,6 +145,7 @@ class Board:
                         every.append(Cell(self.name, self.version, car, name, road))
         found = []
         for cell in every:
+            # A cell is driven once for both costs, so a pattern of either chooses it.
             if any(fnmatchcase(cell.id(cost), pattern) for cost in COSTS):
                 found.append(cell)
         if not found:
@@ -165,6 +167,8 @@ def read_board(name: str) -> Board:
         why = " ".join(str(error).split())
         raise ParameterError(f"{path}: not readable as YAML: {why}") from None
     try:
+        # Marked, so that a path in the board is one beside its file, and leads less far than a
+        # user's.
         board = _board(name, marked("", dict(mapping("a board", content)), path))
         _refuse(board, path)
     except ParameterError as error:
@@ -178,6 +182,7 @@ def _board(name: str, whole: dict[str, Any]) -> Board:
     manoeuvres = {}
     for each, stated in mapping("manoeuvres", whole.get("manoeuvres")).items():
         what = f"manoeuvre {each}"
+        # What a manoeuvre has itself goes before that of the board.
         manoeuvres[each] = record(Manoeuvre, what, {"recorded": recorded, **mapping(what, stated)})
     roads = {}
     for each, stated in mapping("roads", whole.get("roads")).items():
@@ -235,6 +240,7 @@ def _refuse(board: Board, path: Path) -> None:
     refuse_unknown("layout", [car.partition(":")[2] for car in cars], board.layouts)
     for name, road in board.roads.items():
         _expect(
+            # The last surface goes on for ever.
             len(road.left) == len(road.right) == len(road.length) + 1,
             f"road {name} needs as many surfaces left as right, and a length for all but the last",
         )
@@ -263,6 +269,7 @@ def _refuse_laws(board: Board) -> None:
             f"tuned has {name} with {quoted(str(patterns))}, expected a list of texts",
         )
     refuse_unknown("law of closed", board.closed, board.laws)
+    # The closed division compares controllers: all else of its laws has to be the same.
     alike = {tuple(board.laws[name].get(part) for part in _ALIKE) for name in board.closed}
     _expect(
         len(alike) <= 1,
@@ -314,12 +321,14 @@ def _refuse_metrics(scales: Mapping[str, float], name: str, manoeuvre: Manoeuvre
             f"metric {metric} of {name} is better neither low nor high",
         )
     for metric, each in demanded.items():
+        # A metric of the costs without a direction counts as better low there, so it is no demand.
         is_low = each.better == LOWER or (metric in counted and each.better != HIGHER)
         _expect(
             not is_low,
             f"demand of {name} is {metric}, which is better low, expected is better the more",
         )
     for metric in named_metrics(manoeuvre.measured):
+        # What is only recorded is divided by nothing.
         if metric in counted or metric in demanded:
             scale = scales.get(metric)
             _expect(

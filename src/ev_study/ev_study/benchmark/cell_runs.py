@@ -87,6 +87,7 @@ def _layout_and_road(board: Board, cell: Cell) -> dict[str, Any]:
     }
     values: dict[str, Any] = {
         "pattern": "constant",
+        # Every surface of the road gets a name and numbers of its own: a draw changes only these.
         "own": [name for names in sides.values() for name in names],
         **sides,
     }

@@ -71,7 +71,9 @@ def drive_cell(
     for law, runs in laws_in_cell(board, cell, laws).items():
         words, found = drive_law(board, cell, runs, threads)
         driven[law] = DrivenLaw(
+            # What the search needs for itself is no metric.
             {name: of for name, of in found.items() if name not in (CLEAN, HASH, END)},
+            # Without a search every run counts as clean.
             found.get(CLEAN, np.ones(board.draws)) == 1.0,
             list(map(shlex.join, words)),
             found[HASH].tolist(),
@@ -111,6 +113,7 @@ def laws_in_cell(board: Board, cell: Cell, laws: Sequence[str]) -> dict[str, Law
     ParameterError for a mistake of the board's file.
     """
     fixed = values_of(board, cell)
+    # The scenario with its own law: what is drawn as a factor is on the values of this run.
     base = run_of(board, cell, fixed)
     draws = drawn(board, cell, base.configurations)
     found = {}

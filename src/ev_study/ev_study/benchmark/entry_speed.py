@@ -49,6 +49,7 @@ def clean(board: Board, run: Run) -> NamedMetric:
                     >= driven.course.laps
                 )
             else:
+                # No course of laps: the lanes and cones of the manoeuvre.
                 in_lanes = passed(driven.signals, driven.vehicle, _road(driven), run.course)
         except NotMeasured:  # it has not come to the end
             return 0.0
@@ -166,6 +167,7 @@ def at_highest_clean(
         return drive(board, manoeuvre, run, at, threads)
 
     def is_clean_at(draws: np.ndarray, places: np.ndarray) -> np.ndarray:
+        # Only the draws that are asked for; the batch has no others.
         columns = {name: [column[draw] for draw in draws.tolist()] for name, column in vary.items()}
         found = driven_at(places, columns)
         is_clean: np.ndarray = found[CLEAN] == 1.0
@@ -199,6 +201,7 @@ def _friction_factors(board: Board, run: Run, vary: Mapping[str, Sequence[Any]])
     columns = vary.get(f"{MASTER}.{_FRICTION}")
     if columns is None:
         return np.ones(board.draws)
+    # All surfaces have the same factor, so the first one shows it.
     without = run.configurations[MASTER].values()[_FRICTION][0]
     return np.array([column[0] for column in columns]) / without
 

@@ -28,6 +28,7 @@ def with_cases(board: Board, entry: str, seed: int) -> Board:
         )
     random, roads = np.random.Generator(np.random.PCG64(seed)), dict[str, Road]()
     for name, road in board.roads.items():
+        # One pair for each road, in the order of the board: more draws leave the roads as they are.
         friction, stiffness = (
             low + (high - low) * random.random() for low, high in (of.friction, of.stiffness)
         )

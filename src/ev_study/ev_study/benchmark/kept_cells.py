@@ -86,9 +86,12 @@ def keys_of_cells(
     of_laws: dict[tuple[str, str], Key] = {}
     for cell in cells:
         at = cell.car, cell.manoeuvre
+        # One run stands for all roads: these are in `declared`, and their surfaces are no files.
         if at not in of_runs:
             of_runs[at] = run_key(lambda cell=cell: run_of(board, cell, values_of(board, cell)))
             base = of_runs[at][1]
+            # With the first law alone: it shows what the scenario has, for the variations to be
+            # held against.
             runs.append(_playing(base, law_of(board, laws[0], base)))
         of_run, base = of_runs[at]
         for law in laws:

@@ -12,6 +12,7 @@ from ev_msgs_py.refusal import ParameterError, quoted, shown, unknown_name
 T = TypeVar("T")
 _KINDS: dict[str, tuple[str, tuple[type, ...]]] = {
     "int": ("a whole number", (int,)),
+    # A whole number in a file may stand for a float.
     "float": ("a finite number", (int, float)),
     "str": ("a text", (str,)),
     "list": ("a list", (list,)),
@@ -43,6 +44,8 @@ def record(of: type[T], what: str, content: Any) -> T:
         if name not in stated and each.default is MISSING and each.default_factory is MISSING:
             raise ParameterError(f"{what} lacks {name}")
     for name, value in stated.items():
+        # The types of the fields are texts, such as list[float]: the modules of records postpone
+        # annotations.
         kind, _, inner = str(known[name].type).removesuffix("]").partition("[")
         elements = value if kind == "list" and isinstance(value, list) else ()
         if not is_of(value, kind) or not all(is_of(each, inner) for each in elements):
@@ -59,6 +62,7 @@ def is_of(value: Any, kind: str) -> bool:
         return type(value).__name__ == kind.removesuffix(" | None")
     if isinstance(value, float) and not math.isfinite(value):
         return False
+    # True is an int in Python.
     return isinstance(value, _KINDS[kind][1]) and not isinstance(value, bool)
 
 

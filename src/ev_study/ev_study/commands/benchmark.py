@@ -120,10 +120,12 @@ def _jobs(board: Board, cell: Cell, laws: Sequence[str]) -> Iterator[Job]:
     """Give jobs of one thread each, with as many laws as are worth preparing the cell."""
     manoeuvre = board.manoeuvres[cell.manoeuvre]
     of_law = board.draws * (manoeuvre.halvings if manoeuvre.searched else 1)
+    # A search is counted as one run for each halving.
     count = max(RUNS_OF_A_JOB // of_law, 1)
     for begin in range(0, len(laws), count):
         some = laws[begin : begin + count]
         name = f"{cell.id('*')}: {some}"
+        # One thread: the processes fill the cores already.
         yield Job(name, drive_cell, (board, cell, some, 1), len(some) * board.draws)
 
 
@@ -199,6 +201,7 @@ def _drive_alone(board: Board, given: argparse.Namespace) -> None:
         fit = f"{len(cells)} fit {quoted(given.cells)}"
         raise ParameterError(f"--drive is for one cell, {fit}; expected --cells ID")
     runs = laws_in_cell(board, cells[0], [law])[law].only(int(number))
+    # Driven once in a batch here: a search has to find its speed before the command is known.
     ((_, *words),), _ = drive_law(replace(board, draws=1), cells[0], runs)
     for option in ("offline", "in_process", "no_report"):
         if getattr(given, option):
@@ -226,6 +229,7 @@ def _from_anywhere(word: str) -> str:
     law, equals, file = word.partition("=")
     code, colon, chosen = law.partition(":")
     law = f"{Path(code).absolute()}{colon}{chosen}" if is_code(law) else law
+    # The command may be repeated in another folder.
     return f"{law}{equals}{Path(file).absolute() if file else ''}"
 
 
@@ -243,6 +247,7 @@ def _asked(board: Board, given: argparse.Namespace) -> Board:
 
 
 def _laws(board: Board, names: str | None, added: Sequence[str]) -> list[str]:
+    # The reference is always driven: costs are against it.
     asked = [board.reference, *(board.laws if names is None else names.split(",")), *added]
     for name in asked:
         if name not in board.laws:
@@ -275,6 +280,7 @@ def _write(
     if given.secret:
         digest = hashlib.sha256(read_data(Path(given.secret), TEXT)).hexdigest()
         about = {"board_sha256": digest, **about}
+        # Names of cells and metrics tell what the secret board drives.
         content = {name: of for name, of in content.items() if name not in ("cells", "recorded")}
     write_summary(folder / "board.json", content | about)
     if given.secret:

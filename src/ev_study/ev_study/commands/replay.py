@@ -48,6 +48,7 @@ def run_replay(argv: Sequence[str]) -> None:
     prints = printing(given)
     role, _, text = given.node.partition("=")
     recorded = find_recorded(given.bag, given.namespace)
+    # Before the parameters are resolved: they depend on the method.
     method, command = _meant(role, text)
     replay = replay_of(recorded, role, method, overrides(given))
     with output_folder(given.out, "replay") as folder:
@@ -69,6 +70,7 @@ def _meant(role: str, text: str) -> tuple[str, list[str]]:
         words = shlex.split(text)
     except ValueError as error:
         raise ParameterError(f"--node {quoted(text)} is refused: {error}") from None
+    # What can be executed is a program, whatever its suffix; a law file usually cannot.
     if not words or shutil.which(words[0]) is None:
         if is_code(text):
             return text, []
@@ -80,6 +82,7 @@ def _meant(role: str, text: str) -> tuple[str, list[str]]:
 
 
 def _play(replay: Replay, run: Run, folder: Path, command: list[str]) -> Outcome:
+    # A program of the user's has nothing of ours to compile.
     compile_for([run], bool(command), [replay.role] if command else ())
     with progress_bar(f"replay of {replay.role}", run.duration) as progress:
         if not command:

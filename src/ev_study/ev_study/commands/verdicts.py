@@ -65,8 +65,10 @@ def run_verdicts(argv: Sequence[str]) -> None:
     )
     given = parser.parse_args(argv)
     start = time.monotonic()
+    # With --data it is no source of published numbers; without, it is refused as an unknown one.
     only = [name for name in given.only if name != MEASURED or given.data is None]
     with output_folder(given.out, "verdicts") as folder:
+        # With `--only measured` alone nothing of the papers is driven.
         found = judge_driven(only, given.quick)[0] if only or not given.only else []
         if only and not found:
             raise ParameterError(
@@ -100,6 +102,7 @@ def judge_driven(
     What is not kept yet is driven on all cores.
     """
     chosen = [each for _, each in wanted(only, quick)]
+    # All needs at once: one that several ids have is driven once, and all cores are busy.
     driven = drive([need for each in chosen for need in each.needs], kept_by_user(), drive_cases)
     return [verdict(each, [driven[need] for need in each.needs]) for each in chosen], driven
 

@@ -123,6 +123,7 @@ def difference_of(
     name: str, unit: str, before: np.ndarray, replayed: Recording, known: np.ndarray
 ) -> Difference:
     """That of a channel from its recorded values, (n,), at the `known` instants, (n,)."""
+    # A shorter replay is compared as far as it goes.
     values, before = replayed.channels[name], before[: len(known)]
     # As integers, so that NaN equals itself and -0.0 differs from 0.0: bits, not values.
     differ = np.flatnonzero(known & (values.view(np.int64) != before.view(np.int64)))

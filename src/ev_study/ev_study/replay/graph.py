@@ -176,6 +176,7 @@ def _car(recorded: Recorded, vehicle: str | None) -> Sequence[ParameterFile]:
     """The file that names the car; there has to be one."""
     given = recorded.parameters
     if given is not None:
+        # The car of the run is known: another one would answer other numbers to the same inputs.
         if vehicle:
             raise ParameterError(
                 f"--vehicle {vehicle} is refused: {given.path} says which car it was"
@@ -206,6 +207,7 @@ def _refuse_not_finite(recorded: Recorded, configuration: Configuration) -> None
     for signal in filter(recorded.has, configuration.method.writes):
         for name in TOPICS[signal].channels:
             values = recorded.recording.channels[name]
+            # The first of them is enough for a message.
             for place in np.flatnonzero(~np.isfinite(values))[:1]:
                 at = f"{name} at {recorded.recording.time[place]:g} s"
                 raise ParameterError(
@@ -275,6 +277,7 @@ class Replayed:
     @property
     def _notes(self) -> tuple[str, ...]:
         writes, answers = self.replay.configuration.method.writes, self.replay.answers
+        # A bag of a part of the topics.
         left_out = [TOPICS[signal].name for signal in writes if signal not in answers]
         more = (f"not in the bag, so not compared: {', '.join(left_out)}",) if left_out else ()
         return (*self.replay.recorded.notes, *more, *self.outcome.notes)

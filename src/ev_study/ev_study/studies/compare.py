@@ -70,6 +70,7 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
     run = run_of_command(given)
     known = methods_of(ROLE)
     chosen = list(known) if given.methods == ALL else given.methods.split(",")
+    # Columns and files are called by these names, so two methods cannot share one.
     names = {}
     for method in dict.fromkeys(chosen):
         if not is_code(method) and method not in known:

@@ -89,6 +89,7 @@ def study_cases(study: Study, given: argparse.Namespace) -> list[Case]:
             f"--duration {common.duration:g} is refused: what this study measures comes later, "
             f"expected {shortest:g} s or more"
         )
+    # What the command line changes is refused where a case sets it: it would undo the study.
     changed = _changed(common)
     names = set[str]()
     for case in cases:

@@ -109,6 +109,7 @@ def _is_same(place: str, other: str) -> bool:
 def _values(text: str) -> list[Any]:
     """The values that a text lists or spans; ValueError with what is allowed."""
     numbers = r"\s*[-+.\deE]+\s*"
+    # Numbers with colons are a span, even one with a mistake: as YAML they would be a text.
     if (text.count(":") == 2 and "," not in text) or re.fullmatch(
         rf"{numbers}(:{numbers})+:?", text
     ):
@@ -232,6 +233,7 @@ def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
         title = readable(name)
         *y, x = axes.items()
         if y:
+            # A map has no room for bands: seeds are averaged.
             means = factor * mean_of_seeds(values)
             panels.append(colour_map(title, x, y[0], shown, means))
         else:

@@ -45,6 +45,7 @@ class Free:
     def share(self) -> float:
         """That of the start."""
         if self.by_factors:
+            # The inverse of `value`.
             return math.log(self.start / self.low) / math.log(self.high / self.low)
         return (self.start - self.low) / (self.high - self.low)
 
@@ -63,6 +64,7 @@ def free_parameters(
             if (
                 each.type is float
                 and not (each.is_array or each.spec.read_only)
+                # What a law believes of the friction is drawn by the board.
                 and each.name not in BELIEF
             ):
                 known[each.name if role == ROLE else f"{role}.{each.name}"] = each

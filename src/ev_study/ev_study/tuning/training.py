@@ -101,6 +101,7 @@ class Training:
         """
         # One candidate that is refused would refuse the whole batch.
         fitting = [n for n, each in enumerate(candidates) if self._fits(each)]
+        # What runs would cost that are all lost.
         costs = np.full(len(candidates), robust_cost(np.full(1, LARGEST)))
         if fitting:
             found = [self._of_cell([candidates[n] for n in fitting], *of) for of in self._cells]
@@ -143,6 +144,7 @@ class Training:
         }
         # To `costs_of` all candidates together are one law beside the reference.
         both = {board.reference: reference, "": metrics}
+        # NaN, a run without a finite number, is unstable as well.
         unstable = np.stack([~(each["peak_sideslip"] < board.unstable) for each in both.values()])
         costs = costs_of(board, manoeuvre, self._cost, both, unstable)
         return costs[1].reshape(count, board.draws)

@@ -94,6 +94,7 @@ def images_by_id(source: str) -> dict[str, list[str]]:
     """The images that show an id, of all ids of a source that are drawn."""
     found: dict[str, list[str]] = {}
     for panel in panels(source):
+        # A panel that cannot be drawn shows no id.
         for id in panel.ids if panel.draw else ():
             found.setdefault(id, []).append(file_name(source, panel))
     return found

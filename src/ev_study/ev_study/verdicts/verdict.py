@@ -67,6 +67,7 @@ class Verdict:
         for worst in (NOT_MEASURED, NOT_REPRODUCED):
             if worst in (first, *others):
                 return worst
+        # A number that comes from the inputs cannot fail, so it is not called reproduced.
         return FROM_INPUTS if self.published.note == INPUTS else REPRODUCED
 
     @property
@@ -171,6 +172,7 @@ def metrics_at_hand(source: str, scenario: str, driven: ScenarioRuns) -> dict[st
 
 def _is_plain(need: Need, scenario: str) -> bool:
     return (
+        # With other values or another duration it is another run.
         isinstance(need, ScenarioNeed)
         and need.scenario == scenario
         and not (need.values or need.duration)

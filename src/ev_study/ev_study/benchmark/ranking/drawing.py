@@ -47,6 +47,7 @@ def _pareto(result: BoardResult) -> Panel:
     def ground(axes: Axes) -> None:
         axes.plot(*front.T, drawstyle="steps-post", color="0.7", zorder=0)
         for law, e, h in zip(result.laws, energy, handling, strict=True):
+            # Distances from the value to the ends of its interval, as errorbar takes them.
             across, along = ([[of.value - of.low], [of.high - of.value]] for of in (h, e))
             colour, dashes = strokes[readable(law)]
             how = {"color": colour, "marker": MARKERS[dashes], "ms": 3}

@@ -71,6 +71,7 @@ def _on_the_front(result: BoardResult, i: int) -> str:
     )
     front = undominated(points)
     if i not in front:
+        # Some law on the front is better in both: that is what being off the front means.
         better = [n for n in front if (points[n] <= points[i]).all()]
         return f"Better in handling and energy: {_names(result, better)}."
     front.sort(key=lambda n: points[n, 0])
@@ -117,6 +118,7 @@ def _varied(result: BoardResult, i: int) -> Iterator[list[str]]:
 def _ends(result: BoardResult, i: int) -> Iterator[list[str]]:
     reference = result.laws.index(result.board.reference)
     middle = result.middles["handling"]
+    # Against the reference: a cell that is dear for all laws shows nothing of this one.
     order = np.argsort(middle[i] - middle[reference], kind="stable")
     # Both ends show different cells, also of a board with few of them.
     count = min(ENDS, len(order) // 2) or 1

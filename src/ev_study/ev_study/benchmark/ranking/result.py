@@ -90,6 +90,7 @@ class BoardResult:
         return _CountedCell(
             cell.cell,
             unstable,
+            # Without a demand it is one number for each law.
             np.broadcast_to(met, unstable.shape),
             {cost: costs_of(board, manoeuvre, cost, cell.metrics, unstable) for cost in COSTS},
             {name: measured(name) for name in recorded},
@@ -140,6 +141,7 @@ class BoardResult:
 
     def scores_among(self, laws: Sequence[int]) -> dict[str, list[Score]]:
         """The scores of some laws, ranked among themselves."""
+        # A division is ranked among its laws without another bootstrap.
         return {of: ranked(each[:, list(laws)]) for of, each in self._bootstraps.items()}
 
     @cached_property
@@ -210,6 +212,7 @@ class BoardResult:
         It is that of a list of JSON, taken run by run.
         """
         digest = hashlib.sha256(b"[")
+        # The text of all runs of a large board is not held: it is hashed run by run.
         before = b""
         for run in self.runs():
             # It has the words of this command, which change nothing that was driven.

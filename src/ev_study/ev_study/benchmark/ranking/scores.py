@@ -55,12 +55,14 @@ def costs_of(
     lack a number. A metric that only the reference lacks is 1.
     """
     found = [] if manoeuvre.metrics(cost) else [np.ones(unstable.shape)]
+    # From here on: runs that cost LARGEST whatever their metrics are.
     lost = unstable
     for name, metric in named_metrics(manoeuvre.metrics(cost)).items():
         values, more = _over_reference(board, name, metrics)
         # A cost is better low: of what is better high the sign is turned.
         found.append(1.0 + (-more if metric.better == HIGHER else more))
         lost = lost | np.isnan(values)
+    # The mean first: a lack in one metric may be made up for in another one.
     own = np.clip(np.mean(found, axis=0), 0.0, LARGEST)
     met = demand_met(board, manoeuvre, metrics)
     lost = lost | (met < LEAST_MET)
@@ -118,6 +120,7 @@ def bootstrap(
     """
     laws, cells, draws = costs.shape
     found = [
+        # The same draws for all laws: their differences keep what is common to them.
         statistic(costs[:, np.arange(cells)[:, None], each].reshape(laws, -1))
         for chosen in resampled_draws(cells, draws, seed)
         for each in chosen

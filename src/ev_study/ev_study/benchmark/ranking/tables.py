@@ -52,12 +52,14 @@ def score_table(result: BoardResult, laws: Sequence[str]) -> Table:
         row.append(f"{100.0 * result.unstable[i].mean():.1f}")
         row.append(f"{100.0 * result.met[i].mean():.1f}")
         rows.append(row)
+    # Equal ranks stay in the order of the board.
     order = sorted(range(len(rows)), key=lambda n: (scores["handling"][n].rank, n))
     return Table(SCORE_COLUMNS, [rows[n] for n in order])
 
 
 def closed_division(result: BoardResult) -> list[str]:
     """Laws that differ in their controller alone, and the reference; none if fewer than two ran."""
+    # One law alone is ranked against nothing.
     closed = [law for law in result.laws if law in result.board.closed]
     if len(closed) < 2:
         return []
@@ -85,6 +87,7 @@ def cell_table(result: BoardResult) -> Table:
         for cost, i in best.items():
             row += [result.laws[i], f"{result.middles[cost][i, n]:.2f}"]
         law = best["handling"]
+        # The first draw stands for the cell.
         row.append(cell.laws[result.laws[law]].hashes[0][:DIGITS])
         row.append(result.once_more(n, law, 0))
         rows.append(row)

@@ -100,6 +100,7 @@ def mantel_haenszel(
     # One run in each cell has no variance.
     if not freedom.min():
         return [Difference(math.nan, math.nan)] * len(values)
+    # n_1 n_2/(n_1 + n_2): the inverse of the variance of a difference, up to the variance of a run.
     weights = counts.prod(axis=0) / counts.sum(axis=0)
     means, variance = [], np.zeros(len(values))
     for runs, count, free in zip(kinds, counts, freedom, strict=True):
@@ -108,5 +109,6 @@ def mantel_haenszel(
         variance += squares / free * (weights**2 / count).sum()
         means.append(mean)
     found = (means[1] - means[0]) @ weights / weights.sum()
+    # Of the two kinds of runs the fewer decide: a safe side of the freedom.
     halves = student.ppf(0.5 + 0.5 * CONFIDENCE, freedom.min()) * np.sqrt(variance) / weights.sum()
     return [Difference(*of) for of in zip(found.tolist(), halves.tolist(), strict=True)]

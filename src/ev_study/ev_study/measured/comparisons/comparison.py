@@ -67,6 +67,7 @@ def declared() -> list[Comparison]:
 
 def compare(folder: Path, progress: Callable[[str], None] = lambda line: None) -> dict[str, float]:
     """The numbers by id of all comparisons with data in a folder; ParameterError without any."""
+    # A user may have only some of the files.
     there = [name for name in _DRIVERS if (folder / name).exists()]
     if not there:
         raise ParameterError(

@@ -94,6 +94,7 @@ def planar_mechanics(folder: Path) -> dict[str, float]:
     )
     heading = one["bodyFront.phi"] - one["revolute.phi"]
     front = one["bodyFront.r[2]"] + 1j * -one["bodyFront.r[1]"]  # x ahead, y to the left
+    # From the carrier's mass to its kingpin 0.1 m ahead, and back by the wheelbase of 1 m.
     rear = front - np.exp(1j * heading) + 0.1 * np.exp(1j * one["bodyFront.phi"])
     found = {}
     for name, car, time, angle, place, turned in (
@@ -126,6 +127,7 @@ def _reference(folder: Path, name: str) -> Mapping[str, np.ndarray]:
     """The columns of a result, each instant once."""
     columns, *_ = read_columns(folder / f"{name}.csv.xz")
     columns = {key.strip('"'): values for key, values in columns.items()}
+    # Events write an instant twice; an interpolation needs times that rise.
     once = np.append(True, np.diff(columns["Time"]) > 0.0)
     return {key: values[once] for key, values in columns.items()}
 
@@ -252,6 +254,8 @@ def wheel_on_arm(
         friction = _friction(
             float(np.hypot(along, leaving)), load, (0.8, speeds[0], 0.4, speeds[1])
         )
+        # Polar coordinates: -2 m r r' phi' is the Coriolis force, r phi'^2 the centrifugal
+        # acceleration. The wheel has 1 kg m^2 about its axle.
         return [
             turning,
             (arm * friction * along - 2.0 * mass * arm * leaving * turning)

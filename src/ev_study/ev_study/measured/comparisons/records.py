@@ -55,6 +55,7 @@ def track_record(folder: Path) -> dict[str, float]:
     believed = ParameterFile(car / "estimators.yaml").values_for(
         "/ev/slip_angle_observer", by_name=True
     )
+    # The observer is fitted to no part of the record here, so all of it counts.
     whole = OpenLoop(record, windows_of(record, WINDOW), configurations)
     estimates = {
         each.name: each.judged for each in estimates_of(whole, {"slip_angle_observer": believed})[0]

@@ -36,6 +36,7 @@ _WRITTEN = {
     **dict.fromkeys(("°/s", "deg/sec", "degree/s", "degrees/s", "dps", "°/sec"), "deg/s"),
     **dict.fromkeys(("radians", "radian"), "rad"),
     **dict.fromkeys(("rad/sec", "radian/s", "1/s"), "rad/s"),
+    # u/min is German, as "grad" above.
     **dict.fromkeys(("1/min", "r/min", "u/min", "min-1", "min^-1"), "rpm"),
     **dict.fromkeys(("nm", "n*m", "n.m", "n·m", "n-m"), "N m"),
     **dict.fromkeys(("°c", "c", "deg c"), "degC"),
@@ -67,6 +68,7 @@ def with_unit(name: str, declared: ColumnParameters, of_file: str) -> ColumnPara
     the channel is.
     """
     channel_unit = {**frame.units(), SIDESLIP: "rad", "time": "s"}[name]
+    # None for a text that is no known unit, empty for none at all.
     known = "" if of_file.strip() in _NONE else _WRITTEN.get(of_file.strip().lower())
     given = declared.unit
     if not given and known is None:
@@ -98,6 +100,7 @@ def without_unit(
     units: Mapping[str, str], declared: Mapping[str, ColumnParameters]
 ) -> tuple[str, ...]:
     """One note for each column that neither the mapping nor a file with units gives one."""
+    # A reader without any units (a bag) has no such notes: its messages define theirs.
     si = {**frame.units(), SIDESLIP: "rad"}
     notes = []
     for name, each in declared.items():

@@ -127,6 +127,7 @@ class Corridor:
     @cached_property
     def shares(self) -> dict[str, float]:
         """The same by range of the magnitude of the measured lateral acceleration."""
+        # By the measured acceleration: both cars are judged in the same instants.
         which = np.digitize(np.abs(self.acceleration[1]), RANGES[1:-1])
         return {
             name: _share(self.inside[chosen])

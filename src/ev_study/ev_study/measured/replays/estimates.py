@@ -59,6 +59,7 @@ def estimates_of(
             raise ParameterError(
                 f"{name} estimates {each.estimates}, expected one of {', '.join(COMPARED)}"
             )
+        # A record with other sensors is no error of the command: a note names what it lacks.
         if missing := [
             channel for channel in (*each.reads, each.estimates) if channel not in given
         ]:
@@ -74,6 +75,7 @@ def estimates_of(
             estimated[stretch] = each.over(
                 p, car, record.period, {n: given[n][stretch] for n in channels}
             )
+        # In the same windows as the replay, so that both are compared on the same instants.
         inside, measured = windows.of(estimated), replay.measured(each.estimates)
         errors = judged(COMPARED[each.estimates], inside, measured, acceleration, record.period)
         found.append(Estimate(name, each.estimates, flatten(parameters), inside, errors))
