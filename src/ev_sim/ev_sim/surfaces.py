@@ -341,10 +341,12 @@ class Segments:
 def left_and_right(road: RoadParameters) -> tuple[Segments, Segments]:
     """The segments under the left and under the right wheels."""
     if road.pattern == "constant":
+        # From far behind the start: a car may roll back.
         return Segments((-_FAR,), road.left[:1]), Segments((-_FAR,), road.right[:1])
     if road.pattern == "segments":
         return _in_order(road.left, road.length), _in_order(road.right, road.length)
     if road.pattern == "checkerboard":
+        # As long as a random road would be; behind it the last surface goes on.
         repeats = int(road.random_distance / road.length[0]) + 1
         pair = (road.left[0], road.right[0])
         left = tuple(pair[n % 2] for n in range(repeats))

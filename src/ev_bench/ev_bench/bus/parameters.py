@@ -86,6 +86,7 @@ class BusInterface:
                 " another network is named on the command line: --set NODE.bus.address=ADDRESS,"
                 " for a node -p bus.address:=ADDRESS"
             )
+        # The text of a file may name a database only where `find_file` lets it.
         if isinstance(self.database, TextOfFile):
             try:
                 find_file(self.database)

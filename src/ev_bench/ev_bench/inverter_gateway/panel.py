@@ -76,6 +76,7 @@ def diagnosis(s: Device, feedback_timeout: float) -> Diagnosis:
         "dc_voltage_V": f"{feedback.dc_voltage:.3f}",
         "winding_temperature_degC": f"{feedback.winding_temperature:.1f}",
     }
+    # The statusword may show a fault before the frame comes that names it.
     if faults or is_faulty(s):
         return Diagnosis(
             FAULTY, f"{STATE_NAMES[state]}: {', '.join(faults) or 'fault not yet named'}", details

@@ -51,6 +51,7 @@ def prepare(
     steps = max(math.ceil(period / p.step * (1.0 - _ROUNDING)), 1)
     h = period / steps
     for name, path in (("set_point", p.set_point), ("load_set_point", p.load_set_point)):
+        # The ring has the present set-point as well, and a delay between two steps needs one more.
         periods = KEPT_SET_POINTS - 2
         longest = periods * period
         if path.delay > longest:

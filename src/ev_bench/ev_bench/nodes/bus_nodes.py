@@ -35,6 +35,7 @@ class Ticks:
 
     def passed(self) -> int:
         """Ticks since the last call; many, if the process was held up."""
+        # From the start and not from the last call, so that what is rounded off does not add up.
         passed = int((time.monotonic() - self._start) / TICK) - self._counted
         self._counted += passed
         return passed
@@ -80,6 +81,7 @@ class WithBus(Spinnable):
         for circuit, frame in self.channels.received():
             self.take(circuit, frame)
             progressed = True
+        # In time: what has come counts in this cycle.
         if ticks == 1:
             self._make(self.channels, ticks)
         return progressed
@@ -178,6 +180,7 @@ class RoleOnBus(WithBus, SteppedNode):
     def successor(self, configuration: Configuration, changed: Iterable[str] = ()) -> Part:
         """Go on with other parameters in the midst of a period, with what has come over the bus."""
         part = super().successor(configuration, changed)
+        # Before its first answer it has nothing to go on from.
         if self.stepper.answer is not None:
             bare(part).made.go_on_from(self.player)
         return part

@@ -93,6 +93,7 @@ def logged_frames(recording: Recording, bench: Configuration) -> tuple[list[Logg
         for part in parts:
             call(part, here.ctypes.data, there)
         for circuit, count in counts.items():
+            # In ChannelState the frames of a period stand right behind their number.
             begin, sent = count + 1, int(parts[0].state[count])
             for place, end, low, high in (
                 parts[0].state[begin : begin + SENT * sent].reshape(sent, SENT).tolist()
@@ -100,4 +101,5 @@ def logged_frames(recording: Recording, bench: Configuration) -> tuple[list[Logg
                 layout = layouts[circuit][int(place)]
                 data = layout.data(joined(low, high))
                 found.append(LoggedFrame(time + end / rate, circuit, layout.identifier, data))
+    # Both channels were looked at one after the other; a frame begins with the time of its end.
     return sorted(found), float(recording.time[-1])

@@ -162,11 +162,14 @@ def aim(
         # side.
         z = 1.0 - sqrt(1.0 - p.use)
         w.target, w.held = min(max(z * z * w.curve.peak, p.least_slip), LARGEST_TARGET), 0.0
+    # Not limited: without a fitted peak only a very large slip begins.
     elif w.target == 0.0:
         if w.curve.slip > p.backstop:
             w.target, w.held = p.first_slip, 0.0
+    # After a hit the target stays, while the slip comes there.
     elif w.held < p.hold:
         w.held += period
+    # Then it rises slowly, until the fit shows the peak again.
     elif w.target < p.backstop:
         # A slip that rises evenly by d within the window has the standard deviation d/sqrt(12).
         rise = p.probe * p.spread * sqrt(12.0) / w.curve.fit.size

@@ -85,6 +85,7 @@ def slip_window(
     low, high = left * p.low, left * p.high
     # A slip that returns by itself is left alone, else the limit would overshoot.
     rises = slip > follow(w.slip, slip, filter_share(period, p.trend))
+    # It begins at the torque that acts, which may be less than what is wanted.
     if slip > high and w.limit == inf:
         return min(wanted, max(motion.torque, 0.0))
     if slip > high and rises:

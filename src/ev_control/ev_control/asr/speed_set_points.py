@@ -63,6 +63,8 @@ def speed_by_acceleration_ratio(
     criterion does not hold.
     """
     gains = gains_on_car(p.criterion, car, w.accelerations, period, motion)
+    # The criterion knows no range to stay in: where slip does not grow, the set-point rises to find
+    # the limit.
     course = -1.0 if gains else 1.0
     return moved(p, w, period, motion, course, serves_request(p, car, motion, wanted))
 
@@ -91,6 +93,7 @@ def speed_by_slip(
     open: where the set-point begins (at the speed of the wheel), how fast it falls, and that below
     the range it rises.
     """
+    # Within the range the set-point stays.
     slip, course = slip_of(motion, p.slowest), 0.0
     if slip > p.thresholds.high:
         course = -1.0
@@ -144,6 +147,7 @@ def speed_corridor(
     `slowest`.
     """
     low, high = p.road.low, p.road.high
+    # The four regimes are those of driving forwards.
     if motion.ahead < 0.0:
         low, high = p.reverse.low, p.reverse.high
     elif p.regime == Regime.SPORT:

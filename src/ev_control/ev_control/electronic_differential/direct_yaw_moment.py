@@ -197,6 +197,7 @@ def direct_yaw_moment(
     motion = known_motion(p.known, car, s.known, period, p.estimation, seen)
     asked, fast = 0.0, faded_in(p.single_track, motion.speed)
     if fast == 0.0:
+        # So slow nothing is wanted, and the lag of the reference begins anew from straight ahead.
         s.wanted.yaw_rate = 0.0
     else:
         asked = fast * wanted_moment(p, car, c.gains, s, period, motion)
@@ -213,6 +214,7 @@ def direct_yaw_moment(
     else:
         s.integral.moment = 0.0
     if fast == 0.0 or p.controller != Controller.SUBOPTIMAL:
+        # An extremum from before means nothing when the controller begins again.
         forget_extrema(s.suboptimal)
     return request
 
@@ -254,12 +256,15 @@ def wanted_moment(
     wanted = wanted_motion(p.wanted, car, s.wanted, period, p.reference, bend)
     model = single_track(p.single_track, car, u)
     lateral = steady_lateral_velocity(model, wanted.angle, wanted.yaw_rate)
+    # v* goes with r*: a car that yaws as wanted has the sideslip of the steady turn.
     errors = Errors(u, motion.lateral - lateral, r - wanted.yaw_rate)
     held = steady_moment(car, model, wanted.angle, wanted.yaw_rate)
     ahead = p.feed_forward * (held + car.yaw_inertia * wanted.rate)
     if p.controller != Controller.PREDICTIVE:
         return ahead + feedback(p, car, c, s, period, errors)
+    # The programme plans within what can be given; the others are cut afterwards.
     most = min(p.largest_moment, motors_turn(car, motion.wheel_speed))
+    # A small sideslip angle as a lateral velocity, as in the gains.
     aside = p.lqr.sideslip_error * max(abs(u), p.single_track.slowest)
     over = motion_over(p.lqr, car, model, period)
     return ahead + predictive_moment(p.lqr, c, over, aside, errors, Bounds(ahead, most))

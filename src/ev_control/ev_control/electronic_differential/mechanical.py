@@ -147,6 +147,7 @@ def limited_slip(
     """
     equal, speed = split(p.brake, car, driver, 0.0), wheels.velocity
     most = locking_share(p.locking_ratio)
+    # Positive where the left wheel is faster: then `locked` moves torque to the right one.
     front = most * tanh((speed.front_left - speed.front_right) / p.locking_speed)
     rear = most * tanh((speed.rear_left - speed.rear_right) / p.locking_speed)
     drive = locked(car, equal.drive, front, rear)
@@ -290,6 +291,8 @@ def adaptive(
     if refusal != _DROPPED and driver.drive_torque != 0.0 and driver.brake_torque == 0.0:
         acts, approach = wheels.effort, filter_share(period, p.filter_time)
         gear = car.motor.gear_efficiency if is_road else 1.0  # what the gear takes is no refusal
+        # What one wheel was refused changes the request of the other: taken from it, or offered to
+        # it.
         front_right += refusal * refused(
             car, s, FRONT_LEFT, equal.drive[0], acts[0] / gear, approach
         )

@@ -246,6 +246,7 @@ def axle_redistribution(
     driver, sensors = seen.driver, seen.sensors
     delta, torque = sensors.column.road_wheel_angle, driver.drive_torque
     speed = sensors.wheels.velocity
+    # By all wheels: one may spin or lock. At rest it counts as forwards.
     ahead = -1.0 if (speed[0] + speed[1]) + (speed[2] + speed[3]) < 0.0 else 1.0
     if p.source == KnownBy.TRUTH or is_plausible(sensors):
         angles = slip_angles(p, car, s, period, seen)
@@ -254,6 +255,8 @@ def axle_redistribution(
     if p.braking == Braking.COMMAND:
         all_to_rear = ahead * torque < 0.0 or driver.brake_torque > 0.0
     else:
+        # phi = pi is an acceleration straight to the back, cos(phi) = -1; up to `straight_angle`
+        # from there it is -cos of that angle at most, and in any backward direction 0.
         slows_down = 0.0 if p.braking == Braking.DECELERATION else -cos(p.straight_angle)
         all_to_rear = s.cos_phi <= slows_down
     h = 0.0
@@ -261,6 +264,7 @@ def axle_redistribution(
         force = ahead * torque / car.wheel_radius
         h = front_share(p, car, s, force)
     # 1 for the left wheel, -1 for the right one, which gets more.
+    # 0 as long as no wheel has been the slower one: both get the same.
     favoured = s.slower
     if p.rear_wheels == RearWheels.BY_GEOMETRY:
         favoured = 1.0 if delta > 0.0 else -1.0

@@ -159,6 +159,7 @@ def corrected(
         switched = min(max(error / p.layer_width, -1.0), 1.0)
     else:
         switched = copysign(1.0, error) if error != 0.0 else 0.0
+    # An increment depends on the control period; rate and offset do not.
     change = gain * (period if p.reading == Reading.RATE else 1.0) * switched
     return min(max(change if p.reading == Reading.OFFSET else correction + change, -limit), limit)
 
@@ -222,9 +223,11 @@ def slip_target(
         yaw_rate = imu.yaw_rate
         u = free_wheel_speed(car, wheels.velocity, delta, yaw_rate)
         speed = u
+    # The wheel centres move at u -+ r B/2 along the car: the outer one is faster.
     side = yaw_rate * car.rear_track / 2.0
     slip_left = slip_ratio(wheels.velocity.rear_left * car.wheel_radius, u - side, p.slowest)
     slip_right = slip_ratio(wheels.velocity.rear_right * car.wheel_radius, u + side, p.slowest)
+    # A car that yaws more than Ackermann's geometry asks for gets less slip at its outer wheel.
     difference = p.yaw_gain * (yaw_rate - delta * speed / car.wheelbase)
     share = equal.drive.rear_left
     # Without the pedal there is no share, and so no correction.
@@ -332,6 +335,7 @@ def wheel_speed(
         return equal
     left, right = wheels.velocity.rear_left, wheels.velocity.rear_right
     mean, limit = (left + right) / 2.0, p.largest_correction * abs(share)
+    # The speed at which the pedal was pressed.
     if not s.holds:
         s.held = mean
         s.holds = True
@@ -343,6 +347,8 @@ def wheel_speed(
     s.difference = min(max(difference, -limit), limit)
     average = s.mean + p.integral_gain * period * (wanted - mean)
     s.mean = min(max(average, -limit), limit)
+    # Integral and sum are limited alike, so an integral at its limit leaves it as soon as the error
+    # turns.
     half = min(max(p.proportional_gain * error + s.difference, -limit), limit)
     both = min(max(p.proportional_gain * (wanted - mean) + s.mean, -limit), limit)
     return WheelTorqueRequest(

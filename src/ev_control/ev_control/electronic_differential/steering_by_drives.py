@@ -85,6 +85,7 @@ def power_steering(
     M_b [N m] and the steering-wheel angle alpha [rad] as the column measures them, left positive.
     Shchur (2019), eq 4.
     """
+    # A torque at the steering wheel is i times as much at the road wheels.
     lever = torque_difference_per_steering_moment(car) * car.steering_ratio
     difference = lever * assistance(p, column)
     return allocated(p.allocation, car, wheels, split(p.brake, car, driver, difference))
@@ -223,6 +224,7 @@ def steer_by_wire(
     angle_gain = p.inertia * (w_0 * w_0 + double_damping * p.disturbance_rate) - p.stiffness
     rate_gain = p.inertia * (double_damping + p.disturbance_rate) - p.damping
     difference_per_moment = torque_difference_per_steering_moment(car)
+    # The limit of the torque difference as a moment on the road wheels.
     limit = p.max_torque_difference / difference_per_moment
     column = seen.column
     wanted, angle = column.angle / car.steering_ratio, column.road_wheel_angle
@@ -342,8 +344,10 @@ def course_stability(
     yaw = 0.0
     if is_plausible(sensors):
         mu = tires.friction_coefficient
+        # The side with less friction decides what a difference of both can do.
         friction = p.error_factor * min(mu.front_left, mu.front_right)
         speed = wheels.velocity
+        # The rear wheels are not driven (`needs`), so they roll.
         rear_speed = car.wheel_radius * (speed.rear_left + speed.rear_right) / 2.0
         yaw = lever * yaw_moment(p, car, friction, column, rear_speed, imu.yaw_rate)
         room = room_of(p, car, friction, driver.drive_torque / 2.0, wheels, imu)
@@ -366,6 +370,7 @@ def yaw_moment(
     yaw_rate: float,
 ) -> float:
     """Yaw moment [N m] towards the yaw rate that the driver wants and the road allows."""
+    # The limit of the yaw rate is over the speed.
     if abs(u) < p.slowest:
         return 0.0
     wish = column.road_wheel_angle

@@ -198,6 +198,7 @@ def adhesion_share(
     rear_right = p.error_factor * grip(car, 3, total, friction[3], load[3], speed[3])
     # Left and right first, so that a mirrored car gets exactly mirrored torques.
     carried = (front_left + front_right) + (rear_left + rear_right)
+    # More than all tyres hold together would only spin them.
     if p.limit:
         total = min(max(total, -carried), carried)
     # No grip at all: no torque, and nothing to divide by.
@@ -283,6 +284,7 @@ def steering_correction(
         max(p.gain * column.road_wheel_angle, -p.largest_correction), p.largest_correction
     )
     front_left, front_right, rear_left, rear_right = equal.drive
+    # Behind a differential both wheels get the same torque, whatever is asked of them.
     front_can = car.driven[0] and car.driven[1] and not car.differential[0]
     if p.axle == CorrectedAxle.FRONT or (p.axle == CorrectedAxle.AUTOMATIC and front_can):
         moved = front_left * correction

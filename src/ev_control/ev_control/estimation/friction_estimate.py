@@ -98,6 +98,7 @@ def estimated_friction(
     (assumption), see `learnt_friction`. An absurd measurement changes nothing.
     """
     if not is_plausible(sensors):
+        # The next acceleration would be a difference across the gap.
         s.known = False
         return Wheels(s.friction[0], s.friction[1], s.friction[2], s.friction[3])
     velocity, effort = sensors.wheels.velocity, sensors.wheels.effort
@@ -111,6 +112,8 @@ def estimated_friction(
         # Without torque or load a wheel shows nothing of the road.
         if car.driven[i] and direction != 0.0 and load[i] > 0.0:
             gained = velocity[i] - s.velocity[i] if s.known else 0.0
+            # What the road takes is the torque less what speeds the wheel up, counted along the
+            # request.
             road = effort[i] - car.driven_wheel_inertia[i] * gained / period
             s.used[i] += share * (direction * road / (load[i] * radius) - s.used[i])
             slip = direction * (velocity[i] - rolling[i]) / max(abs(velocity[i]), p.slowest)
@@ -156,6 +159,7 @@ def expected_friction(
     resultant = sqrt(slip * slip + lateral * lateral)
     if resultant == 0.0:
         return 0.0
+    # Beyond its peak the diagram is level.
     x = min(resultant / peak_slip(p, largest), 1.0)
     return largest * (2.0 * x / (1.0 + x * x)) * slip / resultant
 

@@ -52,6 +52,8 @@ def sideslip(p: Any, car: Any, period: float, given: Given) -> np.ndarray:
         turn = Turn(speed, across, yaw_rate, angle)
         slip_angles_at(p, car, s, period, turn, p.kinematic_share)
         lateral.append(s.lateral_velocity)
+    # Both turned by the direction of travel, else a car that rolls straight back would have an
+    # angle of pi.
     ahead = np.where(given[_SPEED] < 0.0, -1.0, 1.0)
     estimated: np.ndarray = np.arctan2(ahead * np.array(lateral), ahead * given[_SPEED])
     return estimated
@@ -60,6 +62,7 @@ def sideslip(p: Any, car: Any, period: float, given: Given) -> np.ndarray:
 def speed(p: Any, car: Any, period: float, given: Given) -> np.ndarray:
     """Speed of the car [m/s] that slip is counted against."""
     s = ReferenceSpeedState()
+    # A record without the driver's torque: nothing is asked, so all wheels count as rolling.
     direction = np.sign(given.get(_DRIVE, np.zeros(len(given[_ANGLE])))).tolist()
     found = []
     signals = _instants(given, *_WHEELS, _ALONG, _ACROSS, _YAW_RATE, _ANGLE)
@@ -67,6 +70,7 @@ def speed(p: Any, car: Any, period: float, given: Given) -> np.ndarray:
         direction, signals, strict=True
     ):
         sensors = Sensors(
+            # The estimate reads no more of the sensors than the record has.
             SteeringColumnState(0.0, 0.0, 0.0, angle, 0.0),
             WheelStates(NO_WHEELS, Wheels(one, two, three, four), NO_WHEELS),
             InertialMeasurement(yaw_rate, along, across),

@@ -175,6 +175,7 @@ def rolling_speeds(
     r, radius = imu.yaw_rate, car.wheel_radius
     cosine, across = cos(angle), car.wheelbase * r * sin(angle)
     front, rear = r * (car.front_track / 2.0), r * (car.rear_track / 2.0)
+    # Each wheel speed brought to the middle of the rear axle; the returned speeds go the other way.
     by_wheel = Wheels(
         (velocity.front_left * radius - across) / cosine + front,
         (velocity.front_right * radius - across) / cosine - front,
@@ -190,6 +191,7 @@ def rolling_speeds(
         seen = SpeedEvidence(velocity, by_wheel, s.speed + gained, gained, direction)
         judge_wheels(p.trust, car, s.trust, period, seen)
     number, total = free_wheels(car, s, by_wheel)
+    # Also with free wheels, where none of them is believed.
     if p.source == Source.OBSERVER or number == 0.0:
         if p.standstill.rate > 0.0 and stands(p.standstill, car, s, period, velocity):
             learn_offset(p.standstill, s, period, imu.longitudinal_acceleration)

@@ -103,6 +103,7 @@ def until_served(p: Any, w: Any, period: float, limit: float, wanted: float) -> 
 
     The wheel has `served`, the time since when it is.
     """
+    # A single step above the request is noise: only a while ends the limit.
     w.served = w.served + period if limit >= wanted else 0.0
     if w.served <= p.release:
         return limit

@@ -70,6 +70,7 @@ def super_twisting_moment(
     Within the layer |s| and sgn(s) stand for `layer` and s/layer.
     """
     side = min(max(error / p.layer, -1.0), 1.0)
+    # 1.1 C and 1.5 sqrt(C) are the gains of Levant (1998) for a disturbance whose rate is below C.
     s.moment -= car.yaw_inertia * 1.1 * p.roughness * period * side
     return s.moment - car.yaw_inertia * 1.5 * sqrt(p.roughness * max(abs(error), p.layer)) * side
 
@@ -121,6 +122,7 @@ def suboptimal_moment(
     2 F is enough for disturbances |s'' + V_M sgn(s - s_M/2)| < F. Within the layer (s -
     s_M/2)/`layer` stands for the sign.
     """
+    # The first error stands for an extremum, until it turns.
     if s.way == 0.0 and error != 0.0:
         s.extremum = error
         s.before = error

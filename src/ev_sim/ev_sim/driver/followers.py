@@ -219,6 +219,7 @@ def speed_profile(
     wanted = profiles.value_at(c.speed, time)
     speed = speed_along_path(seen.body)
     drive, brake = follow_speed(p.speed_control, car, s.speed_control, period, wanted, speed)
+    # A given torque acts as it is; only an angle needs hands that feel the steering wheel.
     if p.steering.mode == GIVEN_TORQUE:
         return DriverCommand(drive, brake, profiles.value_at(c.hand_torque, time))
     angle = car.steering_ratio * profiles.value_at(c.angle, time)
@@ -321,6 +322,7 @@ def keep_lane(
     speed = speed_along_path(seen.body)
     if abs(speed) > LOOKING_ROUND:
         s.direction = 1.0 if speed > 0.0 else -1.0
+    # About rest the eyes keep their direction, whatever sign a tiny speed has.
     looking = s.direction * abs(speed)
     angle, leg = pure_pursuit(p.pursuit, car, path, seen.pose, looking, int(s.leg))
     s.leg = float(leg)

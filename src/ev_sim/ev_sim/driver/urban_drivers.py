@@ -123,6 +123,7 @@ def cycle_driver(
             if mode_at(c.modes, time) == TRACTION:
                 pull = drive_torque(p, car, s, period, Pull(wanted, speed, seen.wheels))
                 return DriverCommand(pull, 0.0, hand_torque)
+            # The next window of traction begins with the foot up.
             s.pressed = 0.0
             control = s.speed_control
             drive, brake = follow_speed(p.speed_control, car, control, period, wanted, speed)
@@ -260,6 +261,7 @@ def pulse(p: PulseParameters, car: Car, s: CycleState, period: float, pull: Pull
 
     The foot stays where it is within the band around the cycle.
     """
+    # A switch with hysteresis: within the band the foot stays.
     if pull.speed <= pull.wanted - p.band:
         s.pressed = 1.0
     elif pull.speed >= pull.wanted + p.band:

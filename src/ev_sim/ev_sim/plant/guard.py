@@ -94,6 +94,7 @@ def guarded_steering(
 ) -> tuple[float, float]:
     """Road-wheel angle [rad], and the rate [rad/s] at which it may go on over a period [s]."""
     angle, limit = guarded_angle(limits, guard, column), limits.angle
+    # At most the rate that reaches the limit of the angle at the end of the period.
     low, high = (-limit - angle) / period, (limit - angle) / period
     return angle, accepted(guard, column.road_wheel_rate, 0.0, low, high)
 

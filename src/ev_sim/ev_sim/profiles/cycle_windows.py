@@ -70,17 +70,20 @@ def windows_by_rule(
     """Times at which the windows of a cycle begin [s], and the places of their modes in MODES."""
     points = list(zip(cycle.time, cycle.value, strict=True))
     found: list[tuple[tuple[float, float], int]] = []
+    # The last value holds for ever: a leg to infinity.
     for start, end in pairwise([*points, (math.inf, points[-1][1])]):
         then = end[1] if cycle.linear else start[1]
         falls = start[1] - then > p.deceleration * (end[0] - start[0])
         mode = (
             STOP if max(start[1], then) <= p.standing_speed else REGENERATION if falls else TRACTION
         )
+        # Legs of one mode in a row are one window, which begins with the first.
         if not found or mode != found[-1][1]:
             found.append((start, mode))
     place = 1
     while place < len(found) - 1:
         ((begin, speed), mode), ((end, speed_then), following) = found[place : place + 2]
+        # A speed that is held between two falls gets more time than a speed that rises.
         hold = mode == TRACTION and speed_then <= speed
         allowed = max(p.longest_hold, p.shortest) if hold else p.shortest
         # Times of a table have decimals that no float has.
@@ -89,6 +92,8 @@ def windows_by_rule(
             and found[place - 1][1] == following
             and end - begin <= allowed + 1e-9
         ):
+            # Window and successor go, so the window before them goes on. It may now be a short one
+            # itself: look at it again.
             del found[place : place + 2]
             place = max(place - 1, 1)
         else:

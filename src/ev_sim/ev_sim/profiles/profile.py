@@ -153,6 +153,7 @@ def with_profile_from_file(
     """
 
     def profile(time: tuple[float, ...], speed: tuple[float, ...]) -> SpeedProfileParameters:
+        # Recorded cycles begin at any time, runs at zero.
         if time and time[0] != 0.0:
             time = tuple(each - time[0] for each in time)
         return build(
@@ -203,6 +204,7 @@ def cycle_names() -> list[str]:
 
 def _known(name: str) -> str:
     names = cycle_names()
+    # A whole name comes first: it may be the beginning of another one.
     meant = [name] if name in names else [each for each in names if each.startswith(name)]
     if len(meant) != 1:
         raise unknown_name("cycle", name, names)

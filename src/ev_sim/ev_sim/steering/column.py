@@ -36,6 +36,8 @@ def drive_moment(
     before, so they come one period late: the column reads no later speed. The state keeps them as
     `wheel_speed_difference`.
     """
+    # A drive force M/r_k acts half a track beside the middle of the axle: the difference of both
+    # turns the wheels.
     lever = car.front_track / (2 * car.wheel_radius)
     torque_difference = wheels.effort.front_right - wheels.effort.front_left
     speed_difference = wheels.velocity.front_right - wheels.velocity.front_left
@@ -144,6 +146,7 @@ def manual(car: Car, c: Oscillator, s: ManualState, driver: DriverCommand) -> No
     (2019), eqs 3 and 6.
     """
     s.hand_torque = driver.hand_torque
+    # Through the gear the hands have i times their torque at the road wheels.
     moment = car.steering_ratio * driver.hand_torque
     s.road_wheel_angle, s.road_wheel_rate = oscillated(
         c, s.road_wheel_angle, s.road_wheel_rate, moment

@@ -286,6 +286,7 @@ def active_front(
         # A road that gives a_y allows a yaw rate of a_y/V.
         most = p.largest_acceleration / abs(speed)
         error = min(max(steered, -most), most) - read.body.yaw_rate
+        # In reverse a wheel that is turned to the left turns the car to the right.
         added = min(
             max(p.gain * (error if speed > 0.0 else -error), -p.largest_angle), p.largest_angle
         )

@@ -55,6 +55,7 @@ INTEGRATED_PLACES = (
     *wheel_places("wheel_angle", "rad", "turned since the start"),
     *wheel_places("distance", "m", "travelled by the wheel centre along the wheel since the start"),
     Place("body_distance", "m", "travelled by the centre of mass along the body"),
+    # Works are integrated with the motion, so energies add up as exactly as the motion itself is.
     Place("tyre_work", "J", "taken by the tyres, in slip and in the carcass"),
     Place("friction_work", "J", "taken by brakes and rolling resistance"),
     Place("drag_work", "J", "taken by the air"),
@@ -84,6 +85,7 @@ class CarFaultState:
     hall: list[float] = per_wheel(unit="1", about="1 while a Hall sensor is stuck")
     power: float = entry(1.0, unit="1", about="share of the battery's power limits")
     flat: list[float] = per_wheel(unit="1", about="share of the air that is lost")
+    # A ring, so that an inverter may get the command of up to LONGEST_DELAY periods ago.
     asked: list[float] = series(
         4 * LONGEST_DELAY, unit="N m", about="last drive torques, wheel by wheel"
     )

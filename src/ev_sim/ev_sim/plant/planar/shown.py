@@ -187,6 +187,7 @@ def _park(s: PlanarState, car: Car, c: PlanarConstants) -> None:
     step = Step()
     front = car.centre_of_mass_to_rear_axle / car.wheelbase
     find_road(y, c.body, step, c.road, True)
+    # At rest the forces at the road hold the slope, and they move the loads.
     y[state.TRANSFER_X], y[state.TRANSFER_Y] = -step.gravity_x, -step.gravity_y
     step.load = list(loads(y, car, step.gravity_z))
     look(y, car, c.body, step, True)
@@ -214,6 +215,7 @@ def seen(plant: Plant) -> Seen:
     if s.faults.is_struck == 1.0:
         deflate(s.faults, p, car, c.body, step)
     steer(car, step, s.road_wheel_angle, s.rear_angle)
+    # As the first evaluation of the next step will: dry friction is decided for this instant.
     rates(y, step.stages.k1, Mechanics(p, car, c.body, step), True)
     shaft_speeds(car, wheels_from(y, state.WHEEL_SPEED), step.shaft)
     slip_x, slip_y = step.asked, step.target  # memory that nothing else needs here
@@ -221,6 +223,7 @@ def seen(plant: Plant) -> Seen:
         step.shaft[i] = step.shaft[i] * car.driven[i] * car.gear[i]
         step.motor[i] = s.motor_torque[i] * car.motors[i]
         slip_x[i], sine = slips(y, car, c.body, step.contact, i)
+        # A slip angle points where the wheel slides, against the side force that is counted here.
         slip_y[i] = -asin(min(max(sine, -1.0), 1.0))
     tyre = step.tyre
     return (
