@@ -8,6 +8,7 @@ import subprocess
 from pathlib import Path
 
 from helpers.patience import PATIENCE, wait_until
+from helpers.scanned_bag import scanned
 
 ROOT = Path(__file__).parents[2]
 RUN = ROOT / "scripts" / "run.sh"
@@ -30,14 +31,12 @@ class Running:
             stderr=subprocess.STDOUT,
             start_new_session=True,
         )
-        bag = folder / "bag" / "metadata.yaml"
+        bag = folder / "bag" / "bag.mcap"
 
         def steps() -> bool:
             """Some hundred messages are in the bag, which exists as soon as the recorder does."""
             assert self.script.poll() is None, self.text()
-            return (
-                bag.exists() and int(re.search(r"message_count: (\d+)", bag.read_text())[1]) > 500
-            )
+            return bag.exists() and sum(1 for _ in scanned(bag)) > 500
 
         wait_until(steps, self.text, self.text)
         self.shared_memory = set().union(*map(_shared_memory_of, self.processes())) - before

@@ -10,16 +10,14 @@ import resource
 import signal
 import struct
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from helpers.patience import wait_until
+from helpers.scanned_bag import scanned
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from mcap.exceptions import EndOfFile
-from mcap.records import Message
-from mcap.stream_reader import StreamReader
 from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Connection, QosDurability, QosHistory, QosReliability
 from rosbags.rosbag2 import Reader
@@ -56,17 +54,6 @@ def read_counters(directory: Path) -> list[int]:
         assert reader.message_count == len(counters)
         assert sum(topic.msgcount for topic in reader.connections) == len(counters)
     return counters
-
-
-def scanned(file: Path) -> Iterator[tuple[int, bytes]]:
-    """Time and data of a file's messages, read as `mcap recover` does, without an index."""
-    with file.open("rb") as content:
-        try:
-            for record in StreamReader(content).records:
-                if isinstance(record, Message):
-                    yield record.log_time, record.data
-        except (EndOfFile, struct.error):  # the library reads a length that is cut off
-            return
 
 
 def scanned_counters(directory: Path) -> list[int]:

@@ -220,7 +220,7 @@ def _keep(s: ChannelState, place: int) -> None:
 def _is_lost(p: BusModelParameters, count: float, channel: int) -> bool:
     number = int(count)
     # By the number of the frame and not by a generator that goes on: what is lost does not depend
-    # on who has drawn before.
+    # on what was drawn before.
     w0, w1, _, _ = philox(number & WORD, number >> 32, channel, 0, int(p.seed), 0)
     return uniform(w0, w1) < p.loss
 

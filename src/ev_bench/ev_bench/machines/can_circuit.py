@@ -241,6 +241,6 @@ def _hear(line: Line, tick: int) -> None:
                 place = FEEDBACK_WORDS * device + (
                     2 * tick if kind == MOTION else SET_POINT_WORDS + 2 * (kind - 1)
                 )
-                # A rarer frame that came twice in a period: the first one reaches nobody.
+                # A rarer frame that came twice in a period: the first one is lost.
                 line.channel.lost += 1.0 if line.feedback[place] >= 0.0 else 0.0
                 line.feedback[place], line.feedback[place + 1] = low, high

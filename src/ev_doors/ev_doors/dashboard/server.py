@@ -303,7 +303,7 @@ class _Dashboard:
             self.master = f"{graph.namespace}/{MASTER}"
         if not graph.frames.look():
             return
-        # Time that goes back is another run, whose rows do not continue those before.
+        # Time that goes back is another run: its rows do not continue those before.
         if graph.frames.columns != self._columns or graph.frames.time < self._time:
             self._columns = graph.frames.columns
             self.pages.forget()

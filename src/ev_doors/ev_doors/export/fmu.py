@@ -101,7 +101,7 @@ def write_fmu(content: Content, fmi: int, targets: Sequence[Target], file: Path)
         with atomic_file(new_file(file)) as written, zipfile.ZipFile(written, "w") as archive:
             for name, path in packed.items():
                 entry = zipfile.ZipInfo(name, _NO_DATE)
-                # Unix permissions, without which some tools unpack files that nobody can read.
+                # Unix permissions, without which some tools unpack files that cannot be read.
                 entry.external_attr = 0o644 << 16
                 archive.writestr(entry, path.read_bytes(), zipfile.ZIP_DEFLATED)
 

@@ -53,7 +53,7 @@ class OnProcessor:
                 f"processor: {role} has a fault `restarted`, which a program elsewhere cannot have"
             )
         method = configuration.method
-        # As a factory of methods has them, in whose place this stands.
+        # The same attributes as the factory of methods that this replaces.
         self.writes, self.requires, self.mirrored = method.writes, method.requires, method.mirrored
         self.role, self.where, self._words = role, where, _words(where)
         # Bare: sensors and faults stay here, and would otherwise be applied twice.

@@ -116,7 +116,7 @@ def follow_shares(
     total = (command[0] * driven[0] + command[1] * driven[1]) + (
         command[2] * driven[2] + command[3] * driven[3]
     )
-    # 0/0 has no shares; a driver who coasts does not move the clutches.
+    # 0/0 has no shares; a coasting driver does not move the clutches.
     if total == 0.0:
         return
     for i in range(4):

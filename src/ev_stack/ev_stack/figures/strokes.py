@@ -68,5 +68,5 @@ def strokes_of(labels: Iterable[str]) -> dict[str, Stroke]:
 
 
 def _law(name: str) -> str:
-    # The mark of a run whose car has spun belongs to no law.
+    # The mark of a run with a car that has spun belongs to no law.
     return name.removesuffix(" (spun)")

@@ -110,7 +110,7 @@ def _release(run: Recording) -> int:
 def _uphill(run: Recording) -> np.ndarray:
     """Distance from the start in the direction of the drive torque, (n,) [m]."""
     drive = channel(run, motion.DRIVE_TORQUE)
-    # By the largest torque: a driver who pulls away in reverse stands with the tail uphill.
+    # By the largest torque: for a start in reverse the car stands with its tail uphill.
     direction = np.sign(drive[np.abs(drive).argmax()])
     if direction == 0.0:
         raise NotMeasured("there is no drive torque")

@@ -60,7 +60,7 @@ def _friction_use_of_car(run: Recording) -> np.ndarray:
     if not moves.any():
         raise NotMeasured("the car does not move")
     force, available = (each.sum(axis=0)[moves] for each in _friction(run))
-    # 1 N stands for a car whose wheels are all in the air.
+    # 1 N stands for a car with all wheels in the air.
     return force / np.maximum(available, 1.0)
 
 

@@ -97,7 +97,7 @@ def _defaults(configuration: Configuration) -> dict[str, Any]:
     given["method"] = configuration.method.name
     extra = type(configuration.extra) if configuration.extra is not None else None
     options = {name: configuration.values()[name] for name in configuration.method.switches}
-    # A switch that is on brings its sensors, whose defaults are wanted; the switch itself is off.
+    # A switch that is on brings sensors; their defaults are wanted, with the switch itself off.
     with_sensors = configure(configuration.role, {**given, **options}, extra).values()
     plain = {**with_sensors, **configure(configuration.role, given, extra).values()}
     return {**plain, "method": ROLES[configuration.role].default_method}

@@ -114,7 +114,7 @@ def _free(name: str, known: Mapping[str, Any]) -> FreeParameter:
     place, entry = -1, known.get(name)
     if entry is None and array in known and known[array].is_array:
         entry, values = known[array], known[array].default
-        # An empty array stands for a car whose tyres have another curve.
+        # An empty array stands for a car with tyres of another curve.
         if array in _MF.values() and not values:
             allowed = "a car with tyres of curve mf_tyre; of others the group curve"
             raise ParameterError(
