@@ -1,6 +1,11 @@
 """The command scripts/run.sh benchmark: laws ranked on a board (docs/benchmark.md).
 
 It raises what `ev_stack.commands.run_scenario.main` catches.
+
+How it works: the board is read and checked with all its laws, before anything is driven. Rows of
+earlier commands are taken from the store; the rest are jobs of one cell and some laws each. Scores,
+records and pages are made from the rows, read cell by cell. `--drive` finds the command of one run
+and drives that as a scenario.
 """
 
 from __future__ import annotations

@@ -1,6 +1,11 @@
 """Commands that hold a car against measurement: scripts/run.sh validate and identify (docs/measured.md).
 
 Each raises what `ev_stack.commands.run_scenario.main` catches.
+
+How it works: `validate` and `identify` open a record, cut it into windows and make a replay of it
+with a car. `validate` drives that car and judges it; `identify` fits parameters of it to the first
+part of the record, and judges start and result on both parts. Tyres and motors are fitted to tables
+of a rig instead, by the same command.
 """
 
 from __future__ import annotations
@@ -301,6 +306,7 @@ def _given(given: argparse.Namespace) -> tuple[dict[str, Any], dict[str, Any]]:
     """Values of the vehicle, by dotted name, and of the rest, by ROLE.PARAMETER."""
     changed = overrides(given)
     stated, beside = vehicle_file(given.vehicle).values_for("/ev/plant"), dict[str, Any]()
+    # A parameter file may have a section for each role.
     for role in ROLES_OF_REPLAY:
         for file in map(ParameterFile, changed.files):
             beside |= {
@@ -416,6 +422,8 @@ def open_record(path: Path, mapping: Path | None = None) -> MeasuredRecord:
     name = path.name.removesuffix(".xz")
     # The name of a folder has no suffix: drive_v1.yaml is not that of the bag drive_v1.2.
     beside = path.with_name(f"{name if path.is_dir() else Path(name).stem}.yaml")
+    # A mapping goes before all else; without one only bags and recordings of ours explain
+    # themselves.
     if mapping or beside.exists() or not (path.is_dir() or path.suffix in _OF_A_RUN):
         return read_record(path, mapping or beside)
     if path.suffix != ".npz" and is_foreign(path):

@@ -1,6 +1,10 @@
 """The command scripts/run.sh tune: the parameters of laws by CMA-ES on a board (docs/benchmark.md).
 
 It raises what `ev_stack.commands.run_scenario.main` catches.
+
+How it works: the board gives training and validation cases by two seeds. A law is searched on the
+first, its best candidates and its start are then driven on the second, and the one of the least
+cost there is written. All laws have the same cases, budget and start of the search.
 """
 
 from __future__ import annotations
@@ -173,6 +177,7 @@ def _tune(
         f"{given.cost} in {validation.runs} validation runs {before:.4f}, tuned {cost:.4f}",
         f"{reference} in these {training.of_reference:.4f} and {validation.of_reference:.4f}",
     ]
+    # A law that costs more than the reference is worse than none.
     if cost > validation.of_reference:
         lines.append(f"so it is worse there than {reference}, tuned as well")
     print("\n".join([f"law {name}", *lines[1:]]))

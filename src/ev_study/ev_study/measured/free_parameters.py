@@ -1,8 +1,8 @@
 """Free parameters of an identification: of car, plant and sensors, with bounds and scales.
 
 How it works: a name of --free is that of a group, of a parameter, or of an element of an array
-(`vehicle.tyre.front_mf.pky1`). Each becomes a `FreeParameter`, whose bounds, unit and start are
-those of the declaration and of the car. The search works with numbers over their scales. `changes`
+(`vehicle.tyre.front_mf.pky1`). Each becomes a `FreeParameter` with the bounds and unit of the
+declaration and the start of the car. The search works with numbers over their scales. `changes`
 turns points of the search into what differs between the cars of a batch.
 """
 

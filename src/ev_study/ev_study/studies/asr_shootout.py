@@ -1,4 +1,10 @@
-"""Every traction control on every road: pulling away, split friction, jumps of friction, a hill, a bend."""
+"""Every traction control on every road: pulling away, split friction, jumps of friction, a hill, a bend.
+
+How it works: a case is a control on a road. All of them have the same noise and the same pedal;
+slips and forces are the true ones of the plant, while the control reads its noisy sensors. In
+torque mode the command of the control is what the wheel gets; in speed mode the drive makes the
+torque itself (`_given`).
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""Every electronic differential with every fault in mid-turn, on a dry and a wet road, with and without a limp mode."""
+"""Every electronic differential with every fault in mid-turn, on a dry and a wet road, with and without a limp mode.
+
+How it works: every law drives the same turn, and at BEGIN one fault begins. What counts are the
+largest deviations from then on. A case is safe if the car stays in its lane and does not slide.
+Where a motor is struck, each law also drives with the limp mode of the traction control.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""Drive a study from the command line: its cases on workers, then tables, metrics and figures."""
+"""Drive a study from the command line: its cases on workers, then tables, metrics and figures.
+
+How it works: the cases of a study get what the command line changes; those with rows in the store
+are taken, the others driven, and each row is kept as it comes. Then the study sums all of them up,
+and table, summary, figures and page are written into a new folder.
+"""
 
 from __future__ import annotations
 
@@ -117,6 +122,7 @@ def study_cases(study: Study, given: argparse.Namespace) -> list[Case]:
 def _refuse_unused(study: Study, given: argparse.Namespace, cases: Sequence[Case]) -> None:
     """ParameterError for what the command line sets or varies and no method of any case has."""
     varied = study.variations(given) if hasattr(study, "variations") else {}
+    # A name without a dot, such as `seed`, is that of no node.
     places = [(*name.split(".", 1), None) for name in varied if "." in name]
     named = [*overrides(given).values, *places]
     # Without options there is nothing to check, and no run to make for it.
@@ -163,6 +169,7 @@ def run_study(words: Sequence[str]) -> None:
     cases = study_cases(study, given)
     prints = printing(given)
     announce(f"{name}: {len(cases)} runs")
+    # By the sources as they are now: an edit of ours drives all cases anew.
     store = ResultStore(digest_of_sources())
     keys = keys_of_cases(name, cases)
     signals = {}
@@ -220,6 +227,7 @@ def _drive(
     before = len(found)
     missing = [case for case in cases if case.name not in found]
     workers = workers_of(given)
+    # How fast workers elsewhere are is not known here.
     if missing and workers.scheduler is None:
         seconds = timedelta(seconds=math.ceil(estimated_time(missing, workers)))
         announce(f"{name}: {len(missing)} of them to drive, in about {seconds}")

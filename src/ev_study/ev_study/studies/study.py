@@ -1,4 +1,9 @@
-"""Studies: their form, those that are offered, and one run among the many of a study."""
+"""Studies: their form, those that are offered, and one run among the many of a study.
+
+How it works: a study gives cases; each is resolved to one run, driven offline by a worker, measured
+there by the study, and comes back as a `CaseResult` with numbers and small arrays. Signals stay
+with the worker. What a law or car forbids is no error of the study but a refused case.
+"""
 
 from __future__ import annotations
 
@@ -109,6 +114,7 @@ def drive_case(case: Case, measure: Measure) -> CaseResult:
     # a run too short, or another than was thought of: the other cases are measured
     except Exception as error:
         last = traceback.extract_tb(error.__traceback__)[-1]
+        # One line with type and place: a traceback for each of many cases would bury the table.
         cause = " ".join(f"{type(error).__name__} {error}".split())
         return replace(driven, refused=f"{cause} ({Path(last.filename).name}, line {last.lineno})")
 

@@ -1,4 +1,9 @@
-"""Any parameters of any scenario over values and seeds: a row of metrics for each run, as table and figures."""
+"""Any parameters of any scenario over values and seeds: a row of metrics for each run, as table and figures.
+
+How it works: the values of --vary and the seeds are combined, the last one named changing first.
+Each combination is a case of the scenario with its own report, so a row has the metrics of that
+report and those that are asked for.
+"""
 
 from __future__ import annotations
 

@@ -89,6 +89,7 @@ def _free(law: str, name: str, start: float, spec: Spec) -> Free:
     low, high = spec.low, spec.high
     if start > 0.0:
         low, high = start * 10.0**-REACH, start * 10.0**REACH
+        # The declared bound where it is nearer.
         low = low if spec.low is None else max(low, spec.low)
         high = high if spec.high is None else min(high, spec.high)
     if low is None or high is None:

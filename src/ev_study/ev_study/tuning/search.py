@@ -36,6 +36,7 @@ def search(
     import cma  # slow to import
 
     start = np.array([each.share for each in free])
+    # The start is a candidate as well: a search that finds nothing better gives it back.
     yield from _judged(training, free, start[None, :], answer)
     random = np.random.Generator(np.random.PCG64(seed))
     # NaN keeps cma from seeding numpy's global generator; its numbers come from ours.

@@ -1,4 +1,9 @@
-"""The runs by which candidates for the numbers of a law are judged, and the cost of a candidate."""
+"""The runs by which candidates for the numbers of a law are judged, and the cost of a candidate.
+
+How it works: all candidates of a generation drive all draws of a cell in one batch. Their costs are
+those of the board, against the reference in the same draws. The reference is driven once for all
+laws; its numbers are kept as answers, so a search that goes on need not drive it again.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,10 @@
-"""One number of a published thing: how it is measured, and what it is held against."""
+"""One number of a published thing: how it is measured, and what it is held against.
+
+How it works: a row of published.csv becomes a `Check` when it is read. Then its measure, needs,
+unit and tolerance are checked, so a mistake is found before anything is driven. When the runs are
+there, the check measures them and gives a `Metric` with its reference. A comparison in words
+(`than`) is judged as a ratio of magnitudes.
+"""
 
 from __future__ import annotations
 
@@ -201,6 +207,7 @@ def check_of(row: Mapping[str, str], measures: Measures, needs: tuple[Need, ...]
     # Other texts are known only when their runs are driven.
     if tolerance.is_plain and why.is_plain:
         found = Tolerance.of(row["tolerance"], row["why"])
+        # Without a width any difference would do, and by 100 % nothing can be smaller.
         if sign and not 0.0 < found.relative < 1.0:
             raise ParameterError(
                 f"the tolerance {quoted(row['tolerance'])} is refused, allowed for a comparison is more than 0 % and "
@@ -249,6 +256,7 @@ _SYMBOLS |= {"kN", "kW", "kWh", "kJ", "MJ", "degC", "g", "mm", "ms", "kPa", "Ohm
 
 def _refuse_unit(unit: str) -> None:
     """ParameterError unless a unit is a product of known symbols and their powers, over at most one other."""
+    # A power is part of a symbol: m/s^2 is m over s.
     parts = unit.split("/")
     words = [re.sub(r"\^\d$", "", word) for part in parts for word in part.split() or [""]]
     if len(parts) > 2 or not _SYMBOLS.issuperset(words):

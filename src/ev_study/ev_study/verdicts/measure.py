@@ -1,4 +1,10 @@
-"""Measures of published numbers: a function with its words, or an expression over runs."""
+"""Measures of published numbers: a function with its words, or an expression over runs.
+
+How it works: the column `measure` of a published number is either the name of a function with words
+behind it (`Call`) or an expression over the signals of a run (`Expression`). Both are checked
+against the needs when the list is read. Calls in braces fill numbers into the texts of tolerances
+and notes (`Template`).
+"""
 
 from __future__ import annotations
 
@@ -147,6 +153,7 @@ class Expression:
         first, *other = map(self._value, driven, self.runs)
         if not other:
             return first
+        # A ratio to zero has no meaning; that is no failure of what is measured.
         if not other[0]:
             raise NotMeasured("the number that it is divided by is 0")
         return first / other[0]

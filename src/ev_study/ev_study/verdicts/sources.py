@@ -1,4 +1,10 @@
-"""The sources: what each of them published and how that is judged, as its published.csv lists it."""
+"""The sources: what each of them published and how that is judged, as its published.csv lists it.
+
+How it works: a source is a module of a package, found by an entry point, with a published.csv
+beside it. Rows are read and put together by id without importing the module, so that numbers can be
+looked up cheaply; `published` imports it for its measures and makes a `Published` of each id. Short
+texts of texts.csv stand in braces in the cells.
+"""
 
 from __future__ import annotations
 
@@ -91,6 +97,7 @@ class Published:
             source = f"{self.kind}{': ' if self.where else ''}{self.where}{compared}"
             return Reference(value, band, source, assumption, inputs)
 
+        # A number of an id without a verdict is shown all the same, but not held against anything.
         found = {
             of.name: of.metric(reference, [driven[need] for need in of.needs]) for of in self.checks
         }
@@ -138,9 +145,12 @@ def _published(id: str, rows: list[_Row], measures: Measures) -> Published:
                 if row["driven"]
                 else of_row
             )
+            # What is driven stands in the first row of an id, and holds for the next ones until
+            # another is given.
             needs += of_row
             if row["measure"]:
                 checks.append(check_of(row, measures, of_row))
+            # A row without a measure may only have a note.
             elif any(row[name] for name in COLUMNS[7:]):
                 raise ParameterError(
                     "the measure is missing, expected its name with the words that it takes"

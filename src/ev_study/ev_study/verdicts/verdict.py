@@ -1,4 +1,9 @@
-"""The verdicts on what was published: on one id, on all of them; as a table, as Markdown and as JSON."""
+"""The verdicts on what was published: on one id, on all of them; as a table, as Markdown and as JSON.
+
+How it works: an id has one or several numbers, each with a judgement of its own. The verdict is the
+worst of them, with one exception: "in part" needs a first number that fails and others that all
+hold. Its text begins with the words of its sort, by which verdicts are counted.
+"""
 
 from __future__ import annotations
 
@@ -25,6 +30,7 @@ from ev_study.verdicts.sources import (
 
 # The sorts of verdicts, by the words with which their texts begin.
 WITH_ASSUMPTION = "reproduced with assumption"
+# Longer words before those that they begin with: `sort_of` takes the first that fits.
 SORTS = (
     WITH_ASSUMPTION,
     REPRODUCED,
@@ -96,6 +102,7 @@ class Verdict:
         for check in self.published.checks:
             metric = self.metrics[check.name]
             number = NOT_MEASURED if metric.value is None else check.text(metric.value)
+            # The first number of an id has no name.
             parts.append(f"{check.name} {number}".strip())
         return "; ".join(parts)
 
@@ -108,6 +115,7 @@ class Verdict:
     def run(self) -> str:
         """Runs that were driven for it."""
         driven = "; ".join(need.command for need in self.published.needs)
+        # Without any run the number follows from equations alone.
         return driven or ("closed form" if self.published.is_judged else "")
 
     def as_json(self) -> dict[str, Any]:

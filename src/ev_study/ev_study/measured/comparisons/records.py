@@ -1,4 +1,9 @@
-"""A record of a car on a track, a tyre on its rig and the energy of a list of cars, in numbers that are compared."""
+"""A record of a car on a track, a tyre on its rig and the energy of a list of cars, in numbers that are compared.
+
+How it works: each function takes the folder of the data and gives numbers by the id of a
+comparison. It does what the command of that comparison does, with the car, mapping and parameters
+of config/measured.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""Errors of a signal against the record: in all, by window and by range of lateral acceleration."""
+"""Errors of a signal against the record: in all, by window and by range of lateral acceleration.
+
+How it works: all errors are simulated minus measured, in windows, (windows, samples). Where nothing
+was measured the record has NaN, and no number counts these samples. One window that spins decides
+an RMS of all, so the median over windows stands beside it.
+"""
 
 from __future__ import annotations
 

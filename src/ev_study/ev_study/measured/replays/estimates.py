@@ -1,4 +1,9 @@
-"""Estimates on a record beside what was measured; `ev_core.methods.estimator` offers them."""
+"""Estimates on a record beside what was measured; `ev_core.methods.estimator` offers them.
+
+How it works: an estimator makes one channel of others, with numbers of its parameters and of the
+car, as laws have them. It runs over each stretch of the record from a start without knowledge, and
+is held against what was measured, in the windows of the replay.
+"""
 
 from __future__ import annotations
 
