@@ -174,6 +174,7 @@ class RecorderNode(Spinnable, Node):
         recorder.took_all()
         held = recorder.held_stamp
         self._waiting.look(held, (MASTER,))
+        # Also when the master asks again: our last report may have been lost.
         if held != self._reported or recorder.asked:
             if silent := recorder.silent:
                 self._name(silent)
@@ -184,6 +185,7 @@ class RecorderNode(Spinnable, Node):
             self._reported, recorder.asked = held, False
         if recorder.loss:
             raise RuntimeError(f"the recording has a gap: {recorder.loss}")
+        # Only behind the report: the master ends when it knows that all is held.
         if recorder.is_complete:
             self._wait_for_the_master()
             self.close()

@@ -1,4 +1,10 @@
-"""Services of simulation_interfaces 2.1 for a running graph: pause, resume, step and reset."""
+"""Services of simulation_interfaces 2.1 for a running graph: pause, resume, step and reset.
+
+How it works: each service is a coroutine on one thread. It calls the services of the master and
+then waits for a future, which a tick of /clock, the answer, or the timer of `_give_up` ends;
+meanwhile the executor serves others. Steps are counted by the ticks that were seen, not by the
+answers.
+"""
 
 from __future__ import annotations
 
@@ -70,7 +76,7 @@ class SimulationInterfaces:
         }
         node.create_subscription(Clock, "/clock", self._tick, 256)
         node.create_subscription(DiagnosticArray, "/diagnostics", self._note, 64)
-        # an answer waits for others: the node has to hear them meanwhile
+        # an answer waits for others: the node has to take them meanwhile
         group = ReentrantCallbackGroup()
         for name, serve in (
             ("GetSimulatorFeatures", self.features),
@@ -258,7 +264,7 @@ class SimulationInterfaces:
 
     def _note(self, message: Any) -> None:
         """Read the master's reports of time, whichever client asked for them."""
-        # A report from before our last request may say the opposite of what has been answered
+        # A report from before our last request may be the opposite of what has been answered
         # since.
         if Time.from_msg(message.header.stamp).nanoseconds < self._asked_at:
             return

@@ -1,4 +1,10 @@
-"""Parameters and time of the nodes of a running graph, by the services that every node has."""
+"""Parameters and time of the nodes of a running graph, by the services that every node has.
+
+How it works: nothing here waits. A request to a node is a future with what is to be done when it is
+answered, what otherwise, and a deadline; `look`, which the server calls some times a second, takes
+the answers that have come. A node that has appeared is asked for names, then descriptions, then
+values of its parameters, each question in the answer of the one before.
+"""
 
 from __future__ import annotations
 

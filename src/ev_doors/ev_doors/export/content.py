@@ -1,4 +1,10 @@
-"""Content of an export: the roles that are kept of a run, as parts in order."""
+"""Content of an export: the roles that are kept of a run, as parts in order.
+
+How it works: the parts are those that a run steps: the law of each role and behind it its sensors
+and faults, each with a row of constants and its state. Which parameters may change later is found
+out, not declared: laws and rules are called with parameters that note what is read (`_watched`).
+What was read while something was set up is in the constants already, and is fixed.
+"""
 
 from __future__ import annotations
 

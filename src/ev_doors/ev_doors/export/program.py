@@ -1,5 +1,9 @@
 """An export as a program on this or another processor, stepped over its standard input and output.
 
+How it works: a request is written while answers are read, by `select`, since a pipe takes only so
+much: to wait for one direction alone could last for ever. The program names its protocol and the
+hash of its export first, so one that was built from something else is refused.
+
 The requests are those of the program's source, NAME_program.c, byte by byte.
 """
 

@@ -1,5 +1,9 @@
 """A Gymnasium environment around `ev_stack.Simulation`: a learner plays one role of a scenario.
 
+How it works: the scenario's own law goes along on the frames that are shown (`SteppedLaw`), so each
+action can be compared with what the law would have done, and channels that no action gives are
+those of the law. An action that equals that of the law gives the bits of a run without a learner.
+
 An action names the role that the learner plays, and how its numbers become what that role writes.
 """
 

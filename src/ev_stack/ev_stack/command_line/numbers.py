@@ -21,6 +21,7 @@ def whole(low: int, high: int | None = None) -> Callable[[str], int]:
         try:
             value = int(text)
         except ValueError:
+            # Below the range: no number is refused by the same line as one that is out of range.
             value = low - 1
         if value < low or (high is not None and value > high):
             raise argparse.ArgumentTypeError(f"{quoted(text)} is refused, expected {expected}")
@@ -39,6 +40,7 @@ def real(low: float = -math.inf, high: float = math.inf) -> Callable[[str], floa
         try:
             value = float(text)
         except ValueError:
+            # The same: NaN is within no range.
             value = math.nan
         if not (math.isfinite(value) and low <= value <= high):
             raise argparse.ArgumentTypeError(

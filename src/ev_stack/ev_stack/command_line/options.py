@@ -84,6 +84,7 @@ def arguments(argv: list[str] | None = None) -> argparse.Namespace:
             parser.error(
                 "--processor drives without DDS: leave out --in-process, --realtime and --node"
             )
+        # Without DDS, whatever else is asked for.
         given.offline = True
     if given.offline and given.realtime:
         parser.error("--realtime needs DDS: leave out --offline")
@@ -249,6 +250,7 @@ def overrides(given: argparse.Namespace) -> Overrides:
         node, parameter = _split(place, ".", "--set", "NODE.PARAM=VALUE")
         values.append((node, parameter, _parsed(value)))
     if getattr(given, "realtime", False):
+        # Behind all --set, so that the option counts where both are given.
         values.append(("*", "mode", "realtime"))
     changed = Overrides(given.params, values, given.duration, given.vehicle)
     return changed.with_seed(given.seed).with_cycle(getattr(given, "cycle", None))

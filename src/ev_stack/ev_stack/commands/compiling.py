@@ -55,6 +55,7 @@ def _named(name: str) -> list[Unit]:
     if method:
         if role not in ROLES:
             raise unknown_name("node", role, ROLES)
+        # A former name may mean a present method with some of its switches on.
         former = chosen_by(role, method)
         found = find_method(role, method)
         units = [_by_default(found.with_switches_on(name for name in former if name != "method"))]
@@ -72,6 +73,7 @@ def everything() -> list[Unit]:
     methods: list[Method] = []
     for of_role in all_methods().values():
         for method in of_role.values():
+            # Each switch alone; combinations of them are compiled when they are used.
             options = (method.with_switches_on([switch]) for switch in method.switches)
             methods += [method, *options]
     units = [_together([*filter(None, map(_by_default, group))]) for group in sharing(methods)]
@@ -99,6 +101,8 @@ def sharing(methods: Iterable[Method]) -> list[list[Method]]:
         if method.law is None or not method.law.is_compilable:
             continue
         kind = (
+            # Functions are compiled for types: one process makes those of a type once for the whole
+            # group.
             (method.law.parameters, method.law.state) if method.law.heavy else method.law.function
         )
         groups.setdefault(kind, []).append(method)

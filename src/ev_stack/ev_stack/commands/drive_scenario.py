@@ -38,6 +38,7 @@ def drive_scenario(given: argparse.Namespace) -> None:
     prints, own = printing(given), own_nodes(given)
     changed = replace(overrides(given), metrics=listed(given.metrics))
     scenario = load_scenario(given.scenario, changed, given.run)
+    # Before anything is driven, slow ramps included.
     _refuse_without_ros(given)
     scenario = with_own_angles(scenario)
     on_processors = []
@@ -51,6 +52,7 @@ def drive_scenario(given: argparse.Namespace) -> None:
     way = "offline" if given.offline else "in-process" if given.in_process else "processes"
     commands = {role: " ".join(words) for role, words in own.items()}
     mode = f"{way}, realtime" if given.realtime else way
+    # Before the folder is made and before nodes start, which would each compile on their own.
     compile_for(scenario.runs, not given.offline, own)
     with output_folder(given.out, scenario.name) as folder:
         outcomes = {}
@@ -115,6 +117,7 @@ def _can_be_loaded() -> bool:
 def _drive(
     run: Run, directory: Path, given: argparse.Namespace, own: Mapping[str, Sequence[str]]
 ) -> Outcome:
+    # Opened before the run: a log that cannot be written is refused before anything is driven.
     logs = [bus.frame_log(run, directory) for bus in buses()]
     outcome = _driven(run, directory, given, own)
     notes = [log.write(outcome.recording) for log in logs if log is not None]

@@ -98,6 +98,7 @@ def _graph(node: Node, seconds: float) -> list[str]:
 
 
 def _names(ends: list) -> list[str]:
+    # Our own subscriptions are in the graph, too, while rates are measured.
     return sorted({end.node_name for end in ends} - {_OWN_NAME})
 
 
@@ -156,6 +157,7 @@ def _info(shell: Shell, given: argparse.Namespace) -> Iterator[str]:
         for end in ends if given.verbose else ():
             quality = end.qos_profile
             words = f"{quality.reliability.name}, {quality.durability.name}".lower()
+            # Ends of a topic with two types do not meet: then each is shown with its own.
             kind = f", {end.topic_type}" if len(there[name]) > 1 else ""
             yield f"  {end.node_namespace.rstrip('/')}/{end.node_name}: {words}{kind}"
 

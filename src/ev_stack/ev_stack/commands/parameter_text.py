@@ -23,11 +23,14 @@ _KINDS = {
 def parameter_of(name: str, kind: Parameter.Type, value: Any) -> Parameter:
     """The parameter of that kind; ValueError in one line if the value, or YAML in a text, cannot be carried."""
     try:
+        # A text for a text is taken as it is: YAML would make a number of "12" and a truth of
+        # "off".
         given = _read(value) if isinstance(value, str) and kind != Parameter.Type.STRING else value
         if kind in _KINDS:
             return Parameter(name, kind, *_alike([given], _KINDS[kind]))
         if not isinstance(given, list):
             raise TypeError
+        # One float makes all numbers floats, as ROS does not mix them.
         kinds = {type(element) for element in given}
         return Parameter(
             name, value=_alike(given, float if float in kinds else next(iter(kinds), str))

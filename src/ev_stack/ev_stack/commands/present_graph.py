@@ -81,8 +81,10 @@ def _found(node: Node) -> bool:
         now, found = time.monotonic(), full_names(node)
         if found != before:
             before, changed = found, now
+        # Discovery brings nodes one by one, and a node may be there before its name is.
         if found and now - changed > _STABLE and not any(NAMELESS in each for each in found):
             return True
+        # Longer where something was found that still changes.
         if now - begun > _PATIENCE + (_PATIENCE if found else 0.0):
             return bool(found)
         time.sleep(_GLANCE)
@@ -144,8 +146,11 @@ def quality_of(node: Node, name: str, depth: int) -> QoSProfile:
     """The quality of service with which a subscription receives what all publishers of a topic send."""
     ends = [end.qos_profile for end in node.get_publishers_info_by_topic(name)]
     quality = QoSProfile(depth=depth)
+    # A reliable subscription would get nothing from a publisher that is not reliable.
     if any(end.reliability is ReliabilityPolicy.BEST_EFFORT for end in ends):
         quality.reliability = ReliabilityPolicy.BEST_EFFORT
+    # With one volatile publisher, a subscription that asks for lasting messages would get none of
+    # it.
     if ends and all(end.durability is DurabilityPolicy.TRANSIENT_LOCAL for end in ends):
         quality.durability = DurabilityPolicy.TRANSIENT_LOCAL
     return quality

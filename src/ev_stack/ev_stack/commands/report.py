@@ -32,6 +32,7 @@ def run_report(argv: Sequence[str]) -> None:
     )
     given = parser.parse_args(argv)
     labels = [folder.absolute().name for folder in given.folders]
+    # Folders of the same name in different places: then whole paths tell them apart.
     if len(set(labels)) < len(labels):
         labels = [str(folder) for folder in given.folders]
     summaries, signals = zip(*map(read_folder, labels, given.folders), strict=True)

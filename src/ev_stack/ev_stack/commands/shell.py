@@ -216,6 +216,7 @@ def _get(shell: Shell, given: Any) -> str:
     _, there = shell.parameters_of(given.node, given.name)
     if given.name is None:
         return as_yaml({name: each.value for name, each in there.items()})
+    # YAML ends a bare value by a line of dots.
     return as_yaml(_known(given, there).value).removesuffix("...\n")
 
 
@@ -296,12 +297,14 @@ def messages(node: Node, name: str) -> Iterator[str]:
     while True:
         if (taken := take(kind, True)) is not None:
             yield as_yaml(plain_message(deserialize_message(taken[0], kind)))
+            # A message has come: the silence is over, and what the clock did in it does not count.
             report_at, times = time.monotonic() + _SILENCE, set()
             continue
         time.sleep(0.01)
         while (taken := take_clock(Clock, True)) is not None:
             times.add(taken[0])
         if time.monotonic() > report_at:
+            # Once for each silence.
             report_at = math.inf
             goes_on = (
                 "goes on"

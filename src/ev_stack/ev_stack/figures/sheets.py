@@ -1,4 +1,10 @@
-"""Figures as data, and their layout on the screen and on the pages of a journal."""
+"""Figures as data, and their layout on the screen and on the pages of a journal.
+
+How it works: a sheet is laid out in inches: `_Page` knows the height of each row of panels from a
+few constants, so it knows how many rows a page takes before anything is drawn. Only the legend and
+long titles are measured when they are there; where a page turns out too tall by them, it is drawn
+again with fewer rows.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,10 @@
-"""Thinning of curves to the pixels of a line: lowest and highest, bands where they chatter."""
+"""Thinning of curves to the pixels of a line: lowest and highest, bands where they chatter.
+
+How it works: a curve of many samples is cut into bins of some pixels. Where it crosses the values
+of a bin several times, a line would be solid ink: `chatter` finds these bins, which are drawn as a
+band with the mean. The rest is a line, of which `thinned` keeps the ends and the extremes of each
+pixel, so that it looks the same.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,10 @@
 """A car stepped from outside, as the graph without some of its roles, for loops of one's own.
 
+How it works: the roles that are left out divide an instant in two. `_before` are the roles in front
+of the first of them: they have answered when the frame is shown. `step` puts in what is given, lets
+`_behind` answer, and integrates into the other of two frames, which becomes the next instant. State
+is a copy of that frame with the states of all parts.
+
 And one law on its own, stepped by channels: what a learner imitates.
 """
 

@@ -1,5 +1,9 @@
 """Expressions over channels, metrics and the car.
 
+How it works: `parsed` gives the tree, and `term_of` turns each node of it into a term: its kind,
+which is checked at once, and a function of a driven run. So a mistake is found before anything is
+driven, and a metric is a call of nested functions afterwards.
+
 An example: `maximum(abs(imu.yaw_rate[time > 2])) / vehicle.mass`.
 
 They are read as Python's syntax and never run as Python: of the tree only what stands here has a

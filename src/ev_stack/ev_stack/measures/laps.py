@@ -1,4 +1,10 @@
-"""Laps of a closed course: times, distance from the racing line, and leaving the road."""
+"""Laps of a closed course: times, distance from the racing line, and leaving the road.
+
+How it works: the place of a car on the racing line is followed from sample to sample, not looked up
+anew each time, since a course may cross itself: the nearest point counts unless it is far along the
+line from the one before. The line is timed at its first point. A crossing counts where the car is
+on that part of the course, between the edges, and farther round than ever before.
+"""
 
 from __future__ import annotations
 

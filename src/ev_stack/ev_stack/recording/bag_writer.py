@@ -103,6 +103,7 @@ class BagWriter:
         if now < self._next_flush or storage is None:  # None: the bag is closed
             return
         self._next_flush = now + self._flush_period
+        # A chunk can only be read when it is closed; an empty one would be one more for nothing.
         if storage.chunk.bio.tell():
             storage.close_chunk()
         storage.bio.flush()

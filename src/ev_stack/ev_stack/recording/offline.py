@@ -70,6 +70,7 @@ def true_motion(recording: Recording, configurations: Mapping[str, Configuration
     struck = {
         role: struck_channels(configurations[role]) for role in OF_THE_CAR if role in configurations
     }
+    # Nothing was changed, or there is no step that could be taken again.
     if not any(struck.values()) or len(recording.time) < 2:
         return recording
     series, channels, unknown = _series(recording), dict(recording.channels), set[str]()
@@ -122,6 +123,7 @@ def _output_again(
         for signal in configuration.method.writes
         for name, place in zip(TOPICS[signal].channels, frame.places(signal), strict=True)
     }
+    # To the last bit: where only one number differs, something else drove the run.
     untouched = [place for name, place in places.items() if name not in struck]
     return (
         {name: again[places[name]] for name in struck}

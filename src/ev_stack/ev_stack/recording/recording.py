@@ -30,11 +30,13 @@ def atomic_file(path: Path | str, replaces: bool = False) -> Iterator[IO[bytes]]
     file.
     """
     path = Path(path)
+    # In the same folder, for only within a file system is renaming one step.
     unfinished = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
     try:
         with unfinished.open("xb") as file:
             try:
                 yield file
+                # Before it gets its name: a full disk may show only when the file is closed.
                 file.close()
                 if replaces or not _linked(unfinished, path):
                     unfinished.replace(path)
@@ -204,6 +206,7 @@ def signal_hash(recording: Recording) -> str:
 
 def _add(digest: hashlib._Hash, name: str, values: np.ndarray) -> None:
     digest.update(f"{name}\0{len(values)}\0".encode())
+    # The same bytes on every processor.
     digest.update(np.ascontiguousarray(values, dtype=_LITTLE_ENDIAN))
 
 

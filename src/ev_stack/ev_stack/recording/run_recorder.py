@@ -1,4 +1,11 @@
-"""Keeps a whole run: every message in a bag as it came, every number in an array, and where both go."""
+"""Keeps a whole run: every message in a bag as it came, every number in an array, and where both go.
+
+How it works: each topic has a `SpooledTopic`, which knows how many steps it holds. A message of the
+next step is appended, one of an earlier step repeats it, and a later one shows a gap: in lockstep a
+loss, in real time filled by the step before. The run is held up to the step that all pacing topics
+have. What is complete is on the disk (`spool`), the bag is written as messages come, and
+signals.npz at the end.
+"""
 
 from __future__ import annotations
 
@@ -108,6 +115,7 @@ class RunRecorder:
         self._period = stamps.from_seconds(p.control_period)
         self._may_skip = p.mode == "realtime"
         last = stamps.from_seconds(p.duration) // self._period
+        # Both ends are steps; a duration of 0 means without an end.
         self._steps = last + 1 if last else float("inf")
         self._spool = Spool(folder)
         self._tables = [MessageTable(topic) for topic in topics]
@@ -115,6 +123,7 @@ class RunRecorder:
         self._masters = {
             i for i, topic in enumerate(topics) if topic.signal in ROLES[MASTER].writes
         }
+        # In real time nothing waits: a topic that lacks steps must not hold the recording up.
         self._pacing = (
             [self._messages[i] for i in self._masters] if self._may_skip else self._messages
         )
@@ -169,6 +178,7 @@ class RunRecorder:
 
     def _add(self, index: int, message: bytes, numbers: np.ndarray, came: int) -> None:
         kept = self._messages[index]
+        # The rest of a stamp above a multiple of the period is the number of its run.
         step, run = divmod(stamp_of(message), self._period)
         if step == 0 and index in self._masters and self._begins_run(run, kept, message):
             self._begin_anew(run)
@@ -179,12 +189,14 @@ class RunRecorder:
             or step < kept.count
             or (run == self._before and index not in self._masters)
         ):
+            # A master that repeats a step waits for a node, perhaps for our progress.
             self.asked = self.asked or index in self._masters
             return
         if self._may_skip and index not in self._masters and step > self._paced() + 1:
             return  # no node is ahead of the master by more than one step: a stranger's stamp
         if step > kept.count:
             if self._may_skip:
+                # The numbers of a step that never came are those of the step before.
                 for _ in range(kept.count, step):
                     kept.hold(message, numbers)
             else:
@@ -201,6 +213,7 @@ class RunRecorder:
 
     def _begins_run(self, run: int, kept: SpooledTopic, message: bytes) -> bool:
         """Return True if the first state is that of a later run, or of another master."""
+        # A first step again is a repetition, unless steps followed it or it has another content.
         if run == self._run:
             return kept.count > 1 or (kept.count == 1 and message != kept.first)
         return self._run < run < stamps.RUNS or (run == 0 and self._before is None)
@@ -211,6 +224,7 @@ class RunRecorder:
             return
         if self._bag is not None:
             self._close_bag()
+            # The bag of the run before stays beside; its arrays do not.
             self._directory.rename(free_path(Path(f"{self._directory}_before_reset_")))
         for kept in self._messages:
             kept.clear()

@@ -72,6 +72,8 @@ class ViewsInBag:
         """Numbers of a step at their place in the frame; `came` is the time that the bag has for it [ns]."""
         if step % self._every:
             return
+        # What comes later in a step overwrites it there; a topic that is late shows its last
+        # numbers.
         self._newest[place] = numbers
         if step not in self._waiting:
             self._waiting[step] = came, self._newest.copy()
@@ -80,6 +82,7 @@ class ViewsInBag:
     def write(self, complete: int, few: bool = True) -> None:
         """Write the steps below this one; not yet if they are `few`."""
         due = [step for step in self._waiting if step < complete]
+        # Many at once cost hardly more than one: a template is filled by arrays.
         if not due or (few and len(due) < _AT_ONCE):
             return
         came, frames = zip(*map(self._waiting.pop, due), strict=True)

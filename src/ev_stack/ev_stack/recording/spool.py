@@ -1,5 +1,9 @@
 """Numbers that a recorder keeps of a run on the disk, so that its memory does not grow.
 
+How it works: the messages of a topic have one length, so many of them are a table of bytes, and a
+number is the same columns in each row: numpy reads and writes them all at once. The recorder keeps
+the numbers of the last block of steps in memory and all before in a file.
+
 Many messages of one topic at once: serialized from a stack of frames, and back.
 What a message format does message by message, numpy does here for a whole run.
 """
@@ -54,9 +58,11 @@ class MessageTable:
         """
         found = np.zeros((len(messages), self._where.stop - self._where.start))
         regular = [i for i, message in enumerate(messages) if len(message) == len(self._bytes)]
+        # All messages of the usual length as one table of bytes.
         table = np.frombuffer(b"".join(messages[i] for i in regular), np.uint8).reshape(
             -1, len(self._bytes)
         )
+        # Where the fixed bytes differ the layout is another one, and the numbers are elsewhere.
         alike = (table[:, self._constant] == self._bytes[self._constant]).all(axis=1)
         size = self._number.itemsize
         for run in self._format.runs:
@@ -65,6 +71,7 @@ class MessageTable:
             found[regular, begin : begin + run.length] = raw.view(self._number)
         alike &= np.isfinite(found[regular]).all(axis=1)
         alike &= (found[regular][:, self._format.topic.shape.unsigned_commands] >= 0.0).all(axis=1)
+        # All others go through the careful reader, which also gives the reason of a refusal.
         for i in sorted({*range(len(messages))} - {regular[j] for j in np.flatnonzero(alike)}):
             try:
                 found[i] = self._format.read(messages[i])[1]
@@ -104,6 +111,7 @@ class Spool:
         """Numbers (BLOCK, n) of the places from `first` on; OSError where the disk is full."""
         self._seek(block, first)
         left = memoryview(np.ascontiguousarray(numbers.T)).cast("B")
+        # A write to an unbuffered file may take only a part.
         while left:
             left = left[self._file.write(left) :]
 
@@ -113,6 +121,7 @@ class Spool:
         self._file.readinto(memoryview(numbers).cast("B"))
 
     def _seek(self, block: int, place: int) -> None:
+        # Blocks of all places one behind the other; in each, BLOCK numbers for every place.
         self._file.seek((block * frame.SIZE + place) * BLOCK * np.dtype(float).itemsize)
 
     def clear(self) -> None:
@@ -165,5 +174,6 @@ class SpooledTopic:
             for begin in range(0, spooled, BLOCK):
                 self._spool.read(begin // BLOCK, place, numbers[begin : begin + BLOCK])
             numbers[spooled : self.count] = self._newest[: self.count - spooled, channel]
+            # Where more steps are wanted than came, in real time.
             numbers[self.count :] = numbers[self.count - 1]
             yield numbers[:steps]

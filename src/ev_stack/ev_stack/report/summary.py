@@ -1,4 +1,9 @@
-"""The file summary.json: what was run, with which parameters, and what came out."""
+"""The file summary.json: what was run, with which parameters, and what came out.
+
+How it works: what differs is found by comparing configured runs, not words of a command line: the
+driven scenario, the same without the command line, and the defaults of its methods. So a value
+counts in whatever way it was given, and one that was given and changes nothing does not.
+"""
 
 from __future__ import annotations
 

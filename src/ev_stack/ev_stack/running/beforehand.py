@@ -61,6 +61,7 @@ def compile_units(units: Iterable[Unit]) -> list[str]:
     """Compile those units that are not on disk; one line for each that cannot be compiled."""
     if not can_be_kept():
         return []
+    # By key: runs with the same law share its code.
     missing = list({unit.key: unit for unit in units if not unit.is_kept()}.values())
     if not missing:
         return []
@@ -91,12 +92,14 @@ def _here(units: Sequence[Unit], progress: Callable[[], object]) -> list[str]:
 def _on_workers(units: Sequence[Unit], count: int, progress: Callable[[], object]) -> list[str]:
     import numba  # noqa: F401, once for all workers that are forked from this process
 
+    # Reversed, so that `pop` takes the first, which take longest, first.
     waiting, found = list(reversed(range(len(units)))), []
     workers: list[Worker] = []
     try:
         for _ in range(count):
             workers.append(Worker(partial(_made_by_worker, units)))
             workers[-1].begin(waiting.pop())
+        # A worker leaves when nothing waits, or when it is lost.
         while workers:
             for worker in wait(workers):
                 is_lost = False

@@ -24,6 +24,7 @@ def ends_with_us() -> Callable[[], None] | None:
     prctl = getattr(ctypes.CDLL(None), "prctl", None)
     if prctl is None:
         return None
+    # Taken before the fork: the child compares it with its parent by then.
     parent = os.getpid()
 
     def before() -> None:
@@ -77,6 +78,7 @@ class Worker:
         self.number = -1  # that it is called with
         fork = get_context("fork")
         self._connection, its_end = fork.Pipe()
+        # Both, for the child inherits our end as well, and has to close it.
         ends = (its_end, self._connection)
         self._process = fork.Process(
             target=_serve, args=(*ends, perform, ends_with_us()), daemon=True
@@ -126,6 +128,7 @@ def _serve(
     parents.close()
     # Ctrl-C reaches the parent as well, which ends its workers
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # Of the handlers that were inherited with the fork, none is meant for a worker.
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     with suppress(EOFError, ConnectionError):  # the parent has ended
         while True:

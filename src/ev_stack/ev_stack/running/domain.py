@@ -1,4 +1,9 @@
-"""Things that one run of this machine has alone: a ROS domain, names, and an offered bus."""
+"""Things that one run of this machine has alone: a ROS domain, names, and an offered bus.
+
+How it works: a domain is reserved by a lock on a file in the folder for temporary files, which ends
+with the process however that ends. A lock shows only runs of this kind, so the ports of the domain
+are tried as well: another program of ROS holds one of them.
+"""
 
 from __future__ import annotations
 
@@ -83,6 +88,8 @@ def free_domain() -> Iterator[int]:
         return
     for domain in _DOMAINS:
         with _reservation(domain) as reserved:
+            # Reserved first, or two runs could both find it silent; it is silent to other programs
+            # of ROS.
             if reserved and _is_silent(domain):
                 yield domain
                 return
@@ -128,6 +135,7 @@ def _reservation(what: object) -> Iterator[bool]:
     with ExitStack() as stack:
         try:
             lock = stack.enter_context(open(_lock_file(what), "wb", opener=_opened_in_place))
+            # The lock ends with its process however that ends; the file stays and means nothing.
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
             yield False
@@ -168,6 +176,7 @@ def _is_silent(domain: int) -> bool:
     for port in (_FIRST_PORT + _PORTS_PER_DOMAIN * domain, *ports):
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
             try:
+                # On all interfaces, as participants of DDS do.
                 probe.bind(("", port))
             except OSError:
                 return False

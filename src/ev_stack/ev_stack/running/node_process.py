@@ -1,4 +1,10 @@
-"""The nodes of a run as processes of their own: started and stopped, and nothing left behind."""
+"""The nodes of a run as processes of their own: started and stopped, and nothing left behind.
+
+How it works: a node is started in a session of its own, so that Ctrl-C reaches only the runner,
+which stops all nodes in order: first SIGINT to all, then, after some patience, SIGKILL to their
+groups. Should the runner itself be killed, the system kills our nodes (`ends_with_us`), and a guard
+kills what a user's command has started.
+"""
 
 from __future__ import annotations
 
@@ -75,6 +81,7 @@ class NodeProcess:
             else f"ended with status {code}"
         )
         lines = self.log.read_text(errors="replace").strip().splitlines()
+        # The last line of a node that was killed is one from before that, and no reason.
         last = f": {shown(lines[-1])}" if lines and code > 0 else ""
         if shutil.disk_usage(self.log.parent).free < _ROOM:
             last = f": no space left on device, {self.log.parent}"
@@ -85,12 +92,14 @@ class NodeProcess:
         self.send(signal.SIGKILL)
         self.process.wait()
         if self.guard is not None:
+            # The guard has nothing to guard any more; `communicate` reaps it and closes its pipe.
             self.guard.kill()
             self.guard.communicate()
 
     def send(self, kind: signal.Signals) -> None:
         """Send a signal to the process and whatever it has started."""
         with suppress(ProcessLookupError):
+            # The group: a command of the user's may be a shell that has started the node.
             os.killpg(self.process.pid, kind)
 
 
@@ -131,6 +140,7 @@ def _started(
                 f"node {name} cannot be started: {words[0]}: {error.strerror}"
             ) from None
         finally:
+            # Our copy of its end is closed, so that the line ends with the node.
             reports.started(name)
     return NodeProcess(name, process, log, None if ours else ending_with_us(process.pid))
 
@@ -179,6 +189,7 @@ def started_nodes(
             words = own.get(name)
             nodes.append(_started(name, words or command(name), not words, place, reports))
         yield nodes
+    # A run that fails has no last words: its nodes get less time.
     except BaseException:
         _stop(nodes, _PATIENCE)
         raise
@@ -190,6 +201,7 @@ def _stop(nodes: list[NodeProcess], patience: float) -> None:
     for node in nodes:
         if node.process.poll() is None:
             node.send(signal.SIGINT)
+    # One for all: they stop side by side.
     deadline = time.monotonic() + patience
     for node in nodes:
         with suppress(subprocess.TimeoutExpired):

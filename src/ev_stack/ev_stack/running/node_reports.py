@@ -124,6 +124,7 @@ class NodeReports:
 
     def waits_for(self, node: str, within: float) -> Sequence[str] | None:
         """The roles for which a node has reported within the last seconds that it waits; None without a report."""
+        # Infinitely long ago: a node that never reported counts as one without a report.
         at, whom = self._waits.get(node, (-inf, None))
         return whom if time.monotonic() - at <= within else None
 
@@ -137,6 +138,7 @@ class NodeReports:
             for message in line.heard():
                 try:
                     self._take(node, Word.decoded(message))
+                # A user's node may send anything on its line; it must not end the run.
                 except (ValueError, TypeError, LookupError, OverflowError):
                     self._noted.setdefault(
                         node, f"node {node} sent an unreadable report: {shown(message)}"
@@ -155,6 +157,7 @@ class NodeReports:
             self.rests = bool(word.values["rests"])
             self._words.append(text)
         elif word.kind == WARNING:
+            # A node that warns at every step must not fill the memory.
             if text in self._warnings or len(self._warnings) < _NAMED:
                 self._warnings[text] = None
             else:

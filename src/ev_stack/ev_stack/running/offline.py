@@ -37,10 +37,12 @@ def node_parameters(
     The parameters of roles in `besides` go before their own.
     """
     nodes = {
+        # ROS has no type for an empty list.
         role: {name: _plain(value) for name, value in configuration.values().items() if value != ()}
         | dict((besides or {}).get(role, {}))
         for role, configuration in run.configurations.items()
     }
+    # Without it, in lockstep, the first steps would pass before the recorder is connected.
     nodes[MASTER]["await_recorder"] = True
     common = run.configurations[MASTER].common
     nodes[RECORDER] = {

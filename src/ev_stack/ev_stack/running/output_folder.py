@@ -32,6 +32,7 @@ def output_folder(given: Path | None, name: str) -> Iterator[Path]:
     try:
         yield folder
     except BaseException:
+        # An empty folder of a run that was refused is not left behind; a full one stays.
         with suppress(OSError):
             folder.rmdir()
         if folder.exists():
@@ -94,8 +95,10 @@ def _lead_latest_to(folder: Path) -> None:
     latest = folder.with_name(LATEST)
     link = folder.with_name(f".{folder.name}")
     try:
+        # A user's own folder of that name is not replaced.
         if latest.exists() and not latest.is_symlink():
             raise FileExistsError(errno.EEXIST, "it is no link of ours")
+        # Relative, so that results can be moved as a whole.
         link.symlink_to(folder.name)
         link.replace(latest)
     except OSError as error:  # also a file system without links: the results are there all the same

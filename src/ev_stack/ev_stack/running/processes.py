@@ -60,6 +60,7 @@ def run_in_processes(
                 progress(reports.time)
                 for line in lines:
                     announce(line)
+                # Behind the look: the last report of a node comes before its end.
                 watcher.notice_ends()
             progress(run.duration)
         reports.look()  # all nodes have sent their last reports

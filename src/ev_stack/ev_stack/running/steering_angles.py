@@ -58,7 +58,9 @@ def _on_its_own_angles(run: Run, found: dict[str, float]) -> tuple[Run, str]:
     ramp = run.slow_ramp
     if ramp is None:
         return run, ""
+    # Also where the ramp gives nothing: the note gives the reason, and nothing tries again.
     run = replace(run, slow_ramp=None)
+    # A text of all that angles depend on, as a key: lists in it have no hash.
     column, car = run.configurations[COLUMN], repr(car_of(run.configurations))
     try:
         if car not in found:
@@ -81,6 +83,7 @@ def _on_its_own_angles(run: Run, found: dict[str, float]) -> tuple[Run, str]:
 def angle_at(run: Recording, acceleration: float, read: str = FITTED_LINE) -> float:
     """Steering-wheel angle [rad] at a lateral acceleration [m/s^2] on a slow ramp."""
     angle = channel(run, motion.STEERING_WHEEL_ANGLE)
+    # A ramp to either side gives one angle, and the file's own signs stay.
     side = np.sign(angle[np.abs(angle).argmax()])
     angle = side * angle
     across = side * motion.lateral_acceleration_on_path(run)
@@ -123,6 +126,7 @@ def _largest_angle(run: Run, ramp: SlowRampParameters, speed: float) -> float:
     car = run.configurations[MASTER].common.vehicle
     if speed == 0.0:
         raise NotMeasured("the run begins at rest, where no angle gives a lateral acceleration")
+    # delta/a_y = L/V^2 + K_us; by magnitude, so that an oversteering car has a ramp as well.
     gain = car.wheelbase / speed**2 + abs(understeer_gradient(car))
     angle = LARGEST * (gain * ramp.lateral_acceleration) * car.steering_ratio
     known = entries_by_name(run.configurations[COLUMN].method.parameters)

@@ -34,11 +34,13 @@ def silent_node(reports: NodeReports, present: Collection[str], realtime: bool) 
     """The nodes that wait for each other; the last one does not answer."""
     if MASTER not in present:
         return [RECORDER]
+    # Real time that has begun: the master waits for no node.
     follows_the_clock = realtime and not reports.waits_for(MASTER, _RECENT)
     chain = [RECORDER if follows_the_clock else MASTER]
     while True:
         waited_for = reports.waits_for(chain[-1], _RECENT) or ()
         candidates = [each for each in waited_for if each in present]
+        # The end of the chain, or a circle.
         if not candidates or candidates[0] in chain:
             return chain
         chain.append(candidates[0])
@@ -48,6 +50,8 @@ def is_stopped(pid: int) -> bool:
     """Return whether a process stands still by SIGSTOP or the like."""
     try:
         content = (Path("/proc") / str(pid) / "stat").read_text()
+        # The state stands behind the name in parentheses, which may hold blanks and parentheses
+        # itself.
         return content.rpartition(")")[2].split()[0] in "Tt"
     except (OSError, IndexError):
         return False
@@ -129,6 +133,7 @@ class RunWatcher:
             self._recorder_by = math.inf  # it still has to keep what the plant sent before its end
         if reports.time > 0 or reports.rests:
             self._begins_by = math.inf
+        # The look before: then the first step had not been taken yet.
         if self._began_at is None and reports.time > 0:
             self._began_at = self._looked_at
         if self._arrived_at is None and reports.time >= self.last:
@@ -140,10 +145,12 @@ class RunWatcher:
         if self._is_named or stands_for <= self._standstill:
             return []
         at = f"at {self._time:g} s of simulated time"
+        # Before all else: a node that was stopped by a signal makes all others wait.
         stopped = [name for name, pid in self._present.items() if is_stopped(pid)]
         if stopped:
             self._is_named = True
             return [f"stopped by a signal: {', '.join(stopped)}, {at}"]
+        # Nodes load for seconds before the first step.
         if self._time == 0.0 and stands_for < _TO_COME_UP:
             return []
         self._is_named = True
@@ -157,9 +164,11 @@ class RunWatcher:
     def _notice_end(self, node: NodeProcess, now: float) -> None:
         code = node.process.returncode
         at = f"at {self._time:g} s of simulated time"
+        # Only plant and recorder end by themselves; any other node that ends is missing.
         if code != 0 or node.name not in (MASTER, RECORDER):
             raise RunFailed(f"{node.failure()}, {at}")
         self._present.pop(node.name, None)
+        # From the first time that the end was noticed on: this is called again and again.
         self._recorder_by = min(self._recorder_by, now + _PATIENCE)
         has_timing = bool(self._reports.timing)  # the plant in real time has reported its end
         given_up = self._recorder_by + (_TO_CATCH_UP if has_timing else 0.0)

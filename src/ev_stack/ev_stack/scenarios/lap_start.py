@@ -32,9 +32,11 @@ def lap_start(driver: Configuration) -> LapStart | None:
     vehicle = driver.common.vehicle
     line = racing_line(course, max(vehicle.front_track, vehicle.rear_track))
     leg, left = -1, _BEFORE
+    # Backwards along the closed line, which ends at its first point.
     while left > line.step[leg]:
         left -= float(line.step[leg])
         leg -= 1
+    # Within this leg, by what is left of the way.
     end, begin = line.points[leg + 1], line.points[leg]
     along = (end - begin) / line.step[leg]
     x, y = (end - left * along).tolist()
@@ -44,8 +46,10 @@ def lap_start(driver: Configuration) -> LapStart | None:
     rounds = ceil(length / float(line.step.sum())) + 1
     step = np.tile(line.step, rounds)
     step = step[: np.searchsorted(np.cumsum(step), length) + 1]
+    # One number more: both ends of every leg.
     curvature = np.tile(line.curvature, rounds)[: len(step) + 1]
     square = speed_profile(limits(limit, vehicle), vehicle, curvature.tolist(), step.tolist())
     speed = limit.scale * np.sqrt(square)
+    # Each leg at the mean of the speeds at its ends.
     time = float((2.0 * step / (speed[1:] + speed[:-1])).sum())
     return LapStart(values, float(ceil(_SLOWER * time + _ROOM)))

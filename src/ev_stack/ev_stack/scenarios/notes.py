@@ -29,6 +29,7 @@ def _late_faults(run: Run) -> Iterator[str]:
     for role, configuration in run.configurations.items():
         for fault in parsed(configuration.faults):
             first, *_ = fault.periods(configuration.common.control_period)
+            # At the last instant itself a fault would still be seen.
             if first > periods:
                 yield (
                     f"{run.namespace}/{role}: fault {quoted(fault.text)} "

@@ -71,6 +71,7 @@ def read_yaml(text: str) -> Any:
 def _refuse_aliases_and_depth(text: str) -> None:
     """Refuse aliases, which ROS does not know: with some lines of them a text means gigabytes."""
     depth = 0
+    # Events, before anything is built of them.
     for event in yaml.parse(text, _Loader):
         if isinstance(event, yaml.AliasEvent):
             raise yaml.MarkedYAMLError(
@@ -104,6 +105,7 @@ class ParameterFile:
         except (yaml.YAMLError, UnicodeDecodeError) as error:
             line = getattr(getattr(error, "problem_mark", None), "line", None)
             where = f" in line {line + 1}" if line is not None else ""
+            # No quotation of the text: it may be a line of a file that is none of ours.
             what = f": {error.problem}" if isinstance(error, yaml.MarkedYAMLError) else ""
             raise ParameterError(f"{path}: not readable as YAML{where}{what}") from None
         if not isinstance(content, dict):

@@ -92,6 +92,7 @@ def load_scenario(
         given = Sources(namespace, files, overrides)
         run = _configured_run(run_name, given, duration, about)
         run = replace(run, report=report, metrics=about.metrics, course=about.course)
+        # Without any of them the car is the scenario's own, and resolving it again would be waste.
         may_be_another_car = overrides.vehicle or overrides.files or overrides.all_values
         if may_be_another_car and _needs_ramp(run, given, about, own):
             run = replace(run, slow_ramp=about.slow_ramp)
@@ -100,6 +101,7 @@ def load_scenario(
 
     refuse_unused_values(overrides.values, runs)
     refuse_unfollowed_speed(overrides.all_values, runs)
+    # With only some runs, what the others use would seem to be unused.
     if not only:
         switched = {node for node, key, _ in overrides.values if key == "method"}
         notes += unused_in_files(runs, sources, switched)
@@ -170,6 +172,7 @@ def _needs_ramp(run: Run, given: Sources, about: ScenarioParameters, own: Parame
     is_scaled_by_user = given.place(COLUMN, SCALE) >= _FURTHER
     if is_scaled_by_user or not has_angles:
         return False
+    # The run as the file alone has it, to compare the cars.
     of_the_file = Sources(run.namespace, [vehicle_file(about.vehicle), own], Overrides())
     as_it_is = _configured_run(run.name, of_the_file, about.duration, about)
     return car_of(run.configurations) != car_of(as_it_is.configurations)
@@ -189,8 +192,10 @@ def _configured_run(name: str, given: Sources, duration: float, about: ScenarioP
         start = lap_start(configurations[role]) if role == _DRIVER else None
         if start is not None:
             duration = duration or start.duration
+            # What files and command line give for the start goes before what the course would.
             values[MASTER] = {**start.values, **values[MASTER], "duration": duration}
             values[MASTER]["manoeuvre_end"] = about.duration or start.duration
+    # Back in the order of the roles, which everything that lists nodes follows.
     configurations = {role: configurations[role] for role in played}
     check_graph(configurations)
     period = configurations[MASTER].common.control_period

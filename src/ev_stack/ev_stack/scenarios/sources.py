@@ -75,6 +75,7 @@ class Sources:
                 if name == file or not name.startswith(file.removesuffix(_FILE)):
                     continue
                 place = self.place(role, name)
+                # A value before the file is one that the file is meant to replace.
                 if place > self.place(role, file) or place == command_line:
                     raise ParameterError(
                         f"parameter {name} is refused: {file} says it, allowed with {file} ''", name

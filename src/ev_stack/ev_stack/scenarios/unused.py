@@ -25,6 +25,7 @@ def refuse_unused_values(values: Iterable[tuple[str, str, Any]], runs: Sequence[
             raise ParameterError(
                 f"{node}.{key} is refused: no node plays {node}, allowed with --method {node}=NAME"
             )
+        # For `*` it is enough that one node uses it.
         if all(key in each.unused for each in played):
             try:
                 refuse_unused([key], [each for each in played if each.role == played[0].role])
@@ -54,6 +55,7 @@ def refuse_unfollowed_speed(values: Iterable[tuple[str, str, Any]], runs: Sequen
 def _follows_a_speed(run: Run) -> bool:
     driver = run.configurations[_DRIVER].values()
     is_pressed = driver.get("pedals.begin", False)
+    # Until the pedals begin, by time or by speed, the driver follows his speed.
     if not is_pressed or driver["pedals.begin_time"] or driver["pedals.begin_speed"]:
         return True
     return run.configurations[MASTER].values().get("speed") == "imposed"
@@ -75,6 +77,7 @@ def unused_in_files(
                 if role in switched:
                     continue
                 for name in of_run.given[role][place]:
+                    # Over all runs: what one of them uses is not unused.
                     full = f"{role}.{name}"
                     is_used = name not in configuration.unused
                     found[full] = found.get(full, False) or is_used

@@ -1,4 +1,10 @@
-"""Page as one file from the results of commands: templates, scripts, signals and figures."""
+"""Page as one file from the results of commands: templates, scripts, signals and figures.
+
+How it works: the page holds its signals as text. A channel is rounded to some steps of its range
+(`pack`), its differences are deflated, and equal channels are there once. If all together are too
+long for a page, first fewer bytes a sample are tried, then an envelope of lowest and highest values
+over longer and longer spans. The page's script unpacks what it draws (templates/signals.js).
+"""
 
 from __future__ import annotations
 
