@@ -1,8 +1,8 @@
 """Drivers whom other programs command: Autoware's vehicle interface, and ackermann_msgs.
 
 How it works: the driver is an ordinary node with the law of commanded.py, which has places for the
-command in its state. The node writes the newest command into that state between steps and reads from it
-what it reports, so the law itself knows no messages.
+command in its state. The node writes the newest command into that state between steps and reads
+from it what it reports, so the law itself knows no messages.
 """
 
 from __future__ import annotations
