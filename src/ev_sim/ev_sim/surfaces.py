@@ -121,6 +121,7 @@ def tyre_on_road(
             scale, 1.0, 0.0, 0.0, rolling_resistance, scale * tyre.front_mf[MF_NAMES.index("pdx1")]
         )
     coefficients = list(tyre.coefficients)
+    # The surfaces are Burckhardt's own coefficients.
     if curve == "burckhardt":
         coefficients = [of.c1, of.c2, of.c3, 0.0]
     else:

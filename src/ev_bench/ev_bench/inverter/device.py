@@ -297,6 +297,7 @@ class DcLinkParameters:
     )
 
     def __post_init__(self) -> None:
+        # A link that has just been charged must be clear of the voltage at which it counts as lost.
         if self.least_share >= 0.9 * self.charged_share:
             raise ParameterError("least_share must be below nine tenths of charged_share")
 

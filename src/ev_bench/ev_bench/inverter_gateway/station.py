@@ -71,6 +71,7 @@ class GatewayStation:
         if not name or not name.endswith(circuit):
             return
         feedback = self.devices[name].feedback
+        # A checksum is over a fixed length: a frame of another one cannot be right.
         if len(frame.data) != length:
             feedback.refused += 1.0
             return

@@ -60,6 +60,7 @@ class TestBenchNode(SteppedNode):
         except ValueError as error:
             response.success, response.message = False, str(error)
             return response
+        # The sequence is where the parameter is: it goes on only if that was taken over.
         result = self.set_parameters_atomically([Parameter(_ENABLED, value=sequence.enabled)])
         response.success, response.message = result.successful, result.reason
         if result.successful:
@@ -75,6 +76,7 @@ def make(**node_arguments: Any) -> SteppedNode:
             # it needs python-can, which others do without
             from ev_bench.nodes.inverter import OnBus
 
+            # The bus comes first among the bases: it has another player of the role.
             return type("TestBenchOnBus", (OnBus, TestBenchNode), {})(**node_arguments)
         return TestBenchNode(**node_arguments)
 

@@ -60,7 +60,7 @@ def _refuse_another_bus(of_bench: BusInterface, bus: BusInterface) -> None:
     """RunFailed if the bench names a bus that is not that of the gateway, which both ends get."""
     for field in fields(BusInterface):
         value, given = getattr(of_bench, field.name), getattr(bus, field.name)
-        # What is at its default was not named by anybody, and follows the gateway.
+        # What is at its default was not named, and follows the gateway.
         if value not in (field.default, given):
             raise RunFailed(
                 f"test_bench.bus.{field.name}: {quoted(value)} is refused, expected "

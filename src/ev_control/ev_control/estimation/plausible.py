@@ -128,14 +128,18 @@ def judge_wheels(
     Where nothing is left that could be believed, all of it starts again: the expectation is wrong.
     """
     allowed = p.tolerance + p.share * abs(seen.expected)
+    # While nothing brakes, a wheel without a motor rolls.
     rolls = seen.direction * seen.expected >= 0.0
     for i in range(4):
         gap = seen.by_wheel[i] - seen.expected
+        # A driven wheel cannot be slower than it rolls, a braked one not faster: the direction is
+        # against the travel then.
         is_behind = gap * seen.direction < -allowed
         is_off = rolls and not car.driven[i] and abs(gap) > allowed
         # Asked first and always, because it keeps since when the wheel has its speed.
         cannot_be = is_stuck(p, car, s, seen, i) or is_behind or is_off
         if cannot_be:
+            # With a time below a period one look is enough.
             s.doubt[i] = min(s.doubt[i] + period / max(p.time, period), 1.0)
         else:
             s.doubt[i] = max(s.doubt[i] - period / p.recovery, 0.0)

@@ -140,6 +140,7 @@ def slip_by_disturbance(
     share = wheel_dynamics.filter_share(period, p.filter_time)
     torque = wheel_dynamics.follow(s.torque, motion.torque, share)
     turning = wheel_dynamics.follow(s.acceleration, motion.acceleration, share)
+    # The slip is over both, and near their zeros it is noise.
     if abs(turning) < p.least_acceleration or motion.speed < p.slowest:
         return s.slip * (1.0 - wheel_dynamics.filter_share(period, p.forget_time))
     carried = car.wheel_radius * car.wheel_radius * wheel_dynamics.mass_share(car)

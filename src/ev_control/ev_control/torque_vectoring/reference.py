@@ -120,6 +120,7 @@ def wanted_motion(
     speed = bend.speed
     u = abs(bend.speed)
     angle = abs(bend.road_wheel_angle)
+    # Never zero: the characteristic divides by it.
     largest = p.grip_share * max(bend.grip, LEAST_GRIP)
     gradient = 0.0 if kind == Reference.NEUTRAL else p.gradient
     straight = car.wheelbase / (u * u)
@@ -135,6 +136,7 @@ def wanted_motion(
     # The lag gives the rate that the feed-forward needs, without a derivative.
     change = filter_share(period, p.lag) * (yaw_rate - s.yaw_rate)
     s.yaw_rate += change
+    # r = u delta/(L + K u^2), solved for delta.
     angle_of_linear_car = s.yaw_rate * (car.wheelbase + gradient * u * u) / speed
     return Wanted(s.yaw_rate, change / period, angle_of_linear_car)
 

@@ -83,6 +83,7 @@ def motors_turn(car: Car, speed: Wheels) -> float:
     b = motor_range(car, 1, speed[1])
     c = motor_range(car, 2, speed[2])
     d = motor_range(car, 3, speed[3])
+    # Either way: each wheel has to drive as well as to brake with this torque.
     front = min(min(a.most, -a.least), min(b.most, -b.least)) * car.front_track
     rear = min(min(c.most, -c.least), min(d.most, -d.least)) * car.rear_track
     return (front + rear) / car.wheel_radius

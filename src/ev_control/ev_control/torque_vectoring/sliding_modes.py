@@ -70,7 +70,7 @@ def super_twisting_moment(
     Within the layer |s| and sgn(s) stand for `layer` and s/layer.
     """
     side = min(max(error / p.layer, -1.0), 1.0)
-    # 1.1 C and 1.5 sqrt(C) are the gains of Levant (1998) for a disturbance whose rate is below C.
+    # 1.1 C and 1.5 sqrt(C) are the gains of Levant (1998) for a rate of the disturbance below C.
     s.moment -= car.yaw_inertia * 1.1 * p.roughness * period * side
     return s.moment - car.yaw_inertia * 1.5 * sqrt(p.roughness * max(abs(error), p.layer)) * side
 

@@ -338,6 +338,7 @@ def planned_speed(
         return UNBOUNDED
     leg, twice = car.leg, 2.0 * p.acceleration
     since = passed_on(path, leg, car.x, car.y) - plan.begin[leg]
+    # v^2 grows by 2 a s away from both corners; the plan is the least of what they allow.
     from_behind = plan.point[leg] + twice * max(since, 0.0)
     for_ahead = plan.point[leg + 1] + twice * max(plan.run[leg] - since, 0.0)
     planned = sqrt(min(plan.leg[leg], from_behind, for_ahead))

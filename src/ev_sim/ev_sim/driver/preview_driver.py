@@ -136,6 +136,7 @@ def look_ahead(
     if abs(speed) > LOOKING_ROUND:
         s.direction = 1.0 if speed > 0.0 else -1.0
     gains = _gains_at(speed, s.direction)
+    # From one point ahead to the next, backwards in reverse.
     reach = s.direction * gains.speed * POINT_STEP
     distance, leg = paths.nearest(path, pose.x, pose.y, int(s.leg))
     s.leg = float(leg)
@@ -147,6 +148,7 @@ def look_ahead(
     z, w = pose.orientation_z, pose.orientation_w
     cosine, sine = w * w - z * z, 2.0 * z * w  # of the heading, from its quaternion
     heading = _turn(along_x, along_y, cosine, sine)
+    # The chord is as long as the reach, and so is the factor in the product: divided by it below.
     aside = along_x * (pose.y - here_y) - along_y * (pose.x - here_x)
     lateral = aside / (gains.speed * POINT_STEP)
     # Both estimates divide by the speed.

@@ -131,6 +131,7 @@ def preview_gains(p: PreviewParameters, vehicle: Vehicle) -> PreviewGains:
     a disturbance that is known before. Behind the last point the path is taken to bend on as there,
     so that a circle is followed without error however short the preview is.
     """
+    # Without a point ahead the driver would see no bend at all.
     points = max(round(p.preview_time / POINT_STEP), 1)
     speed = np.array([*GAIN_SPEEDS, *(-speed for speed in GAIN_SPEEDS)])
     a, b = _stepped(*_model(p, vehicle, speed))

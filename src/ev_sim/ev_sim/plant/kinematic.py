@@ -152,6 +152,7 @@ def outputs(car: Car, s: KinematicPlantState) -> tuple:
         ),
         signals.InertialMeasurement(
             yaw_rate,
+            # Along and across the path, turned by the course offset into the axes of the car.
             s.acceleration * along - centripetal * across,
             s.acceleration * across + centripetal * along,
         ),
@@ -232,6 +233,7 @@ def kinematic(
     car then moves on a circular arc, which is integrated exactly. Torques and angle are held as the
     guard accepts them.
     """
+    # Once in a period: command, path and what resists stay while it lasts.
     held = guarded_torques(c, s.guard, commanded.torques)
     angle = guarded_angle(c, s.guard, commanded.column)
     base = car.wheelbase

@@ -211,6 +211,7 @@ def wheel_places(vehicle: Vehicle) -> tuple[tuple[float, ...], tuple[float, ...]
     front_half = vehicle.front_track / 2
     rear_half = vehicle.rear_track / 2
     offset = vehicle.centre_of_mass_offset
+    # A centre of mass left of the middle has the left wheels nearer.
     y = (front_half - offset, -front_half - offset, rear_half - offset, -rear_half - offset)
     return (front, front, rear, rear), y
 
@@ -273,6 +274,7 @@ def car_faults(
         tuple(float(CODES.index(fault.kind)) for fault in faults),
         tuple(begin for begin, _ in periods),
         tuple(end for _, end in periods),
+        # A delay is one of whole control periods, as commands come.
         tuple(round(f.value / period) if f.kind == "inverter_delay" else f.value for f in faults),
         tuple(wheel for fault in faults for wheel in fault.wheels()),
     )

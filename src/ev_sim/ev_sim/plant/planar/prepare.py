@@ -235,6 +235,7 @@ def checked_initial_torque(parameters: PlanarParameters, vehicle: Vehicle) -> tu
         (parameters.drive in DRIVE_MODELS, "drive torque_controlled"),
         (not has_own_motors(vehicle), "vehicle.driveline.coupling individual"),
         (
+            # `begin_driven` looks for the slip on one curve over slip.
             vehicle.tyre.curve in ("mf_tyre", "dry_friction"),
             "a vehicle.tyre.curve over slip, not mf_tyre",
         ),
