@@ -127,6 +127,7 @@ def linearised(vehicle: Vehicle, point: OperatingPoint) -> LinearisedPlant:
         n for n, place in enumerate(INTEGRATED_PLACES) if place.name.partition(".")[0] in _STATES
     ]
 
+    # The drive torques are those at the point, whatever the angle is.
     def rates_at(change: np.ndarray, angle: float) -> np.ndarray:
         equations.hold(angle, drive)
         return equations.rates(_moved(middle, places, change), starts=True)[places]
@@ -226,6 +227,7 @@ _FREQUENCIES = np.logspace(-1.0, 1.5, 200)  # [Hz]; a driver steers with up to a
 def bode_figure(model: SideSlipModel, plant: LinearisedPlant) -> Sheet:
     """Magnitude and phase of dA/delta: W12, W12 with the steering rate that it drops, and the linearised plant."""
     omega = 2 * np.pi * _FREQUENCIES
+    # Beside W12 both what it drops by itself and all that the plant has besides.
     curves = {
         "W12 with the steering rate": _decibels(model.response_with_steering_rate(omega)),
         "planar plant, linearised": _decibels(plant.slip_angle_difference(omega)),

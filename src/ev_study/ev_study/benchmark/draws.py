@@ -44,6 +44,7 @@ def numbers_drawn(board: Board, cell: Cell) -> tuple[list[int], dict[str, list[A
     random = np.random.Generator(np.random.PCG64([board.seed, zlib.crc32(cell.id("").encode())]))
     seeds, found = random.integers(_ANYTHING, size=board.draws).tolist(), {}
     for variation in board.variations:
+        # Of a choice the bounds are 0 and 1, and the numbers drawn by them are not used.
         low, high = variation.bounds
         numbers: list[Any] = (low + (high - low) * random.random(board.draws)).tolist()
         if variation.parameter == MOTOR_FAULT:

@@ -93,6 +93,7 @@ def keys_of_cells(
             # With the first law alone: it shows what the scenario has, for the variations to be
             # held against.
             runs.append(_playing(base, law_of(board, laws[0], base)))
+        # The run without a law gives the car for the laws.
         of_run, base = of_runs[at]
         for law in laws:
             if (cell.car, law) not in of_laws:

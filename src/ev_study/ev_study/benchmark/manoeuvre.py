@@ -39,6 +39,7 @@ class Manoeuvre:
     steering_on: str = ""
     entry_speed: list[float] = field(default_factory=list)
     speed_scale: list[float] = field(default_factory=list)
+    # 64 speeds.
     halvings: int = 6
     demand: list[str] = field(default_factory=list)
     without: list[str] = field(default_factory=list)

@@ -111,6 +111,7 @@ def in_words(known: Knowledge, free: Sequence[FreeParameter]) -> list[str]:
         sign = np.sign(direction[order[0]])
         parts = [f"{'+' if sign * direction[n] > 0 else '-'} {free[n].name}" for n in order]
         what = "alone" if len(parts) == 1 else "together"
+        # A direction without any information has a million scales, which is no number to print.
         lines.append(
             f"{' '.join(parts).removeprefix('+ ')} {what}, to {min(deviation, 99.0):.2g} of the scale"
         )

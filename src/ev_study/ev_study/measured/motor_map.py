@@ -114,6 +114,7 @@ def fit_motor(file: Path) -> MotorFit:
     size = np.linalg.norm(weighed, axis=0)
     # P (1/eta - 1) is the loss that was measured.
     found, _ = nnls(weighed / size, (weight * power * (1.0 / efficiency - 1.0))[~held_out])
+    # The column lengths are taken out again.
     losses = dict(zip(terms, (found / size).tolist(), strict=True))
     model = power / (power + matrix @ (found / size))
     return MotorFit(losses, speed, torque, efficiency, model, held_out, int(np.sum(~whole)), digest)

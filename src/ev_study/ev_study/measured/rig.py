@@ -98,6 +98,7 @@ def read_rig(paths: list[Path]) -> Sweeps:
         of = last + 1 + np.concatenate([[0], np.cumsum(_begins(columns))])
         number.append(of)
         last = int(of[-1])
+    # From here on SI and ISO.
     points = Points(
         **{
             name: factor * np.concatenate([t[column] for t in tables])
@@ -110,6 +111,7 @@ def read_rig(paths: list[Path]) -> Sweeps:
     # Numbered anew: a sweep of which no sample is left would be a hole in the count.
     numbers = np.unique(np.concatenate(number)[whole], return_inverse=True)[1]
     found = Sweeps(points.some(whole), numbers, " ".join(digests), int(np.sum(~whole)))
+    # After the conversion: a file that is in ISO already shows here.
     _check_signs(", ".join(map(str, paths)), found)
     return found
 

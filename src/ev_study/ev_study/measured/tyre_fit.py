@@ -163,6 +163,7 @@ def fit_tyre(sweeps: Sweeps, held_out: int = 3) -> TyreFit:
         if not (chosen & ~unseen).any():
             at_start += free
             continue
+        # Of the sweeps that are seen only; errors below are of all their samples.
         thin = _thinned(sweeps.number, chosen & ~unseen)
         values, deviations = _fitted(free, model, found, points.some(thin), force[thin])
         # On a straight piece of the curve friction and shape take each other's place: they stay at
@@ -177,6 +178,7 @@ def fit_tyre(sweeps: Sweeps, held_out: int = 3) -> TyreFit:
             values, deviations = _fitted(free, model, found, points.some(thin), force[thin])
         found |= values
         undecided += [name for name, of in deviations.items() if of > UNDECIDED * PRIOR]
+        # An error of the seen part alone would not show a fit that follows noise.
         for errors, part in ((seen_errors, chosen & ~unseen), (unseen_errors, chosen & unseen)):
             if part.any():
                 errors[kind] = _relative(model(found, points.some(part)), force[part])
@@ -208,6 +210,7 @@ def _fitted(
     # A coefficient that is off by PRIOR of its range costs as much as one force off by BELIEVED.
     weights = BELIEVED / (PRIOR * (highs - lows))
 
+    # Forces over the largest one, so that one threshold of the loss fits tyres of all sizes.
     def errors(values: np.ndarray) -> np.ndarray:
         coefficients = {**others, **dict(zip(free, values, strict=True))}
         of_force = (model(coefficients, points) - force) / largest

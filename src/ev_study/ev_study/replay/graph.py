@@ -80,6 +80,8 @@ class Replay:
     def run(self, signals: Path) -> Run:
         """The graph, with the recorded signals in a file."""
         configurations = {}
+        # The car, the period and the seed, which all roles share; the rest of the values is of the
+        # replayed role.
         common = {
             name: value
             for name, value in self.values.items()

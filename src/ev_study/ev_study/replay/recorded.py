@@ -128,6 +128,7 @@ def _messages(bag: Path, wanted: str) -> tuple[str, Mapping[Topic, _Messages]]:
             known = {(c.topic, c.msgtype): _meant(c.topic, c.msgtype) for c in reader.connections}
             ours = [c for c in reader.connections if known[c.topic, c.msgtype]]
             for connection, time, message in reader.messages(ours):
+                # Never None here: `ours` has the topics of the contract alone.
                 place = known[connection.topic, connection.msgtype]
                 if place is not None:
                     data[place].append(bytes(message))

@@ -66,6 +66,7 @@ def load_for(runs: Sequence[Run]) -> None:
     compile_for(runs, in_nodes=False)
     for run in runs[:1]:
         with suppress(ValueError):
+            # No step is driven: only the code is loaded.
             graph_run(run.configurations, 0.0)
 
 

@@ -77,7 +77,7 @@ def read_cars(file: Path | str) -> list[ElectricCar]:
     """
     cars = []
     for line, row in _rows(file):
-
+        # Line and row as defaults: a closure would see those of the last turn.
         def number(
             column: str, least: float, line: int = line, row: Mapping[str, str] = row
         ) -> float:
@@ -258,6 +258,8 @@ def fit(cars: Sequence[ElectricCar]) -> Assumptions:
     classes = list(read_assumptions().idle)
     common = [name for name in _BOUNDS if name not in ("idle", "recovery")]
     names = [*common, *("idle" for _ in classes), *("recovery" for _ in classes)]
+    # All numbers as deviations from what is expected, in units of how firm that is: the prior is a
+    # residual like the others.
     low, high, expected, firm = (np.array([_BOUNDS[name][i] for name in names]) for i in range(4))
 
     def assumptions(scaled: np.ndarray) -> Assumptions:

@@ -145,6 +145,7 @@ def _values(car: ElectricCar, cycle: str, a: Assumptions) -> tuple[tuple[str, st
         **dict.fromkeys(("battery.discharge_power", "battery.charge_power"), _NO_LIMIT),
     }
     control = {
+        # In proportion to the mass, so that all cars follow the cycle alike.
         "proportional_gain": 5.0 * car.mass,
         "integral_gain": 5.0 * car.mass,
         "max_drive_torque": _LARGE_TORQUE,

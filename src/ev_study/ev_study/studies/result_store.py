@@ -30,6 +30,7 @@ RECORDING = ".npz"
 _FOLDERS = 3  # with recordings that stay
 _DAY = 86400.0  # [s]
 _MONTH = 30.0 * _DAY
+# Only folders with such a name are ours to remove: the user may have chosen any parent.
 _DIGEST = "[0-9a-f]" * 24
 
 

@@ -194,7 +194,9 @@ def metrics_of_cases(results: Results, units: Mapping[str, str]) -> dict[str, Me
     """Each of some quantities, by unit, that were measured on each case."""
     return {
         f"{quantity} {name}": metric(
-            lambda measured=result.measured, quantity=quantity: measured[quantity], unit
+            # Defaults, since a closure would see the last turn of the loops.
+            lambda measured=result.measured, quantity=quantity: measured[quantity],
+            unit,
         )
         for name, result in results.items()
         for quantity, unit in units.items()

@@ -161,6 +161,7 @@ def refuse_others(client: Client) -> None:
     own = versions()
     for worker, theirs in client.run(versions).items():
         for package, version in theirs.items():
+            # Another version of numpy or of a compiler may round otherwise.
             if version != own[package]:
                 expected = f"expected {own[package]} as here"
                 raise RunFailed(f"worker {worker} has {package} {version}, {expected}")

@@ -44,6 +44,7 @@ def search(
         "bounds": [0.0, 1.0],
         "seed": np.nan,
         "randn": lambda *shape: random.standard_normal(shape),
+        # Nothing is printed.
         "verbose": -9,
     }
     strategy, used = cma.CMAEvolutionStrategy(start, STEP, options), 1

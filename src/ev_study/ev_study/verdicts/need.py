@@ -142,6 +142,7 @@ class StudyCases:
 Driven = ScenarioRuns | StudyCases
 
 
+# Of the same kind: the signals that are kept do not depend on how they are judged or drawn.
 _ONLY_JUDGES = (*NEVER_DRIVES, "ev_study/verdicts", "ev_stack/figures")
 
 

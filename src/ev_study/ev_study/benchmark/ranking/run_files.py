@@ -40,6 +40,7 @@ def _write_lines(
 ) -> None:
     for run in result.runs():
         file.write(begin + json.dumps(run, allow_nan=False, ensure_ascii=False).encode())
+        # The first run has the head of the file in front, the others a separator.
         begin = between
     file.write(end)
 

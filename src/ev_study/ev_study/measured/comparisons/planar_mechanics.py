@@ -111,6 +111,7 @@ def planar_mechanics(folder: Path) -> dict[str, float]:
         found[f"{name}_equations"] = max(_apart(theirs, there))
         found[f"{name}_mass_on_axle"] = max(_apart(plant, on_axle))
     for name, adhesion, sliding, least in (
+        # The first wheel has fixed slip speeds, the second one shares of the speed of its rim.
         ("TestDryFrictionWheel", 0.0, 0.0, (0.1, 0.3)),
         ("TestSlipBasedWheel", 0.04, 0.12, (0.05, 0.15)),
     ):
@@ -222,7 +223,9 @@ def equations_at_end(car: Car, time: np.ndarray, angle: np.ndarray) -> np.ndarra
             spin_rates[i] = (wheel.torque - car.radius * pushed.real) / car.spin_inertia
         return np.concatenate([y[3:6], np.linalg.solve(mass, force), spin_rates])
 
+    # Everything begins at rest at the origin, the car along x.
     start = np.zeros(6 + len(car.wheels))
+    # LSODA, since friction over slip speed is steep at rest: the wheels are stiff there.
     end = solve_ivp(rates, (0.0, time[-1]), start, method="LSODA", rtol=1e-6, atol=1e-8).y[:, -1]
     return np.array([end[0] + 1j * end[1], end[2]])
 

@@ -39,7 +39,9 @@ Source = tuple[str, int]  # bus and id of a frame
 _FROM_ZERO = (".asc", ".blf")  # formats with buses that python-can counts from 0, the files from 1
 # candump, text of Vector and of PEAK, Vector's binary, ASAM MDF
 SUFFIXES = (".log", ".asc", ".trc", ".blf", ".mf4")
+# The head of an .asc file in which each time counts from the line before.
 _RELATIVE = re.compile(r"^base\s+\w+\s+timestamps\s+relative", re.IGNORECASE | re.MULTILINE)
+# The line of a frame begins with its time; no other line begins with such a number.
 _TIMED = re.compile(r"^(\s*)(-?\d+\.\d+)(?=\s)", re.MULTILINE)
 
 

@@ -265,6 +265,7 @@ def measured(
     begin, end = (
         pick(each.time[n] for each, _ in columns.values()) for pick, n in ((max, 0), (min, -1))
     )
+    # Rounded, and one more since both ends count.
     instants = np.arange(int((end - begin) / period + 1.5) if end > begin else 0) * period
     if len(instants) < 2:
         raise ParameterError(f"{source}: its channels have no time in common")

@@ -184,6 +184,7 @@ def corridors_of(
         replay.configurations["plant"].common.vehicle.wheelbase,
         simulated[ROAD_WHEEL_ANGLE],
     )
+    # Both with the same measured angle: they differ by the yaw rate that came of it.
     beyond = [angle - _slow_bend(wheelbase, r, u) for r, u in zip(rates, speeds, strict=True)]
     found = {
         STEERING: Corridor(

@@ -74,6 +74,7 @@ def contradictions(replay: OpenLoop) -> list[str]:
                 LATERAL_ACCELERATION, own, "speed times yaw rate", turning[moving], 0.5, 2.0
             )
     if LONGITUDINAL_ACCELERATION in channels:
+        # An accelerometer also shows the slope of the road, so these limits are wider.
         faster = rate_of(record, speed)[moving]
         own = smoothed(record, LONGITUDINAL_ACCELERATION, _SLOW)[moving]
         if np.std(faster) > _ACCELERATES:
