@@ -109,7 +109,6 @@ def drive_torques(vehicle: Vehicle, force: float) -> Wheels:
     driven = [name in vehicle.driven_wheels for name in WHEEL_NAMES]
     if force and not any(driven):
         raise ParameterError(f"vehicle {vehicle.name} has no driven wheels")
-    # A force on the car from torques at the wheels, equal ones.
     each = force * vehicle.wheel_radius / max(sum(driven), 1)
     return Wheels(*(each if drives else 0.0 for drives in driven))
 

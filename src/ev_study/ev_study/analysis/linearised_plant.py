@@ -175,7 +175,7 @@ def _parameters(point: OperatingPoint, initial_speed: float) -> PlanarParameters
 
 def _brought_to(vehicle: Vehicle, point: OperatingPoint) -> np.ndarray:
     """The state of a plant in the motion of the point."""
-    # The plant reads its inputs of the one frame and writes its state to the other.
+    # The plant reads its inputs from the one frame and writes its state to the other.
     here, there = Frame(), Frame()
     column = SteeringColumnState(0.0, 0.0, 0.0, point.road_wheel_angle, 0.0)
     for signal in (WheelTorqueCommand(point.drive), column):

@@ -76,7 +76,6 @@ def run_verdicts(argv: Sequence[str]) -> None:
                 f"sources: {', '.join(sources())}"
             )
         if found:
-            # Which figures show an id, for the links of the page.
             images = {
                 id: names for source in sources() for id, names in images_by_id(source).items()
             }

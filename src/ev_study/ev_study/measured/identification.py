@@ -121,11 +121,11 @@ class Residuals:
 
     def fit(self, begin: np.ndarray, most: int) -> OptimizeResult:
         """Least squares from a point on, with the loss soft_l1 beyond three weights, in at most so many steps."""
-        # The prior's rows pass through soft_l1 as the others do: three widths away it pulls
-        # linearly.
         low, high = self.ends
         # A start that was drawn may lie beyond an end, which least_squares refuses.
         inside = np.clip(begin, low + 1e-6 * (high - low), high - 1e-6 * (high - low))
+        # The prior's rows pass through soft_l1 as the others do: three widths away it pulls
+        # linearly.
         prior = np.eye(len(begin)) / self._width
         return least_squares(
             lambda point: np.append(self.at(point[None])[0].ravel(), (point - self.begin) / self._width),

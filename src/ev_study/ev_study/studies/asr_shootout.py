@@ -168,7 +168,6 @@ def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
     wheels = [_wheel(recording, name, vehicle) for name in vehicle.driven_wheels]
     slips = np.array([each.slip for each in wheels])
     ripples = [each.ripple for each in wheels]
-    # Every so many samples, whatever the control period is.
     step = _samples_in(TRACE_STEP, recording)
     # Before that the car is held by its brake.
     asked = slips[:, time >= ASKED]

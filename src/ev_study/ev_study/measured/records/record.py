@@ -406,7 +406,6 @@ def _move_to_centre(
     """Velocities, accelerations and sideslip beside the centre of mass, of a rigid body that turns in the plane."""
     moved = [n for n, of in declared.items() if of.x or of.y]
     # last: it needs the velocity at the centre of mass
-    # The others first.
     moved.sort(key=lambda name: name == SIDESLIP)
     for name in moved:
         if name in _SAME_EVERYWHERE:

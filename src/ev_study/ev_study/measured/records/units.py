@@ -42,7 +42,7 @@ _WRITTEN = {
     **dict.fromkeys(("°c", "c", "deg c"), "degC"),
     **dict.fromkeys(("sec", "seconds"), "s"),
 }
-# The last brackets of a name, round or square.
+# Brackets at the end of a name, round or square.
 _BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]$")
 # what a file writes for a number without a unit, or for one that it does not know
 _NONE = ("", "-", "1")
