@@ -22,6 +22,7 @@ def receive_set_point(
     if checking.is_valid(status):
         _take_over(layout, s, payload)
         s.supervision.age = s.supervision.wrong_crc = s.supervision.wrong_counter = 0.0
+        # The content is used, and the warning of lost frames begins again.
         if status == checking.OK_SOME_LOST:
             s.supervision.lost_age = 0.0
         return status
@@ -142,6 +143,7 @@ def _electrical(f: frames.BenchFrames, s: Inverter) -> int:
     payload = inserted(
         payload, f.electrical.phase_current, s.phase_current + s.injected.current_rise
     )
+    # Between two phases, sqrt(3) times that to the neutral.
     return inserted(payload, f.electrical.phase_voltage, sqrt(3.0) * s.phase_voltage)
 
 

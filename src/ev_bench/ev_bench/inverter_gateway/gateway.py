@@ -173,6 +173,7 @@ def watch(p: PlausibilityParameters, s: Device, shaft: Shaft, period: float) -> 
     s.watched_speed = shaft.speed
     apart = abs(inside - reported) > p.torque or abs(shaft.speed - shaft.wheel) > p.speed
     s.doubtful_time = s.doubtful_time + period if apart else 0.0
+    # Half a period less, so that it does not depend on how the sum was rounded.
     if s.enable and s.doubtful_time >= p.time - 0.5 * period:
         s.implausible = True
 

@@ -74,6 +74,8 @@ class BenchStation(ChannelStation):
 
     def receive(self, frame: Frame) -> None:
         """Take a frame of the channel; on the way to the drive a fault may be."""
+        # The faults of the bus are those of the drive's set-points. One of a wrong length counts as
+        # damaged there, as without a fault.
         if frame.identifier != self._drive or len(frame.data) != self._c.frames.set_point.length:
             super().receive(frame)
             return
@@ -123,6 +125,7 @@ class BenchStation(ChannelStation):
                 place = FEEDBACK_WORDS * device + 2 * tick
                 self.line.feedback[place : place + 2] = words(payload)
         channel = self.line.channel
+        # In the units of the model of the bus: bits of one control period.
         channel.busy = self._c.ticks / ticks * self.meter.bits
         channel.latency = self.meter.latency * bit_rate
         channel.lost = sum(inverter.lost for inverter in self.inverters)

@@ -166,6 +166,7 @@ def _said(
     channel = int(p.inject.drive)
     if wheel != int(c.right if channel == 0 else c.left):
         return torque
+    # The outputs are of the end of a period: the fault of its last tick counts.
     return measured(p.inject, present(p.inject, s.periods * c.ticks - 1.0, channel), torque)
 
 

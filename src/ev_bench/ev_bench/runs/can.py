@@ -117,6 +117,7 @@ def _hub() -> Iterator[str]:
     ) as hub:
         try:
             assert hub.stdout is not None
+            # Its first line has the port, once it listens; it is empty if the hub has ended.
             line = hub.stdout.readline().strip()
             place = line.rpartition(" ")[2]
             if not place.startswith(f"{HOST}:"):

@@ -85,6 +85,7 @@ def logged_frames(recording: Recording, bench: Configuration) -> tuple[list[Logg
         # Load, latency and lost frames show whether the bench steps as it did in the run.
         if there[states].tolist() != [columns[place][instant] for place in states]:
             return sorted(found), float(recording.time[max(instant - 1, 0)])
+        # No step follows the last instant.
         if instant == len(recording.time) - 1:
             break
         here[frame.TIME] = time

@@ -187,6 +187,7 @@ def maximum_transmissible_torque(
     if p.limits == Limits.ALWAYS:
         w.rate += share * ((wanted - w.asked) / period - w.rate)
         w.asked = wanted
+        # A pedal that is released needs no help.
         return transmissible if slips else transmissible + p.compensation * max(w.rate, 0.0)
     if slips and p.relaxation * tread > body + p.margin:
         return transmissible

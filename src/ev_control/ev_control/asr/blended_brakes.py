@@ -182,6 +182,7 @@ def of_wheel(
         ahead * now.rolling[i],
         ahead * (velocity - before) / now.period,
         ahead * sensors.imu.longitudinal_acceleration / car.wheel_radius,
+        # The friction brake is not measured: it is taken as it was commanded last.
         ahead * sensors.wheels.effort[i] - w.friction,
         car.driven_wheel_inertia[i],
     )

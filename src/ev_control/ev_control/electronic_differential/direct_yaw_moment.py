@@ -251,6 +251,7 @@ def wanted_moment(
     # Lateral acceleration that all wheels together can hold [m/s^2].
     grip = ((motion.grip[0] + motion.grip[1]) + (motion.grip[2] + motion.grip[3])) / car.mass
     # Slip angle of the rear axle, small angles [rad].
+    # Over |u|: in reverse, too, tyres push against their way aside.
     behind = -(motion.lateral - car.centre_of_mass_to_rear_axle * r) / abs(u)
     bend = Bend(u, motion.road_wheel_angle, grip, a_y, behind)
     wanted = wanted_motion(p.wanted, car, s.wanted, period, p.reference, bend)

@@ -248,6 +248,7 @@ def axle_redistribution(
     speed = sensors.wheels.velocity
     # By all wheels: one may spin or lock. At rest it counts as forwards.
     ahead = -1.0 if (speed[0] + speed[1]) + (speed[2] + speed[3]) < 0.0 else 1.0
+    # What is absurd changes nothing: axle, wheel and angle stay as they were found last.
     if p.source == KnownBy.TRUTH or is_plausible(sensors):
         angles = slip_angles(p, car, s, period, seen)
         observe(p, s, sensors, angles, ahead)

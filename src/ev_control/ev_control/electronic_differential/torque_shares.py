@@ -188,6 +188,7 @@ def adhesion_share(
     if p.friction == KnownBy.TRUTH:
         friction, load = tires.friction_coefficient, tires.load
     else:
+        # Without the plant's numbers loads follow from the accelerations.
         load = wheel_loads(car, sensors.imu)
         friction = friction_estimate.estimated_friction(
             p.estimate, car, s.estimate, period, total, sensors

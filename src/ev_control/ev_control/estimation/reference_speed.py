@@ -253,6 +253,7 @@ def observed_speed(
     gap = (slowest if ahead > 0.0 else fastest) - u
     # Beyond that wheel the estimate is wrong for sure; on its other side it need not be.
     rate = p.gripping_rate if gap * ahead < 0.0 else p.slipping_rate
+    # More than the whole gap in a period would overshoot.
     return u + gap * min(rate * period, 1.0)
 
 

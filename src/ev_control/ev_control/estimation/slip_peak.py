@@ -111,6 +111,7 @@ def peak_is_passed(p: SlipPeakParameters, s: SlipPeakState, noise: float) -> boo
         s.falling = 0.0
         return False
     peak = slip_curve_fit.fitted_peak(p, s.fit)
+    # A peak below the present slip: there the curve falls.
     s.falling = s.falling + 1.0 if peak <= s.slip else 0.0
     if peak > s.slip or s.falling < p.hits:
         return False

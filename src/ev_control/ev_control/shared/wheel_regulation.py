@@ -179,6 +179,7 @@ def moved(
         w.served = 0.0
         # Below some slip the drive would brake, and take the torque away that it is to limit.
         least = motion.rolling + p.least_slip * max(motion.rolling, p.slowest)
+        # From the speed that the wheel has, so that the drive begins to yield at once.
         return max(min(w.limit, motion.speed) - p.lowering * period, least)
     # Not limited, and no reason to begin.
     if w.limit == inf:

@@ -132,6 +132,7 @@ def suboptimal_moment(
         s.extremum = s.before
         s.way = -s.way
     s.before = error
+    # It switches at half of the last extremum, before the error gets to zero.
     side = min(max((error - s.extremum / 2.0) / p.layer, -1.0), 1.0)
     integral.moment -= car.yaw_inertia * p.rate * period * side
     return integral.moment

@@ -150,6 +150,7 @@ def turn_to_angle(
     """
     change = min(max(wanted_angle - s.reference, -(p.max_rate * period)), p.max_rate * period)
     s.reference += change
+    # The rate is that of the limited reference: a jump of what is wanted gives no kick.
     error, error_rate = s.reference - column.angle, change / period - column.rate
     direct = p.proportional_gain * error + p.derivative_gain * error_rate
     growth = p.integral_gain * period * error
@@ -268,6 +269,8 @@ def pure_pursuit(
     goal_x, goal_y = point_at(path, distance + preview, leg)
     ahead = (goal_x - rear_x) * cosine + (goal_y - rear_y) * sine
     aside = (goal_y - rear_y) * cosine - (goal_x - rear_x) * sine
+    # The squared distance is never negative, so the angle stays within a right angle, goal behind
+    # or not.
     angle = atan2(2.0 * car.wheelbase * aside, ahead * ahead + aside * aside)
     return min(max(angle, -p.max_angle), p.max_angle), leg
 

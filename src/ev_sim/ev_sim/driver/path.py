@@ -171,6 +171,7 @@ def _along_arcs(p: PathParameters) -> list[tuple[float, float]]:
         # A straight needs no chords.
         chords = math.ceil(length / _ARC_STEP) if curvature else 1
         turn = curvature * length / chords
+        # Length and direction of the chord of an arc: the direction is that of its middle.
         chord = length / chords * (sin(turn / 2) / (turn / 2) if turn else 1.0)
         for _ in range(chords):
             x, y = points[-1]

@@ -49,6 +49,7 @@ def limited_pid(
     """
     grown = integral + growth
     wanted = direct + grown
+    # At a limit the integral may only come back from it.
     if wanted > high:
         return high, min(grown, integral)
     if wanted < low:
@@ -242,6 +243,7 @@ def work_pedals(
     begins.
     """
     time, speed, fastest = pace
+    # Once begun it goes on, also when the car gets slower than `begin_speed`.
     if s.has_begun == 0.0 and _begins(p.pedals, time, speed):
         s.has_begun = 1.0
         s.begin = time

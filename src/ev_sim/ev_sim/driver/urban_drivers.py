@@ -212,6 +212,7 @@ def torque_of_power(p: PowerLevelParameters, car: Car, speed: float, wheels: Whe
         p.factor
         * (p.friction + p.rolling_resistance)
         * load
+        # At the slip of the limit wheels turn 1/(1 - slip) times as fast as they would roll.
         / (1.0 - p.slip)
         * max(speed, p.slowest)
     )

@@ -267,6 +267,7 @@ def advance_averaged(
     # Whole samples in a step; rounding does not make one more.
     samples = max(1, math.ceil(duration / p.averaged.sampling_period - 1e-9))
     period = duration / samples
+    # Midpoint rule: the current in R i is the mean of both ends of the step.
     half_decay = period * motor.resistance / (2.0 * motor.inductance)
     current = s.current
     charge = 0.0

@@ -74,6 +74,7 @@ def temperature_share(corners: Sequence[float], temperature: float) -> float:
 
     It is linear between 0, 1, 1 and 0 at four corners.
     """
+    # The two slopes; beyond 1 they meet the flat part between the middle corners.
     warm_enough = (temperature - corners[0]) / (corners[1] - corners[0])
     cool_enough = (corners[3] - temperature) / (corners[3] - corners[2])
     return min(max(min(warm_enough, cool_enough), 0.0), 1.0)

@@ -290,5 +290,6 @@ def active_front(
         added = min(
             max(p.gain * (error if speed > 0.0 else -error), -p.largest_angle), p.largest_angle
         )
+    # The gear is as slow on the way back to zero.
     step = p.largest_rate * period
     s.next_added = s.added + min(max(added - s.added, -step), step)

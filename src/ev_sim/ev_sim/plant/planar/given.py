@@ -384,6 +384,7 @@ def strike_motors(s: PlanarState, p: Any, car: Car, step: Step) -> None:
         if f.stuck[i] == 1.0:
             target[i] = f.stuck_torque[i]
         if f.hall[i] == 1.0:
+            # The electrical angle of the rotor, which begins at zero as that of the wheel does.
             angle = s.motion[WHEEL_ANGLE + i] * car.gear_ratio * p.motor.pole_pairs
             target[i] *= torque_share(angle)
         target[i] = 0.0 if f.tripped[i] == 1.0 else f.share[i] * target[i]

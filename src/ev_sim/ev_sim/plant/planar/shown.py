@@ -82,6 +82,7 @@ def keep_noted(s: PlanarState, car: Car, road: RoadTables) -> None:
     _, _, gravity_z, _ = gravity_at(road.slope, s.motion[state.BODY_DISTANCE], 0)
     load = loads(s.motion, car, gravity_z)
     for i in range(4):
+        # Exactly zero, as `wheel_loads` has it of a lifted wheel.
         if load[i] == 0.0:
             s.lifted[i] = 1.0
 
