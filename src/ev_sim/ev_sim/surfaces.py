@@ -359,10 +359,9 @@ def left_and_right(road: RoadParameters) -> tuple[Segments, Segments]:
         (road.random_shortest, road.random_longest),
         road.random_distance,
     )
+    # Each side has a stream of its own: more segments on one do not change the other.
     left_side, right_side = (
-        # Each side has a stream of its own: more segments on one do not change the other.
-        random_segments(np.random.default_rng((road.seed, side)), *drawn)
-        for side in (0, 1)
+        random_segments(np.random.default_rng((road.seed, side)), *drawn) for side in (0, 1)
     )
     return Segments(*left_side), Segments(*right_side)
 

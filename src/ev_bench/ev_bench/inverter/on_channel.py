@@ -99,7 +99,6 @@ def made(
 ) -> int:
     """The payload of the next frame of a kind at a shaft speed [rad/s]; its counter goes on."""
     frozen = s.injected.frozen_counter != 0.0
-    # A frozen counter repeats that of the last frame, and does not go on.
     counter = int(s.counters[kind])
     # A frozen counter stays that of the frame before, which a receiver takes for a repetition.
     used = last_counter(counter) if frozen else counter

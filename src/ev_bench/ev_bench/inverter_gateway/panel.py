@@ -1,7 +1,7 @@
 """ROS side of a gateway node: services, commands of the graph, feedback and its diagnosis.
 
 How it works: `Commands` reads both topics of commands and hands the values to the station,
-`FeedbackPublisher` publishes what the station knows of its devices, and `Panel` has the services.
+`FeedbackPublisher` publishes what the station has of its devices, and `Panel` has the services.
 
 Commands are wheel torques for the drives, torques or speeds for the load machines; feedback goes
 out as stock messages.

@@ -58,7 +58,7 @@ _forget_limit = start_again(AdhesionLimitWheel)
 @compilable
 def forget_limit(p: AdhesionLimitParameters, w: AdhesionLimitWheel) -> None:
     """Put a wheel back to the start."""
-    # The declared start knows no parameters, so the friction is set behind it.
+    # The declared start does not depend on parameters, so the friction is set behind it.
     _forget_limit(w)
     w.friction = p.largest_friction
 

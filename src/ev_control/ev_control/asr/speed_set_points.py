@@ -63,7 +63,7 @@ def speed_by_acceleration_ratio(
     criterion does not hold.
     """
     gains = gains_on_car(p.criterion, car, w.accelerations, period, motion)
-    # The criterion knows no range to stay in: where slip does not grow, the set-point rises to find
+    # The criterion has no range to stay in: where slip does not grow, the set-point rises to find
     # the limit.
     course = -1.0 if gains else 1.0
     return moved(p, w, period, motion, course, serves_request(p, car, motion, wanted))

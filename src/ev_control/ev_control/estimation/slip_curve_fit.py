@@ -201,7 +201,7 @@ def fitted_curve(fit: SlipCurveFit) -> FittedCurve:
 @compilable
 def fits(p: SlipCurveParameters, fit: SlipCurveFit, curve: FittedCurve) -> bool:
     """Return true if the squared errors of its best curve sum up to no more than allowed."""
-    # So short it is for the coefficients of the least squares alone.
+    # This short form holds for the coefficients of the least squares alone.
     error = fit.sum_yy - curve.a * fit.sum_xy - curve.b * fit.sum_root_y
     return p.largest_error == 0.0 or error <= p.largest_error
 

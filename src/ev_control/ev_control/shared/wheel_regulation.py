@@ -93,7 +93,6 @@ def weighed(p: SlipRegulatorParameters, slip: float, motion: wheel_dynamics.Whee
 
     About rest it weighs more, which is a smaller target.
     """
-    # The regulators are linear in the slip, so a larger slip does what a smaller target would.
     return slip / wheel_dynamics.share_at(motion, p.slip.slowest, p.at_rest)
 
 

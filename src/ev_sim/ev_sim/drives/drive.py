@@ -172,8 +172,8 @@ def conduct(
         next_off = _after(off, off_drive, motor, step)
         blocks = off * next_off < 0.0
         if blocks:
-            # The midpoint rule, solved for the step that ends at no current: -L i/h = drive - R
-            # i/2.
+            # -L i/h = drive - R i/2: the midpoint rule, solved for the step that ends without
+            # current.
             step = off * motor.inductance / (off * motor.resistance / 2.0 - off_drive)
             next_off = 0.0
         next_high = _after(high, high_drive, motor, step)
@@ -194,13 +194,10 @@ def conduct(
         energy += step * (power + off_voltage * mean_off)
         s.high_current = next_high
         s.off_current = next_off
+        # A step that was cut at the edge ends on it exactly: rounding short of it, the rotor would
+        # never enter the next sector.
         s.sector_angle = brushless_motor.turned(
-            # A step that was cut at the edge ends on it exactly: rounding short of it, the rotor
-            # would never enter the next sector.
-            s.sector_angle,
-            electrical_speed,
-            step,
-            step == to_edge,
+            s.sector_angle, electrical_speed, step, step == to_edge
         )
         remaining -= step
         if at_limit:

@@ -1,6 +1,6 @@
 """A steering robot for standard manoeuvres, with or without active front steering.
 
-How it works: the robot knows the angle over time. It keeps the angle of now and that of a period
+How it works: the angle over time is given. The robot keeps the angle of now and that of a period
 later, so that the column shows the rate that leads from one to the other; a plant goes on at that
 rate between two instants. `active_front` adds an angle to the road wheels, behind the steering
 wheel.

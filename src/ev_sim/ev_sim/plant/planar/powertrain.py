@@ -33,7 +33,7 @@ def within_electrical_limits(
     winding = thermal.coolant + s.winding_rise[i]
     inverter = thermal.coolant + s.inverter_rise[i]
     share = electrical_side.derating_share(thermal, winding, inverter)
-    # Either way alike: voltage and temperature know no direction of the torque.
+    # The limits by voltage and temperature are the same in both directions.
     most = voltage_limited_torque(car.motor.winding, voltage, speed)
     most = min(most, car.motor.peak_torque * share)
     return min(max(torque, -most), most)
@@ -363,8 +363,7 @@ def _blended(car: Car, i: int, wheel_speed: float, brake: float) -> float:
     """
     motor, gear = car.motor, car.gear[i]
     fade = min(abs(wheel_speed) / car.blend_fade_speed, 1.0)
-    # The motors fade out towards rest, where they could not hold; the friction brakes do that
-    # alone.
+    # At rest a power allows any torque; the 1e-9 keeps the division.
     at_power = motor.generator_power / max(abs(wheel_speed) * gear, 1e-9)
     limit = min(motor.generator_torque, at_power) * gear * car.motors[i]
     part = min(brake, limit * fade)
