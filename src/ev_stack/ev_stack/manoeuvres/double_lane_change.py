@@ -49,9 +49,8 @@ def metrics(
 
     def of(run: Recording) -> dict[str, Metric]:
         def hit() -> int:
-            _end_of_course(
-                run, vehicle, course
-            )  # a car that leaves the course early touches no cones
+            # a car that leaves the course early touches no cones
+            _end_of_course(run, vehicle, course)
             count = np.count_nonzero(hit_cones(run, vehicle, course))
             if not count and (left := _left(run, road, course, lanes_driven(run, vehicle, course))):
                 raise NotMeasured(left)  # no cone stands where the car was

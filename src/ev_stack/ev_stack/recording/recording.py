@@ -63,9 +63,8 @@ def _linked(unfinished: Path, path: Path) -> bool:
     except OSError as error:
         if error.errno not in _NO_LINKS:
             raise OSError(error.errno, error.strerror, str(path)) from None
-        path.touch(
-            exist_ok=False
-        )  # unlike a test for existence this leaves no gap for another process
+        # unlike a test for existence this leaves no gap for another process
+        path.touch(exist_ok=False)
         return False
     return True
 

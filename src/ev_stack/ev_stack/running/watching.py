@@ -83,9 +83,8 @@ class RunWatcher:
         # Wall times of the last look at a car at rest in time, and of the first one at its end.
         self._began_at: float | None = None
         self._arrived_at: float | None = None
-        self._recorder_by = (
-            math.inf
-        )  # wall time up to which the recorder may report that it has all
+        # wall time up to which the recorder may report that it has all
+        self._recorder_by = math.inf
 
     @property
     def is_over(self) -> bool:

@@ -19,9 +19,8 @@ from ev_stack.scenarios.files import configured_file
 from ev_stack.scenarios.parameter_file import ParameterFile
 from ev_stack.scenarios.slow_ramp import SlowRampParameters
 
-REPORTS = (
-    "ev_stack.reports"  # of entry points: the name of a scenario, and the module of its report
-)
+# of entry points: the name of a scenario, and the module of its report
+REPORTS = "ev_stack.reports"
 _OF_COURSES = "double_lane_change"  # its report measures and draws any course
 NAMESPACE = "/ev"  # of all nodes; of one run among several /ev/RUN
 SCENARIO_NODE = "scenario"
