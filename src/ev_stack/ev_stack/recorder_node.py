@@ -146,6 +146,7 @@ class RecorderNode(Spinnable, Node):
         named = {
             role: file.values_for(f"{space.rstrip('/')}/{role}") for role in (*ROLES, RECORDER)
         }
+        # Nodes that the file does not name have no part in the run.
         return views_of_nodes(space, {role: values for role, values in named.items() if values})
 
     def _begin(self, p: RecorderParameters, topics: list[Topic]) -> None:

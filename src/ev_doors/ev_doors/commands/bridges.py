@@ -46,11 +46,13 @@ def bridge(argv: list[str]) -> None:
     if given.kind == _SIMULATION and rest:
         parser.error(f"unrecognized arguments: {' '.join(rest)}")
     try:
+        # Before anything of ROS starts: a missing package is one line.
         for kind in _NEEDED[given.kind]:
             needed(kind)
         if given.kind in _VEHICLES:
             from ev_doors.bridges import vehicle
 
+            # The node reads ROS arguments from the words of the process.
             sys.argv[1:] = rest
             run_node(
                 "driver",

@@ -65,6 +65,7 @@ def _wheel_torques(plant: Configuration) -> tuple[np.ndarray, np.ndarray]:
 
 def _at_wheels(vehicle: Vehicle, motor_torque: float) -> np.ndarray:
     """Largest torques of the driven wheels [N m] that the guard of a plant lets through."""
+    # The limits of torque do not depend on the angle, which stays without one here.
     drive = guard_limits(vehicle, motor_torque, math.inf).drive
     return np.array([drive[WHEEL_NAMES.index(wheel)] for wheel in vehicle.driven_wheels])
 
@@ -217,6 +218,7 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
         # Only the first episode has the given seed: the next ones would all be the same.
         self._first_seed = None
         super().reset(seed=seed)
+        # Gymnasium's seeds may be larger than those of a scenario.
         is_drawn = seed is None or seed > _LARGEST_SEED
         frame = self.simulation.reset(
             int(self.np_random.integers(_LARGEST_SEED)) if is_drawn else seed
@@ -292,6 +294,7 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
 def _observed(names: Sequence[str], known: Mapping[str, float]) -> tuple[str, ...]:
     found: list[str] = []
     for name in names:
+        # A whole topic, by the beginning of its channels' names, or one channel.
         of_topic = [
             channel for channel in known if channel == name or channel.startswith(f"{name}.")
         ]

@@ -56,6 +56,7 @@ def permissions(namespace: str) -> dict[str, Permissions]:
     The runner is not in the graph.
     """
     found = [_of_role(role, namespace) for role in ROLES.values()]
+    # The bag holds more than the signals of the contract.
     into_the_bag = _topics(RECORDED, namespace) | _REPORTS | _CLOCK
     found.append(
         _of_node(RECORDER, _topics((RECORDER_WRITES,), namespace), into_the_bag, namespace)
@@ -66,6 +67,7 @@ def permissions(namespace: str) -> dict[str, Permissions]:
 def _of_role(role: Role, namespace: str) -> Permissions:
     writes, reads = _topics(role.may_write, namespace), _topics(role.reads, namespace)
     if role.name == MASTER:
+        # The master gives time, and may have to wait for the recorder's progress.
         writes, reads = writes | _CLOCK, reads | _topics((RECORDER_WRITES,), namespace)
     own_services = tuple(TIME_SERVICES) if role.name == MASTER else role.services
     return _of_node(role.name, writes, reads, namespace, own_services)
@@ -80,6 +82,7 @@ def _of_node(
 ) -> Permissions:
     services = (*_PARAMETER_SERVICES, *own_services)
     serves = frozenset(f"{namespace}/{name}/{service}" for service in services)
+    # Every node of rclpy logs and announces its parameters; ours report to /diagnostics as well.
     return Permissions(name, writes | _LOG | _PARAMETER_EVENTS | _REPORTS, reads, serves)
 
 

@@ -89,6 +89,7 @@ class WholeRuns:
         self._channels = [
             name for topic in written_topics(configurations) for name in topic.channels
         ]
+        # As `true_motion`, which takes a run of a single instant as it is.
         self._of_roles = {
             role: [
                 name
@@ -116,6 +117,7 @@ class WholeRuns:
             self.hashes[run] = signal_hash(shown)
         driven = driven_run(motion, configurations)
         for name, metric in self._metrics.items():
+            # Without a value the NaN from the start stays.
             value = metric.measured(driven).value
             if value is not None:
                 self.values[name][run] = value

@@ -104,6 +104,7 @@ class _KnownName(argparse.Action):
     def __call__(self, parser: Any, given: Any, name: Any, option: str | None = None) -> None:
         """ParameterError for what is neither a path nor the name of a scenario or a command."""
         if name is not None and not is_path(name):
+            # Only now: the names come from folders and from other packages.
             known = driven_names()
             if name not in known:
                 raise unknown_name("scenario, study or review", name, known)
@@ -200,6 +201,7 @@ def add_outputs(parser: argparse.ArgumentParser) -> None:
 
 def printing(given: argparse.Namespace) -> Print:
     """Options for print; ParameterError for details without --figures."""
+    # They have no default in the parser, where a given one could not be told apart from it.
     for option in ("width", "panels"):
         if getattr(given, option) is not None and not given.figures:
             raise ParameterError(f"--{option} is about figures for print: add --figures pdf or svg")
@@ -247,6 +249,7 @@ def overrides(given: argparse.Namespace) -> Overrides:
         values.append((node, "method", name))
     for word in given.set:
         place, value = _split(word, "=", "--set", "NODE.PARAM=VALUE")
+        # At the first dot: names of parameters have dots themselves.
         node, parameter = _split(place, ".", "--set", "NODE.PARAM=VALUE")
         values.append((node, parameter, _parsed(value)))
     if getattr(given, "realtime", False):

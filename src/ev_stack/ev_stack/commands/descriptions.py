@@ -77,6 +77,7 @@ def write_parameters(argv: list[str]) -> None:
         with output_folder(given.out, run.name) as folder:
             nodes = node_parameters(run, folder, bag=not given.no_record)
             file = folder / PARAMETERS
+            # A launch file may start the nodes in any namespace.
             write_parameter_file(file, replace(run, namespace=ANY_NAMESPACE), nodes)
         started = [{"package": package_of(name), "executable": name} for name in nodes]
     except (ParameterError, RunFailed, LookupError, OSError) as error:
@@ -109,6 +110,7 @@ def schema() -> dict[str, Any]:
     for role in (*ROLES, "every node"):  # one car for all: written down once
         definitions["vehicle"] = definitions[role]["properties"]["vehicle"]
         definitions[role]["properties"]["vehicle"] = {"$ref": "#/$defs/vehicle"}
+    # A section means a node by the last part of its name, a `*` there any node.
     sections = {rf"(^|/){name}$": _section(name) for name in (*ROLES, "scenario")}
     sections[r"\*$"] = _section("every node")
     return {
@@ -121,6 +123,7 @@ def schema() -> dict[str, Any]:
 
 
 def _section(name: str) -> dict[str, Any]:
+    # A reference is a URI, in which a blank is %20.
     of = {"$ref": f"#/$defs/{name.replace(' ', '%20')}"}
     return {
         "type": "object",
@@ -161,6 +164,7 @@ def _node(of: Iterable[Entry]) -> dict[str, Any]:
 
 def _within(properties: dict[str, Any], name: str) -> dict[str, Any]:
     found = properties.setdefault(name, _group())
+    # The name may already be a value of another method: then the group stands beside it.
     for each in found.get("anyOf", (found,)):
         if "properties" in each:
             return each
@@ -188,6 +192,7 @@ def _value(entry: Entry) -> dict[str, Any]:
     }
     if "off" in spec.choices:
         kind = {"enum": [*spec.choices, False]}  # YAML 1.1 reads a bare `off` as false
+    # A number, or a text of a number and a unit that can be converted, such as '50 km/h'.
     if entry.type is float and (units := units_for(spec.unit)):
         with_unit = {
             "type": "string",

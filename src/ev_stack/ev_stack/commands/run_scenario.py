@@ -47,12 +47,14 @@ def main(argv: list[str] | None = None) -> None:
             from ev_stack.commands.drive_scenario import drive_scenario
 
             drive_scenario(given)
+        # Here, where it is caught that the reader has gone; Python's own flush at the end is not.
         sys.stdout.flush()
     # the reader, such as `head`, has seen enough; at its end Python would write the rest again
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(_NOT_READ)
     except (ParameterError, SignalError, RunFailed, OSError, MemoryError, ImportError) as error:
+        # By the words, for the options may not have been parsed.
         if TRACEBACK in words:
             traceback.print_exc()
         if _lacks_memory(error):
@@ -93,6 +95,7 @@ def _lacks_memory(error: BaseException) -> bool:
 def free_memory() -> float:
     """Memory that this process may still take, by its own limit and by what the machine has [bytes]."""
     limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+    # The first number of statm is the size of the address space, which RLIMIT_AS limits, in pages.
     taken = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     own = math.inf if limit == resource.RLIM_INFINITY else limit - taken
     machine = dict(line.split(":") for line in Path("/proc/meminfo").read_text().splitlines())

@@ -106,6 +106,8 @@ class Shell:
         if not client.wait_for_services(_PATIENCE):
             raise LookupError(f"{name} has no parameters that can be asked for")
         listed = self.answer(name, client.list_parameters()).result.names
+        # What ROS declares in every node, such as use_sim_time, is not listed, but may be asked
+        # for.
         names = sorted(
             each for each in listed if each == also or not ros_parameters.is_ros_own(each)
         )
@@ -243,6 +245,7 @@ def _set(shell: Shell, given: Any) -> str:
     client, there = shell.parameters_of(given.node, given.name)
     before = _known(given, there)
     try:
+        # A parameter of ROS keeps its type, so the text is read as one of that.
         parameter = parameter_of(given.name, before.type_, given.value)
     except ValueError as error:
         raise ValueError(f"{given.node}.{given.name}: {error}") from None

@@ -45,6 +45,7 @@ def run(
 
     ParameterError, in one line, if something is refused; SignalError if a number is not finite.
     """
+    # Metrics change nothing about the run, so they are no part of `Changes`.
     changed = replace(overrides(**changes), metrics=tuple(metrics))
     loaded = with_own_angles(load_scenario(fspath(scenario), changed, only=runs))
     # All at once and on all cores, before the first run would compile its own one by one.

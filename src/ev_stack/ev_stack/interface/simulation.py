@@ -94,6 +94,7 @@ class SteppedLaw:
 
 
 def _channels(signals: Iterable[type]) -> list[str]:
+    # The instant is the time of the frame, and no topic.
     return [name for signal in signals if signal is not Instant for name in TOPICS[signal].channels]
 
 
@@ -157,6 +158,7 @@ class Simulation:
             first = 0
         self._before, self._behind = self._kept(answering[:first]), self._kept(answering[first:])
         self._integrating = self._kept(integrating)
+        # Also what the method that is left out writes beyond its role, such as an optional signal.
         given = dict.fromkeys(
             signal for role in without for signal in (*ROLES[role].writes, *self._writes[role])
         )
@@ -272,6 +274,7 @@ class Simulation:
     def recording(self) -> Recording:
         """The instants that are complete: all but the present one."""
         written = {signal for role in self.configurations for signal in self._writes[role]}
+        # What was given in the place of a role belongs to the run as well.
         written |= {signal for role in self._without for signal in ROLES[role].writes}
         frames = np.array(self._frames).reshape(-1, frame.SIZE)
         return recording_of(
@@ -310,6 +313,7 @@ class Simulation:
         # Copies, which take effect only when everything fits.
         configurations, parts = {**self.configurations}, {**self._parts}
         for role, seed in saved.seeds.items():
+            # The seed is in the constants of sensors and random methods: their parts are made anew.
             if configurations[role].common.seed != seed:
                 configurations[role] = configurations[role].changed({"seed": seed})
                 parts[role] = compiled_parts(configurations[role])

@@ -180,6 +180,7 @@ class RunRecorder:
         kept = self._messages[index]
         # The rest of a stamp above a multiple of the period is the number of its run.
         step, run = divmod(stamp_of(message), self._period)
+        # Only the master begins a run: a first step of another node may still be of the run before.
         if step == 0 and index in self._masters and self._begins_run(run, kept, message):
             self._begin_anew(run)
         if run != self._run:
@@ -206,6 +207,8 @@ class RunRecorder:
                 return
         kept.append(message, numbers)
         if self._bag is not None:
+            # In lockstep the time of arrival has no meaning for the car, and differs from run to
+            # run.
             at = came if self._may_skip else step * self._period
             self._bag.write(self._handles[index], at, message)
             if self._views is not None:

@@ -157,6 +157,7 @@ class SpooledTopic:
         self._newest[self.count - self._spooled] = numbers
         self.count += 1
         if self.count == self._spooled + BLOCK:
+            # A block at a time: the memory of a topic holds just one.
             self._spool.write(self._spooled // BLOCK, self._place.start, self._newest)
             self._spooled = self.count
 

@@ -114,6 +114,7 @@ class Result:
 
         The speed at which it is run does not count.
         """
+        # The file of the scenario that has the report, which may be another than the driven one.
         source = files_in_config("scenarios").get(self._report)
         # A file of one's own may have the report of a source and other numbers.
         own_file = (
@@ -220,6 +221,7 @@ class Result:
         pdf or svg, for figures that are also wanted for print, then `width` [inch], and `panels` by
         patterns of NAME, PANEL or NAME.PANEL.
         """
+        # Before the folder is made: a figure that fails leaves none behind.
         figures, runs = self.figures(), self.scenario.runs
         given = None if directory is None else Path(directory)
         with output_folder(given, self.scenario.name) as folder:

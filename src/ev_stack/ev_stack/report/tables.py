@@ -235,6 +235,7 @@ def _judgement(metric: Metric, notes: list[str]) -> str:
     if not metric.note:
         return metric.judgement
     note = f"assumption: {metric.note}" if metric.judgement == "reproduced" else metric.note
+    # A note that several metrics share stands below the table once.
     if note not in notes:
         notes.append(note)
     return f"{metric.judgement} [{notes.index(note) + 1}]"
@@ -254,6 +255,7 @@ def html_of(metrics: Mapping[str, Metric], figures: Mapping[str, Figure], signal
 
 def quantile(histogram: Mapping[str, Any], share: float) -> float:
     """Smallest end of a bin [s] below which at least this share lies, or the largest time."""
+    # The bins in order, until they hold the share that is due.
     due, seen = share * sum(histogram["counts"]), 0
     # Not strict: the last bin has no upper edge, and its end is the largest time.
     for count, end in zip(histogram["counts"], histogram["edges"], strict=False):

@@ -95,8 +95,11 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
     ):
         try:
             for name, values in place.parameters.items():
+                # One environment serves all nodes of the process, so each finds its own line while
+                # it is made.
                 with _line(reports, name):
                     nodes.append(_node(name, run.namespace, values, observer.context))
+            # Only these two end by themselves; all others wait for the next step.
             ending = [node for node in nodes if node.get_name() in (MASTER, RECORDER)]
             next_look = 0.0
 

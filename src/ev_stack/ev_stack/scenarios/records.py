@@ -37,6 +37,7 @@ class Overrides:
         """The same with a seed of everything random, if there is one."""
         if seed is None:
             return self
+        # Behind all values: the last one counts, so this is the seed of every node.
         return replace(self, values=(*self.values, ("*", "seed", seed)))
 
     def with_cycle(self, cycle: str | None) -> Overrides:

@@ -67,6 +67,7 @@ def load_scenario(
     own = ParameterFile(configured_file("scenario", name))
     name = shown(own.path.stem)
     about = with_metrics(stated_by(own), overrides.metrics)
+    # A scenario without named runs has one, with the scenario's own name.
     namespaces = {run: f"{NAMESPACE}/{run}" for run in about.runs} or {name: NAMESPACE}
     notes = []
     used = own
@@ -169,6 +170,7 @@ def _needs_ramp(run: Run, given: Sources, about: ScenarioParameters, own: Parame
     if not ramp.lateral_acceleration or run.name == ramp.run:
         return False
     has_angles = run.configurations[COLUMN].method.name == ROBOT
+    # A scale that the user gives counts as it is.
     is_scaled_by_user = given.place(COLUMN, SCALE) >= _FURTHER
     if is_scaled_by_user or not has_angles:
         return False
@@ -232,6 +234,7 @@ def _choose_methods(values: Values) -> None:
             required = {**method.in_real_time, **required}
         for what, needed in required.items():
             other, _, parameter = what.partition(".")
+            # The other node has to have the value that this one has, if it has any.
             if needed == SAME:
                 needed = values[role].get(parameter)
             if needed is not None:

@@ -59,6 +59,7 @@ def car_of(configurations: Mapping[str, Configuration]) -> dict[str, Any]:
     values = configurations[MASTER].values()
     if _REAR in configurations:
         rear = configurations[_REAR].values()
+        # A steered rear axle changes how far the front wheels have to turn.
         values |= {f"{_REAR}.{name}": value for name, value in rear.items()}
     found = {}
     for name, value in values.items():
