@@ -382,8 +382,6 @@ def test_a_policy_is_learned_here_and_driven_on_the_board(tmp_path: Path):
         "1",
         "--no-report",
     ]
-    for _ in range(2):
-        run_benchmark(
-            ["--add", f"{folder / 'policy.py'}={weights}", *words, "--out", str(tmp_path / "out")]
-        )
-    assert "## weights" in (tmp_path / "out" / "laws.md").read_text()
+    for out in (tmp_path / "first", tmp_path / "second"):
+        run_benchmark(["--add", f"{folder / 'policy.py'}={weights}", *words, "--out", str(out)])
+        assert "## weights" in (out / "laws.md").read_text()

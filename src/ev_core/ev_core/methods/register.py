@@ -78,6 +78,13 @@ def method(role: str, name: str, **how: Any) -> Callable[[T], T]:
     The annotations of `step`, `advance` or the function name the signals that are read; TypeError
     if there is no such role, if it may not read one of them, if a hook is missing, if another
     method has its name, or if a parameter has the name of one of every node.
+
+    >>> from ev_core.law import NO_WHEELS, DriverCommand, Wheels, WheelTorqueRequest, method
+    >>> @method("electronic_differential", "front_halves")
+    ... def front_halves(driver: DriverCommand) -> WheelTorqueRequest:
+    ...     '''Give each front wheel half of the drive torque, and no wheel a brake.'''
+    ...     half = 0.5 * driver.drive_torque
+    ...     return WheelTorqueRequest(Wheels(half, half, 0.0, 0.0), NO_WHEELS)
     """
     if role not in ROLES:
         raise TypeError(

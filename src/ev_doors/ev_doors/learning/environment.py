@@ -141,10 +141,15 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
 
     ParameterError, in one line, if something is refused; SignalError if a number becomes not
     finite.
+
+    >>> environment = Environment("double_lane_change", observe=["imu.yaw_rate"], duration=1.0)
+    >>> observed, info = environment.reset(seed=1)
+    >>> observed, reward, is_over, is_cut_off, info = environment.step(info["own"])
+    >>> observed.shape, environment.action_space.shape
+    ((1,), (2,))
     """
 
-    # The base class declares it as an attribute of the class.
-    metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}  # noqa: RUF012
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}  # noqa: RUF012, as its base
 
     @listing_changes
     def __init__(

@@ -44,6 +44,13 @@ def run(
     - `cycle`: another speed cycle, as a name in config/cycles or the path of a CSV file.
 
     ParameterError, in one line, if something is refused; SignalError if a number is not finite.
+
+    >>> import ev_stack
+    >>> result = ev_stack.run("double_lane_change", metrics=["final_speed"], duration=1.0)
+    >>> result.signals["imu.yaw_rate"].shape
+    (101,)
+    >>> result.metrics["final_speed"].unit
+    'm/s'
     """
     # Metrics change nothing about the run, so they are no part of `Changes`.
     changed = replace(overrides(**changes), metrics=tuple(metrics))
@@ -70,6 +77,12 @@ def batch(
     `vary` has by ROLE.PARAMETER one value for each run; `run` names which run of the scenario is
     meant if it has several. From `method` on the arguments are those of `run`, the rest is that of
     `ev_stack.batches.batch.batch`.
+
+    >>> import ev_stack
+    >>> masses = {"*.vehicle.mass": [1100.0, 1300.0, 1500.0]}
+    >>> result = ev_stack.batch("double_lane_change", masses, metrics=["final_speed"], duration=1.0)
+    >>> result.metrics["final_speed"].shape
+    (3,)
     """
     of = only_run(scenario, run, overrides(**changes))
     if metrics and not isinstance(metrics, Mapping):

@@ -126,6 +126,12 @@ class Simulation:
 
     ParameterError, in one line, if something is refused; SignalError if a number becomes not
     finite.
+
+    >>> import ev_stack
+    >>> car = ev_stack.Simulation("double_lane_change", without=["driver"])
+    >>> frame = car.step({"driver.command.drive_torque": 100.0})
+    >>> car.time, frame["torque_request.drive.front_left"]
+    (0.01, 50.0)
     """
 
     @listing_changes
