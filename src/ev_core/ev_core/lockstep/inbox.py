@@ -167,8 +167,7 @@ class Inbox:
         self._place = {kind: i for i, kind in enumerate(inputs.reads)}
         self._kinds: dict[int, tuple[type, ...]] = {}  # by their bits
         self._block = np.zeros(3 + 2 * ROWS, np.int64)
-        # mypy knows no buffer of numpy.
-        block: Any = memoryview(self._block)  # type: ignore[arg-type]
+        block: Any = memoryview(self._block)  # type: ignore[arg-type]  # unknown to mypy
         self.steps = Steps(
             done=block[:3],
             stamps=block[3 : 3 + ROWS],
