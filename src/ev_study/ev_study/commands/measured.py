@@ -99,6 +99,7 @@ def run_validate(argv: Sequence[str]) -> None:
     estimates, lacking = estimates_of(replay, judging) if given.estimators else ([], [])
     with output_folder(given.out, "validate") as folder:
         begin = time.monotonic()
+        # The only car of the batch.
         simulated = {n: v[0] for n, v in replay.simulate().items()}
         found = Validation(replay, simulated, time.monotonic() - begin, tolerances, estimates)
         print(found.table())
@@ -221,6 +222,7 @@ def _identify_car(given: argparse.Namespace, command: str) -> None:
     stated, beside = _given(given)
     free = free_parameters(given.free, replay.configurations)
     signals = _signals_to_fit(given, replay)
+    # Of further starts and of the bootstrap.
     seed = given.seed or 0
     key = search_key(
         replay,

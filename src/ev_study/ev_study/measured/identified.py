@@ -223,6 +223,7 @@ class Identified:
             BESIDE: parameter_text(self.beside, self.free, self.fitted.values, self.notes(), head),
         }
         for name, text in texts.items():
+            # Nothing beside the car was given or is free: no file.
             if text:
                 with atomic_file(folder / name) as file:
                     file.write(text.encode())

@@ -130,6 +130,7 @@ def property_file(fit: TyreFit, friction_scale: float, head: str) -> str:
             {n: f"{v:.9g}" for n, v in sorted(fit.coefficients.items()) if n not in assumed},
         ),
         (
+            # Our reader goes by names, so a section more does no harm.
             "COEFFICIENTS_THAT_ARE_ASSUMED",
             {n: f"{fit.coefficients[n]:.9g}" for n in sorted(assumed)},
         ),

@@ -31,6 +31,7 @@ def latency_of(recorded: Recorded) -> dict[str, Any]:
     """
     if not recorded.arrivals:
         return {}
+    # A role writes all its topics at once, so the first one shows the interval of all.
     of_roles = [
         [TOPICS[signal] for signal in role.writes if recorded.has(signal)][:1]
         for role in ROLES.values()

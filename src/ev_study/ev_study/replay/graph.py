@@ -237,6 +237,7 @@ def prepared(replay: Replay, folder: Path) -> Run:
     """The graph that replays; the recorded signals that it plays back are in the folder then."""
     recorded = folder / _RECORDED
     recorded.mkdir()
+    # Both halves of the output are folders of runs, so either can be replayed again.
     (folder / REPLAYED).mkdir()
     _write_told(recorded / PARAMETERS, replay)
     save(replay.recorded.recording, recorded / SIGNALS)
@@ -251,6 +252,7 @@ def _write_told(path: Path, replay: Replay) -> None:
             file.write(given.path.read_bytes())
         return
     common = flatten(replay.configuration.common)
+    # ROS has no type for an empty list.
     nodes = {"**": {name: value for name, value in common.items() if value != ()}}
     write_parameter_file(
         path, Run(_RECORDED, replay.recorded.namespace, {}, replay.duration), nodes

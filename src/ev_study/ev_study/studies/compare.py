@@ -125,6 +125,7 @@ def metrics(given: argparse.Namespace, results: Results) -> dict[str, Metric]:
     shown = _shown(given, results)
     found = {}
     for law, result in _driven(results).items():
+        # Every metric that is shown for any law: where one lacks, its reason is kept.
         for name, unit in shown.items():
             found[f"{name}_{law}"] = Metric(
                 values_of(result).get(name),

@@ -110,6 +110,7 @@ def cases(given: argparse.Namespace) -> Sequence[Case]:
 
 def _values(car: ElectricCar, cycle: str, a: Assumptions) -> tuple[tuple[str, str, Any], ...]:
     base = vehicle_of(_VEHICLE)
+    # One machine for each wheel of a driven axle.
     machines = 2 * car.driven_axles
     radius = base.wheel_radius
     gear = base.gear_ratio

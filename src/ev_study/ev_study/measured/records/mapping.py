@@ -68,6 +68,7 @@ def read_standard(bag: Path) -> MeasuredRecord:
     """The record of a bag of standard messages, each sensor at the centre of mass; ParameterError if it is refused."""
     chosen = bags.standard_channels(bag)
     read = bags.read_columns(bag, [*chosen.values()])
+    # In SI at the centre of mass, as the messages are defined.
     found = {name: (read.columns[column], ColumnParameters()) for name, column in chosen.items()}
     notes = tuple(
         f"{name} is {column}, taken as measured at the centre of mass"

@@ -101,6 +101,7 @@ class Validation:
     @cached_property
     def friction_used(self) -> np.ndarray:
         """Horizontal force over load of each wheel [1], (4, windows, samples); 0 for a lifted one."""
+        # Four wheels of each kind, in the order of `_FORCES`.
         along, across, load = (
             np.array([self.simulated[f] for f in _FORCES[n : n + 4]]) for n in (0, 4, 8)
         )
@@ -286,6 +287,7 @@ class Validation:
         content |= {"corridor_parameters": flatten(self.tolerances)}
         content |= {"estimators": {each.name: each.as_json() for each in self.estimates}}
         write_summary(folder / SUMMARY, content | dict(more or {}))
+        # The simulated car alone: what was measured is in the user's own file.
         save(both["simulated"], folder / SIGNALS)
         if page:
             figures = drawn(self.figures())
@@ -317,6 +319,7 @@ def _panel(
 def signals_to_show() -> Sequence[str]:
     """Signals that a validation has to simulate."""
     return (
+        # The sideslip angle is no channel: it follows from the velocities.
         [n for n in COMPARED if n != SIDESLIP]
         + [ROAD_WHEEL_ANGLE]
         + _FORCES
