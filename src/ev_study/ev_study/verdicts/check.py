@@ -143,7 +143,7 @@ class Check:
             return Metric(None, "1", reference(1.0, band, ""), str(why))
         compared = f"; measured {value:.5g} against {other:.5g} {self.unit}".removesuffix(" 1")
         return metric(
-            # Larger than nothing at all is larger by any tolerance.
+            # No ratio to zero: `metric` gives what is not finite no value, so this is not measured.
             lambda: value / other if other else math.inf,
             "1",
             reference=reference(1.0, band, compared),
