@@ -22,6 +22,7 @@ from ev_stack.recording.outcome import RunFailed
 from ev_stack.running.children import ends_with_us
 from ev_stack.running.domain import free_domain, reserved_domains
 
+# With these a run sends nothing that a page could show.
 _NO_DDS = ("--offline", "--list", "--help", "-h")
 
 

@@ -35,6 +35,7 @@ from ev_stack.scenarios.about import NAMESPACE
 ADDRESS = "127.0.0.1"  # no other machine can ask
 _KEPT = 1200  # rows that a page gets when it is opened
 _LONGEST_REQUEST = 1 << 20  # bytes
+# The page is one file with its scripts and styles inside; nothing is loaded from elsewhere.
 _POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; connect-src 'self';"
     " img-src data:"
@@ -77,7 +78,9 @@ class Pages:
                     ("/", _Page, {"hosts": hosts, "text": text}),
                     ("/live", _Socket, {"hosts": hosts, "pages": self}),
                 ],
+                # Else tornado prints a line for each request.
                 log_function=lambda handler: None,
+                # [s] A page that has gone without closing its socket is noticed by this.
                 websocket_ping_interval=10,
                 websocket_max_message_size=_LONGEST_REQUEST,
             )

@@ -151,6 +151,7 @@ class Content:
             repr((self.period, self.inputs, self.outputs, self.before, self.answering)).encode()
         )
         for part in self.parts:
+            # The key changes with the text of the code and all that it reaches.
             digest.update(repr((key_of(*part.code), *part[2:])).encode())
         return digest.hexdigest()
 

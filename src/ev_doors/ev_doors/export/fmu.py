@@ -20,6 +20,7 @@ from ev_stack.recording.recording import atomic_file
 from ev_stack.running.output_folder import new_file
 
 VERSIONS = (2, 3)
+# C23, in which parameters need no names: FMI has many functions that use none of theirs.
 _OPTIONS = (
     "-std=gnu2x",
     "-O2",
@@ -133,6 +134,7 @@ def _token(library: Library) -> str:
 def _description(library: Library, fmi: int, target: Target, folder: Path) -> Path:
     """modelDescription.xml."""
     content, variables = library.content, _variables(library)
+    # Behind time and inputs, as fmu.h counts the references.
     first = 1 + len(content.inputs)
     (made,) = library.write(
         folder,
@@ -164,6 +166,7 @@ def _variables(library: Library) -> list[Variable]:
 
     def add(name: str, unit: str, how: str, limits: Mapping[str, float]) -> None:
         causality, variability, initial = how.split()
+        # The place in this list is the reference: fmu.h finds each number by its order alone.
         attributes = {
             "name": name,
             "valueReference": len(found),

@@ -28,6 +28,7 @@ from ev_doors.export.library import PROTOCOL, Library
 from ev_doors.export.targets import Target
 from ev_msgs_py.refusal import ParameterError
 
+# Without fused products, as in `targets.OPTIONS`: the bits are those of every other compiler.
 _OPTIONS = ("-std=gnu99", "-O2", "-ffp-contract=off")
 _NAME = "model"
 PATIENCE = 60.0  # s, with a program that does not answer

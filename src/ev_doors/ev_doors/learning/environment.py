@@ -114,6 +114,7 @@ ACTIONS = {
 }
 
 
+# Of a scenario.
 _LARGEST_SEED = 2**31 - 1
 OBSERVED = ("driver.command", "steering_column.state", "twist", "imu", "wheel_states.velocity")
 

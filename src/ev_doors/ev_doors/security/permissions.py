@@ -17,6 +17,7 @@ _CLOCK = frozenset({"/clock"})
 _LOG = frozenset({"/rosout"})
 _REPORTS = frozenset({"/diagnostics"})
 _PARAMETER_EVENTS = frozenset({"/parameter_events"})
+# Those that rclpy serves in every node with parameters.
 _PARAMETER_SERVICES = (
     "describe_parameters",
     "get_parameter_types",

@@ -265,6 +265,7 @@ def batch(
     """
     check_graph(configurations)
     reductions, texts = (metrics, ()) if isinstance(metrics, Mapping) else ({}, metrics or ())
+    # A single row is that of one run.
     states = {
         role: np.atleast_2d(np.asarray(rows, float))
         for role, rows in (initial_states or {}).items()
@@ -278,6 +279,7 @@ def batch(
     _refuse_channels(
         configurations, [*signals, *(reduction.channel for reduction in reductions.values())]
     )
+    # To Python True is an int, here and below.
     if isinstance(every, bool) or not isinstance(every, int) or every < 1:
         raise ParameterError(
             f"every: {every!r} is refused, expected a whole number of periods, at least 1"

@@ -88,6 +88,8 @@ def reduced(kind: float, before: float, value: float) -> float:
     return before + (value if kind == MEAN else value * value)
 
 
+# It reads `next`, which the parts before it have written: behind those that answer that is the
+# frame of the instant itself, behind those that integrate the frame of the next one.
 _TEXT = f'''"""The observer of a batch: generated, do not edit."""
 
 from numba import carray, cfunc, types

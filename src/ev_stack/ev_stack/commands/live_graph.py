@@ -58,6 +58,7 @@ def _rates(node: Node, topics: dict[str, str], seconds: float) -> dict[str, floa
     for name, kind in topics.items():
         with suppress(ImportError):
             type_ = message_class(kind)
+            # So deep that nothing is lost between two looks.
             quality = quality_of(node, name, depth=1000)
             subscriptions[name] = node.create_subscription(
                 type_, name, lambda message: None, quality, raw=True
@@ -71,6 +72,7 @@ def _rates(node: Node, topics: dict[str, str], seconds: float) -> dict[str, floa
         time.sleep(0.02)
         for name, subscription in subscriptions.items():
             counts[name] += _taken(subscription)
+    # By the time that has passed, which is a little more than what was asked for.
     return {name: count / lasted for name, count in counts.items()}
 
 

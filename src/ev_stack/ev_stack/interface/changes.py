@@ -42,6 +42,7 @@ def listing_changes(call: C) -> C:
         inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind)
         for name, kind in Changes.__annotations__.items()
     ]
+    # help and notebooks read __signature__ before they look at the function itself.
     shown: Any = call
     shown.__signature__ = signature.replace(parameters=[*own, *keywords])
     return call

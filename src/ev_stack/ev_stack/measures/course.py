@@ -209,5 +209,6 @@ def edges(
     """Paths of the left and the right side of the body at the centre of mass, x and y (n,) [m]."""
     x, y, heading = channel(run, "pose.x"), channel(run, "pose.y"), motion.heading(run)
     half, offset = course.body_width(vehicle) / 2, vehicle.centre_of_mass_offset
+    # The middle of the body is beside the centre of mass by the offset, to the right of it.
     ends = (half - offset, -half - offset)
     return tuple((x - end * np.sin(heading), y + end * np.cos(heading)) for end in ends)

@@ -18,6 +18,7 @@ from ev_stack.measures.named import DrivenRun
 
 VEHICLE = "vehicle."  # begins the names of parameters of the car
 _TWIST = "twist."
+# What `motion.lateral_acceleration_on_path` reads.
 _ON_PATH = (_TWIST, "imu.longitudinal_acceleration", motion.LATERAL_ACCELERATION)
 
 

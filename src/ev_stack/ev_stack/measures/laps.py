@@ -74,6 +74,7 @@ def leaves(run: Recording, vehicle: Vehicle, course: CourseParameters | None) ->
     line, half = line_of(course, vehicle), 0.5 * max(vehicle.front_track, vehicle.rear_track)
     at, off = _beside(run, line)
     off = off - vehicle.centre_of_mass_offset  # of the middle between the wheels
+    # The outer wheels are half a track from the middle, on the side to which the car is off.
     gone = np.where(off >= 0.0, off > line.left[at] - half, -off > line.right[at] - half)
     return float(run.time[gone.argmax()]) if gone.any() else None
 

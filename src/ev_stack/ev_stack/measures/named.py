@@ -83,6 +83,7 @@ def refuse_unmeasurable(
     """ParameterError for a metric of channels that no method of a graph writes."""
     channels = [name for topic in written_topics(configurations) for name in topic.channels]
     for each in metrics:
+        # A need may be how several names begin: then a dot is at its end.
         if need := each.lacking(channels):
             methods = ", ".join(
                 f"{role} {configured.method.name}" for role, configured in configurations.items()

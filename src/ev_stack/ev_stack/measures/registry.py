@@ -34,6 +34,7 @@ def _battery_energy(run: Recording) -> float:
 
 
 def _torque_activity(run: Recording) -> float:
+    # Changes from sample to sample: a constant torque is no activity, however large.
     commands = handling.of_wheels(run, "torque_command.drive")
     if run.duration <= 0.0:
         raise NotMeasured("the run has no duration")
@@ -263,6 +264,7 @@ def _offered() -> dict[str, NamedMetric]:
     return found
 
 
+# At import: texts of scenarios are read by the names in METRICS from then on.
 _OF_OTHERS = _offered()
 METRICS: Mapping[str, NamedMetric] = {each.name: each for each in _OF_ANY_RUN} | _OF_OTHERS
 

@@ -58,6 +58,7 @@ class BagWriter:
         self._writer = Writer(
             directory, version=Writer.VERSION_LATEST, storage_plugin=StoragePlugin.MCAP
         )
+        # By chunks of the file, not message by message.
         self._writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
         try:
             self._writer.open()

@@ -128,6 +128,7 @@ def _largest_angle(run: Run, ramp: SlowRampParameters, speed: float) -> float:
         raise NotMeasured("the run begins at rest, where no angle gives a lateral acceleration")
     # delta/a_y = L/V^2 + K_us; by magnitude, so that an oversteering car has a ramp as well.
     gain = car.wheelbase / speed**2 + abs(understeer_gradient(car))
+    # From the angle of the road wheels to that of the steering wheel.
     angle = LARGEST * (gain * ramp.lateral_acceleration) * car.steering_ratio
     known = entries_by_name(run.configurations[COLUMN].method.parameters)
     most = known["profile.angle"].spec.high

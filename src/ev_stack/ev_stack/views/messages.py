@@ -122,6 +122,7 @@ class CarViews:
         fixed = _transform(message("builtin_interfaces/msg/Time"), BASE, BODY, (0.0, 0.0, height))
         yield self._named(TF_STATIC, message(TF_STATIC.message_type, transforms=[fixed]))
         for node, values in self.parameters.items():
+            # ROS has no type for an empty list.
             declared = [
                 _parameter(name, value) for name, value in values.items() if value not in ([], ())
             ]
@@ -237,6 +238,7 @@ def _arrows(stamp: Any, numbers: Sequence[float]) -> Any:
 
 
 # and ParameterType
+# bool stands before int: to Python True is an int.
 _FIELDS = {bool: ("bool", 1), int: ("integer", 2), float: ("double", 3), str: ("string", 4)}
 _ARRAYS = 5  # what ParameterType has an array of them above
 

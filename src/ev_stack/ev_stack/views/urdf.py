@@ -71,6 +71,7 @@ def urdf(car: Vehicle, rear_is_steered: bool = False) -> str:
             robot, steered, "revolute", (BASE, steered), (wheel.x, wheel.y, wheel.radius), "0 0 1"
         )
         angle = f"{largest if wheel.x > 0.0 else rear:.6g}"
+        # URDF asks for limits of effort and speed: these are none.
         SubElement(joint, "limit", lower=f"-{angle}", upper=angle, effort="1e9", velocity="1e9")
         _joint(robot, wheel.name, "continuous", (steered, turned), _HERE, "0 1 0")
     indent(robot)

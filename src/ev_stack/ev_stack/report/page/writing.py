@@ -141,6 +141,7 @@ class SignalData:
 def signal_data(results: Sequence[Signals], most_text: int = MOST_TEXT) -> SignalData:
     """All channels of all runs as fine as `most_text` characters hold: 24 bits, 16 bits, or an envelope of these."""
     every = 1
+    # Each round halves the samples of all signals.
     while True:
         # Precision goes before samples: a thinned signal with 24 bits would be no better to see.
         for planes in _PLANES if every == 1 else _PLANES[-1:]:
@@ -234,6 +235,7 @@ def measured_signals(
 
 
 def _series(values: Mapping[str, Any]) -> Recording | None:
+    # A measurement without time has nothing that could be drawn over it.
     time = values.get(TIME)
     if not isinstance(time, np.ndarray):
         return None
