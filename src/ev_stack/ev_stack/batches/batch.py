@@ -1,8 +1,8 @@
 """Many runs of one graph in one call, on all cores, each with the bits that it has alone.
 
-How it works: each run is a row of addresses of compiled parts, as in a single run. The
-part of a method with the same parameters in all runs is shared; each run has states of its own. A
-call of compiled code lets go of Python's lock, so that plain threads drive runs side by side. They take
+How it works: each run is a row of addresses of compiled parts, as in a single run. The part of a
+method with the same parameters in all runs is shared; each run has states of its own. A call of
+compiled code lets go of Python's lock, so that plain threads drive runs side by side. They take
 portions of runs from one queue. Behind the parts that answer stands an observer (`observer`), which
 keeps what is asked for while the loop runs; metrics of whole runs need all channels, which
 `whole_runs` keeps until the run is measured. With an `Ending` the loop is left from time to time to

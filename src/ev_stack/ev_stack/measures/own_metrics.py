@@ -50,7 +50,7 @@ def named_metric(text: str | NamedMetric) -> NamedMetric:
         unit = unit.strip() if unit else _unit_of(tree)
     except ParameterError as error:
         raise ParameterError(f"metric {quoted(text)} is refused: {error}") from None
-    # In the order of the text, so that a refusal names the first that is missing.
+    # Each need once, in an order that is always the same, unlike that of a set.
     return NamedMetric(name, unit, expression, of, tuple(dict.fromkeys(_needs(tree))))
 
 

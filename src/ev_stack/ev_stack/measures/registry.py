@@ -1,7 +1,7 @@
 """Metrics of any run by name, with unit, formula, channels that it needs, and the better direction.
 
-A metric is a pure function of a driven run. An entry in _OF_ANY_RUN is all that a new one takes: runs,
-comparisons, sweeps, batches, the files of scenarios and docs/metrics.md know it then. Another
+A metric is a pure function of a driven run. An entry in _OF_ANY_RUN is all that a new one takes:
+runs, comparisons, sweeps, batches, the files of scenarios and docs/metrics.md know it then. Another
 package offers its own by an entry point.
 """
 

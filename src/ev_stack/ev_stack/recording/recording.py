@@ -98,8 +98,8 @@ class Recording:
     `time`: (n,) float64 [s]. `channels`: TOPIC.FIELD.NAME -> (n,) float64 in the unit of the field,
     where the slashes of a topic are dots (`steering_column.state.angle`).
 
-    In a true motion (`recording.offline.true_motion`), `shown` is what was sent, and `unknown` are channels
-    without a known truth.
+    In a true motion (`recording.offline.true_motion`), `shown` is what was sent, and `unknown` are
+    channels without a known truth.
     """
 
     time: np.ndarray

@@ -3,7 +3,7 @@
 How it works: each topic has a `SpooledTopic`, which knows how many steps it holds. A message of the
 next step is appended, one of an earlier step repeats it, and a later one shows a gap: in lockstep a
 loss, in real time filled by the step before. The run is held up to the step that all pacing topics
-have. What is complete is on the disk (`spool`), the bag is written as messages come, and
+have. Numbers go to the disk in blocks of steps (`spool`), the bag is written as messages come, and
 signals.npz at the end.
 """
 

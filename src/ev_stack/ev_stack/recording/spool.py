@@ -1,8 +1,8 @@
 """Numbers that a recorder keeps of a run on the disk, so that its memory does not grow.
 
-How it works: the messages of a topic have one length, so many of them are a table of bytes, and a
-number is the same columns in each row: numpy reads and writes them all at once. The recorder keeps
-the numbers of the last block of steps in memory and all before in a file.
+How it works: the messages that our nodes send on a topic have one length, so many of them are a
+table of bytes, and a number is the same columns in each row: numpy reads and writes them all at
+once. The recorder keeps the numbers of the last block of steps in memory and all before in a file.
 
 Many messages of one topic at once: serialized from a stack of frames, and back.
 What a message format does message by message, numpy does here for a whole run.

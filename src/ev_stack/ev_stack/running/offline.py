@@ -42,7 +42,7 @@ def node_parameters(
         | dict((besides or {}).get(role, {}))
         for role, configuration in run.configurations.items()
     }
-    # Without it, in lockstep, the first steps would pass before the recorder is connected.
+    # Without it time would begin before the recorder is connected, and run ahead of it.
     nodes[MASTER]["await_recorder"] = True
     common = run.configurations[MASTER].common
     nodes[RECORDER] = {
