@@ -1,5 +1,9 @@
 """The server of the dashboard: one page, and a socket for signals, parameters and requests.
 
+How it works: one thread and one loop. It looks at the graph some times a second, and no look waits;
+in between it serves the pages. A new page gets all that is known and the rows that are kept, then
+each row as bytes and everything else as JSON.
+
 The graph goes to the pages some times a second, until the run has ended.
 """
 

@@ -208,8 +208,7 @@ def base_unit(unit: str) -> dict[str, float] | None:
             if symbol not in _SYMBOLS:
                 return None
             for base, exponent in _SYMBOLS[symbol].items():
-                # The power outside of the parentheses counts for each unit within, as in 1/(s
-                # rad)^2.
+                # The power of the parentheses counts for each unit within, as in 1/(s rad)^2.
                 by = sign * int(power or 1) * int(own or 1)
                 exponents[base] = exponents.get(base, 0) + by * exponent
     # What cancels out is not listed.

@@ -1,4 +1,10 @@
-"""An export as files: compiled, written as C, and put into a folder of the user's."""
+"""An export as files: compiled, written as C, and put into a folder of the user's.
+
+How it works: each part is machine code for the processor of the target, made by the compiler of the
+laws. The templates give its symbol, constants and states as tables to a loop in C, which the
+compiler of the target makes. What both call is held against what a target has before anything is
+written.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""Processor in the loop: a law as a program on another processor, in lockstep with the graph."""
+"""Processor in the loop: a law as a program on another processor, in lockstep with the graph.
+
+How it works: the method of the role gets another factory, which makes a `ProcessorPart`. The graph
+steps it as any other part: it sends the inputs of an instant to the program and puts the answer
+into the frame.
+"""
 
 from __future__ import annotations
 

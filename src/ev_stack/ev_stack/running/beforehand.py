@@ -1,5 +1,9 @@
 """Compiled code of runs, made before they begin: on all cores, with a bar that counts.
 
+How it works: a unit is one piece of code with a key. Units that are not on disk are handed to
+forked workers, one at a time to each, those that take longest first. A worker leaves its code on
+the disk, where the run and its nodes find it. A worker that is killed costs its unit only.
+
 What is missing then is compiled when it is used, by nodes as well. What is on disk is only
 looked for.
 """

@@ -1,4 +1,9 @@
-"""Processes that never outlive the one that has started them."""
+"""Processes that never outlive the one that has started them.
+
+How it works: on Linux a child asks the system to be killed when its parent ends. What a shell
+starts for a child does not inherit that, so a guard beside it waits for the end of a pipe and kills
+the whole group. A forked worker also ends when its own pipe does.
+"""
 
 from __future__ import annotations
 

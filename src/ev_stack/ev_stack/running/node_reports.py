@@ -1,4 +1,8 @@
-"""View of a runner on its nodes: their reports, each on its line, and the graph."""
+"""View of a runner on its nodes: their reports, each on its line, and the graph.
+
+How it works: each node has a line of its own to the runner, which it inherits as a descriptor, so
+the sender of each report is known. `look` takes what has come on all lines, and never waits.
+"""
 
 from __future__ import annotations
 
