@@ -150,6 +150,13 @@ def test_signals_get_coarser_until_they_fit_and_the_page_says_so():
     assert sum(map(len, coarsest.blocks)) <= size // 5
 
 
+def test_signals_that_never_fit_come_as_coarse_as_they_can():
+    """With one character for all, halving the samples has to end."""
+    results = [Signals("", two_runs(), CAR)]
+    data = signal_data(results, 1)
+    assert sum(map(len, data.blocks)) < 0.1 * sum(map(len, signal_data(results).blocks))
+
+
 def test_every_channel_is_plotted_once_also_one_of_no_topic():
     names = [*run_on_a_circle(5.0).channels, "stranger.voltage"]
     groups = groups_of(names)

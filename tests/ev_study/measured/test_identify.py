@@ -19,7 +19,7 @@ from ev_stack.scenarios.files import vehicle_of
 from ev_stack.scenarios.scenario import Overrides
 from ev_study.measured.free_parameters import FreeParameter, free_parameters
 from ev_study.measured.identification import Residuals
-from ev_study.measured.intervals import in_words, knowledge
+from ev_study.measured.intervals import Knowledge, in_words, knowledge
 from ev_study.measured.replays.open_loop import graph
 
 FREE = ("vehicle.yaw_inertia", "vehicle.tyre.front_mf.pky1", "steering_column.offset")
@@ -159,6 +159,14 @@ def test_few_windows_do_not_make_an_interval_narrower_than_its_deviation():
     (low, high), (deviation,) = known.interval[0], known.deviation
     assert low <= 1.0 - 1.96 * deviation
     assert high >= 1.0 + 1.96 * deviation
+
+
+def test_a_direction_of_many_equal_parts_is_named_by_its_first():
+    """Each of 12 equal parts of a direction of length 1 is 0.29."""
+    parts = np.full((1, 12), 12**-0.5)
+    known = Knowledge(np.ones(12), np.ones((12, 2)), parts, np.ones(1))
+    free = [FreeParameter(f"p{n}", "1", 0.0, 2.0, 1.0, 1.0) for n in range(12)]
+    assert in_words(known, free) == ["p0 alone, to 1 of the scale"]
 
 
 def test_what_cannot_be_identified_is_named_by_its_parameters():

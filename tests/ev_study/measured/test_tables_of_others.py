@@ -84,6 +84,9 @@ def test_a_row_of_units_is_held_against_the_mapping(tmp_path):
         match=r"twist\.yaw_rate: r is in deg/s by the mapping and in 'rad/s' by the file",
     ):
         read(tmp_path, f"{header}\nms,km/h,m/s,rad/s,m/s2,deg\n{rows}")
+    # m/s and N have the same factor to SI.
+    with pytest.raises(ParameterError, match="is in m/s by the mapping and in 'N' by the file"):
+        read(tmp_path, f"{header}\nms,km/h,N,deg/s,m/s2,deg\n{rows}")
 
 
 def test_a_unit_in_brackets_of_the_header_counts_as_a_row_of_units_does(tmp_path):

@@ -193,7 +193,7 @@ def test_rows_and_signals_are_those_of_the_car_as_its_file_is_now(tmp_path, caps
         (["--seeds", "1000000000000"], "--seeds 1000000000000 is refused, expected 1 to 100000"),
         (
             ["--seeds", "1000", "--vary", "asr.x=0:1:1000"],
-            "a sweep of 1000000 runs is refused, expected 100000; docs/batch.md has what drives more",
+            "a sweep of 1000000 runs is refused, expected at most 100000; docs/batch.md has what drives more",
         ),
         ([], "a sweep of nothing is refused, expected --vary NODE.PARAM=x,y,z, --seeds N, or both"),
     ],

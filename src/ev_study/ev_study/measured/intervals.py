@@ -105,8 +105,10 @@ def in_words(known: Knowledge, free: Sequence[FreeParameter]) -> list[str]:
     """The directions that a record cannot tell, by the names of the parameters that make up most of each."""
     lines = []
     for direction, deviation in zip(known.unknown, known.unknown_deviation, strict=True):
-        # Parameters with less than a tenth (0.3 squared) of a direction do not name it.
-        order = [n for n in np.argsort(-np.abs(direction)) if abs(direction[n]) > 0.3]
+        # Parameters with less than a tenth (0.3 squared) of a direction do not name it, but the
+        # largest one does: many equal parts may all be small.
+        order = np.argsort(-np.abs(direction))
+        order = [n for n in order if n == order[0] or abs(direction[n]) > 0.3]
         # An eigenvector has no sign of its own: the largest part is written with a plus.
         sign = np.sign(direction[order[0]])
         parts = [f"{'+' if sign * direction[n] > 0 else '-'} {free[n].name}" for n in order]

@@ -97,7 +97,7 @@ def variations(given: argparse.Namespace) -> dict[str, list[Any]]:
     runs = given.seeds * math.prod(map(len, varied.values()))
     if runs > MOST:
         raise ParameterError(
-            f"a sweep of {runs} runs is refused, expected {MOST}; docs/batch.md has what drives more"
+            f"a sweep of {runs} runs is refused, expected at most {MOST}; docs/batch.md has what drives more"
         )
     if runs == 1 and not varied:
         raise ParameterError(

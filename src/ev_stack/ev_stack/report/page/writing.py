@@ -139,15 +139,24 @@ class SignalData:
 
 
 def signal_data(results: Sequence[Signals], most_text: int = MOST_TEXT) -> SignalData:
-    """All channels of all runs as fine as `most_text` characters hold: 24 bits, 16 bits, or an envelope of these."""
+    """Pack all channels of all runs as fine as `most_text` characters hold.
+
+    The steps are 24 bits, 16 bits, and envelopes of these; the coarsest one comes back even if it
+    is too long.
+    """
     every = 1
+    longest = max((len(run.time) for result in results for run in result.runs.values()), default=0)
     # Each round halves the samples of all signals.
     while True:
+        # An envelope of twice as many samples as there are would be the whole run again.
+        is_thinnest = 4 * every > longest
         # Precision goes before samples: a thinned signal with 24 bits would be no better to see.
         for planes in _PLANES if every == 1 else _PLANES[-1:]:
             data = _packed(results, planes, every)
             if sum(map(len, data.blocks)) <= most_text:
                 return data
+        if is_thinnest:
+            return data
         every *= 2
 
 

@@ -77,7 +77,8 @@ def with_unit(name: str, declared: ColumnParameters, of_file: str) -> ColumnPara
             f"{declared.column} has the unit {quoted(of_file)} in the file, expected one of {', '.join(UNITS)[2:]}, "
             "or `unit` in the mapping"
         )
-    if given and known and UNITS[given] != UNITS[known]:
+    # By name: units of different quantities may have the same factor to SI.
+    if given and known and given != known:
         raise ParameterError(
             f"{declared.column} is in {given} by the mapping and in {quoted(of_file)} by the file, expected the same"
         )
