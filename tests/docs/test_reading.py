@@ -11,11 +11,11 @@ from reading import PERSONAL, Reading, reading_of
 # What src has now. A change that makes one smaller lowers it here; the aims are 9.0, 0.08, 20, 40
 # and 0.
 DENSITY = 8.7
-COMMENT_SHARE = 0.038
+COMMENT_SHARE = 0.064
 LONG_SIGNATURES = 18
-ODD_DOCSTRINGS = 10
-LONG_LINES = 500
-PERSONAL_WORDS = 10
+ODD_DOCSTRINGS = 0
+LONG_LINES = 269
+PERSONAL_WORDS = 5
 # The same of the tests.
 ODD_DOCSTRINGS_OF_TESTS = 10
 PERSONAL_WORDS_OF_TESTS = 5

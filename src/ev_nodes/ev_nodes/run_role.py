@@ -53,12 +53,13 @@ def refuse_weak_security(environment: Mapping[str, str]) -> None:
     strategy = environment.get("ROS_SECURITY_STRATEGY", "Permissive")
     if enabled == "true" and strategy != "Enforce":
         raise RuntimeError(
-            f"ROS_SECURITY_STRATEGY: {quoted(strategy)} lets nodes without keys send unprotected, expected Enforce "
-            "with ROS_SECURITY_ENABLE=true"
+            f"ROS_SECURITY_STRATEGY: {quoted(strategy)} lets nodes without keys send unprotected,"
+            " expected Enforce with ROS_SECURITY_ENABLE=true"
         )
     if enabled == "true" and not environment.get("ROS_SECURITY_KEYSTORE"):
         raise RuntimeError(
-            "ROS_SECURITY_KEYSTORE: '' with ROS_SECURITY_ENABLE=true, expected the folder of the keys"
+            "ROS_SECURITY_KEYSTORE: '' with ROS_SECURITY_ENABLE=true, expected the folder of the"
+            " keys"
         )
 
 

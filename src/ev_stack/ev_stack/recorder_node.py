@@ -34,7 +34,9 @@ POLL_PERIOD = 0.01
 
 
 class RecorderInput:
-    """Gives serialized messages to a recorder; with `beside` also those that are no signals of the contract.
+    """Gives serialized messages to a recorder.
+
+    With `beside` also those that are no signals of the contract.
 
     `reports` gets a line on nodes that publish where they may not, and on messages that cannot be
     kept.
@@ -54,8 +56,8 @@ class RecorderInput:
         self._early: list[tuple[int, bytes, int]] = []
         self._next_poll = 0.0
         self.refused = 0
-        # The master's first: no node answers an instant before the master sends it, so nothing seems
-        # to be ahead of it.
+        # The master's first: no node answers an instant before the master sends it, so nothing
+        # seems to be ahead of it.
         masters_first = sorted(
             enumerate(topics), key=lambda place: place[1].signal not in ROLES[MASTER].writes
         )
@@ -159,7 +161,10 @@ class RecorderNode(Spinnable, Node):
         self.every(POLL_PERIOD, self.idle)
 
     def poll(self) -> bool:
-        """Take every message that has arrived, now and then; False, so that the node rests in between."""
+        """Take every message that has arrived, now and then.
+
+        It returns False, so that the node rests in between.
+        """
         self._input.take_all()
         return False
 
@@ -200,7 +205,10 @@ class RecorderNode(Spinnable, Node):
             self._reports.note("silent", f"nothing has come on {', '.join(silent)}")
 
     def _wait_for_the_master(self) -> None:
-        """The last message is lost if the process ends before it arrives; other subscribers need not receive it."""
+        """The last message is lost if the process ends before it arrives.
+
+        Other subscribers need not receive it.
+        """
         publisher, master = self._progress.publisher, (MASTER, self.get_namespace())
 
         def is_there() -> bool:

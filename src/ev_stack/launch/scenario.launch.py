@@ -24,7 +24,10 @@ ARGUMENTS = {
 
 
 def generate_launch_description():
-    """The nodes of one run; the recorder ends when it holds the whole run, and everything with it."""
+    """The nodes of one run.
+
+    The recorder ends when it holds the whole run, and everything with it.
+    """
     declared = [DeclareLaunchArgument(name, default_value=value, description=about)
                 for name, (value, about) in ARGUMENTS.items()]  # fmt: skip
     return LaunchDescription([*declared, OpaqueFunction(function=nodes_of_run)])

@@ -94,7 +94,8 @@ class MasterParameters:
         if self.real_time_factor not in (0.0, 1.0):
             name = "real_time_factor"
             raise ParameterError(
-                f"parameter {name}: {self.real_time_factor:g} is refused, expected 1 in real time, or mode lockstep",
+                f"parameter {name}: {self.real_time_factor:g} is refused, expected 1 in real time,"
+                " or mode lockstep",
                 name,
             )
         periods = 2.0 * common.control_period
@@ -112,8 +113,8 @@ class MasterParameters:
             )
             name = "command_ramp"
             raise ParameterError(
-                f"parameter {name}: {self.command_ramp:g} is refused, expected {allowed}, or the torque of every "
-                "command has faded in part",
+                f"parameter {name}: {self.command_ramp:g} is refused, expected {allowed}, or the"
+                " torque of every command has faded in part",
                 name,
             )
 
@@ -129,7 +130,10 @@ class FadingInputs(HeldInputs):
     _command_came = 0.0
 
     def take(self, kind: type, stamp: int, numbers: Sequence[float], limit: int) -> bool:
-        """Keep a message; False if its stamp is not above the last one of its kind, or is above the limit."""
+        """Keep a message.
+
+        It returns False if its stamp is not above the last one of its kind, or is above the limit.
+        """
         if not self.stamp_of(kind) < stamp <= limit:
             return False
         self.keep(kind, stamp, numbers)

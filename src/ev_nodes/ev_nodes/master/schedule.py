@@ -62,7 +62,10 @@ class Pace:
         """Simulated time up to an instant, and how fast it was simulated."""
         begun, first = self._begun
         wall, simulated = (self._rests or time.monotonic()) - begun, stamp - first
-        return f"{stamps.to_seconds(simulated):g} s simulated in {wall:.3f} s, {simulated // period / wall:.1f} steps/s"
+        return (
+            f"{stamps.to_seconds(simulated):g} s simulated in {wall:.3f} s,"
+            f" {simulated // period / wall:.1f} steps/s"
+        )
 
 
 class Schedule:

@@ -62,7 +62,8 @@ class Reception:
         if stamp >= self._stepper.period and not self._joined_late:
             self._joined_late = True
             self._reports.warn(
-                f"joined at {stamps.to_seconds(stamp)} s with a fresh state: the run is not reproducible"
+                f"joined at {stamps.to_seconds(stamp)} s with a fresh state: the run is not"
+                " reproducible"
             )
 
     def note_new_master(self, gid: bytes) -> None:
@@ -106,7 +107,10 @@ class Reception:
         if last is None:  # any step may be the first
             due = f"a multiple of {stamps.to_seconds(period)} s is expected"
         else:
-            due = f"{stamps.to_seconds(last + period)} s is due, in steps of {stamps.to_seconds(period)} s"
+            due = (
+                f"{stamps.to_seconds(last + period)} s is due, in steps of"
+                f" {stamps.to_seconds(period)} s"
+            )
         text = f"{topic.name} at {stamps.to_seconds(stamp)} s ignored (reported once): {due}"
         self.ignored.setdefault(topic.signal, text)
         self._reports.warn(text)

@@ -65,10 +65,10 @@ class OnePublisher:
     """Admits the messages of one publisher: of the node with this name, in the namespace of the node that reads.
 
     Messages of every other publisher on the topic are counted in `refused`, and its node is
-    reported. Two nodes with the expected name cannot be distinguished: neither is admitted, unless one
-    has been already, and the run may not be reproducible. When the admitted publisher leaves the
-    graph, another one, such as that of a restarted node, may take its place; `succeeded` is called
-    with its identity then.
+    reported. Two nodes with the expected name cannot be distinguished: neither is admitted, unless
+    one has been already, and the run may not be reproducible. When the admitted publisher leaves
+    the graph, another one, such as that of a restarted node, may take its place; `succeeded` is
+    called with its identity then.
     """
 
     def __init__(self, node: Node, topic: str, name: str, refusals: Refusals) -> None:
@@ -237,7 +237,10 @@ class Reader:
 
 
 class SignalReader(Reader):
-    """Receives a signal from the node of the role that writes it; `refusals` is given other publishers of it."""
+    """Receives a signal from the node of the role that writes it.
+
+    `refusals` is given other publishers of it.
+    """
 
     judge: OnePublisher
 

@@ -94,7 +94,7 @@ class SteppedNode(Spinnable, Node):
     def new_part(self, configuration: Configuration, may_wait: bool = True) -> Part:
         """A part that plays the role, at rest, compiled first where that `may_wait`.
 
-        ValueError if it cannot.
+        Raises ValueError if it cannot.
         """
         return part_of(configuration, compiled=is_compiled(configuration, may_wait))
 
@@ -265,8 +265,9 @@ def ask_for(p: CommonParameters) -> Iterator[str]:
                 )
         except OSError as error:
             yield (
-                f"SCHED_FIFO with priority {p.scheduling_priority} is not granted ({error.strerror}): "
-                "needed is CAP_SYS_NICE, or rtprio in /etc/security/limits.conf"
+                f"SCHED_FIFO with priority {p.scheduling_priority} is not granted"
+                f" ({error.strerror}): needed is CAP_SYS_NICE, or rtprio in"
+                " /etc/security/limits.conf"
             )
     if p.lock_memory and ctypes.CDLL(None, use_errno=True).mlockall(_CURRENT_AND_FUTURE):
         yield (

@@ -17,7 +17,10 @@ _SEED = entries_by_name(CommonParameters)["seed"]
 
 
 def _column(name: str, values: Any) -> list[Any]:
-    """One value for each run; ParameterError for a single one, of which a text would be one for each letter."""
+    """One value for each run.
+
+    Raises ParameterError for a single one, of which a text would be one for each letter.
+    """
     if isinstance(values, str) or not isinstance(values, Iterable):
         raise ParameterError(
             f"{name}: {values!r} is refused, expected one value for each run, such as [{values!r}]"

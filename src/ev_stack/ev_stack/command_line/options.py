@@ -28,7 +28,10 @@ TRACEBACK = "--traceback"
 
 
 def arguments(argv: list[str] | None = None) -> argparse.Namespace:
-    """Parse the command line; argparse ends the process with status 2 for words it does not know."""
+    """Parse the command line.
+
+    Argparse ends the process with status 2 for words it does not know.
+    """
     parser = Parser(
         prog="run.sh",
         description=(
@@ -223,7 +226,10 @@ def command_of(words: Sequence[str]) -> str:
 
 
 def own_nodes(given: argparse.Namespace) -> dict[str, list[str]]:
-    """Commands by role of the nodes that take the place of ours; ParameterError, in one line, for unknown roles."""
+    """Commands by role of the nodes that take the place of ours.
+
+    Raises ParameterError, in one line, for unknown roles.
+    """
     commands = {}
     for word in given.node:
         node, command = _split(word, "=", "--node", "NODE=COMMAND")
@@ -242,7 +248,10 @@ def processors(given: argparse.Namespace) -> dict[str, str]:
 
 
 def overrides(given: argparse.Namespace) -> Overrides:
-    """Changes of the command line; ParameterError, in one line, for words without NODE, name or =."""
+    """Changes of the command line.
+
+    Raises ParameterError, in one line, for words without NODE, name or =.
+    """
     values: list[tuple[str, str, Any]] = []
     for word in getattr(given, "method", ()):
         node, name = _split(word, "=", "--method", "NODE=NAME")

@@ -10,7 +10,10 @@ from ev_msgs_py.refusal import LINE, shown
 
 
 def refuse(error: BaseException | str) -> NoReturn:
-    """End the process with one line about an error; that of an error of the system names the file, too."""
+    """End the process with one line about an error.
+
+    That of an error of the system names the file, too.
+    """
     text = str(error)
     if isinstance(error, OSError) and error.strerror:
         text = ": ".join(str(each) for each in (error.filename, error.strerror) if each)
@@ -18,7 +21,10 @@ def refuse(error: BaseException | str) -> NoReturn:
 
 
 class Parser(argparse.ArgumentParser):
-    """Words of a command line; what is wrong with them is one line of a bounded length, and nothing raw."""
+    """Words of a command line.
+
+    What is wrong with them is one line of a bounded length, and nothing raw.
+    """
 
     def error(self, message: str) -> NoReturn:
         """End the process with the usage and that line."""

@@ -51,6 +51,9 @@ COMMANDS = {  # name -> module and function that takes words, and what it does
 REVIEWS = {  # of ev-stack run
     "report": (
         "ev_stack.commands.report:run_report",
-        "one page about the folders of several runs of scenarios, side by side with their differences",
+        (
+            "one page about the folders of several runs of scenarios, side by side with their"
+            " differences"
+        ),
     ),
 }

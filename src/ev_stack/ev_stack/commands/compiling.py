@@ -95,7 +95,10 @@ def _together(units: list[Unit]) -> Unit:
 
 
 def sharing(methods: Iterable[Method]) -> list[list[Method]]:
-    """The methods that are compiled, in groups that share functions of one type; what takes long comes first."""
+    """The methods that are compiled, in groups that share functions of one type.
+
+    What takes long comes first.
+    """
     groups: dict[Any, list[Method]] = {}
     for method in methods:
         if method.law is None or not method.law.is_compilable:

@@ -34,7 +34,10 @@ _SHARED_MEMORY, _ROOM = "/dev/shm", 65536
 
 
 def drive_scenario(given: argparse.Namespace) -> None:
-    """Drive all runs of a scenario and report; raises what `ev_stack.commands.run_scenario.main` catches."""
+    """Drive all runs of a scenario and report.
+
+    Raises what `ev_stack.commands.run_scenario.main` catches.
+    """
     prints, own = printing(given), own_nodes(given)
     changed = replace(overrides(given), metrics=listed(given.metrics))
     scenario = load_scenario(given.scenario, changed, given.run)
@@ -73,7 +76,8 @@ def drive_scenario(given: argparse.Namespace) -> None:
         print(each.report)
     print(f"signal hash {content['signal_hash']}")
     print(
-        f"{summary.simulated_time:g} s in {summary.wall_time:.2f} s, {content['real_time_factor']:.1f} x real time"
+        f"{summary.simulated_time:g} s in {summary.wall_time:.2f} s,"
+        f" {content['real_time_factor']:.1f} x real time"
     )
     page = "" if given.no_report else "report.html, figures, "
     print(f"{page}signals and summary: {folder}")
@@ -84,12 +88,14 @@ def _refuse_without_ros(given: argparse.Namespace) -> None:
     if not given.offline:
         if find_spec("rclpy") is None:
             raise RunFailed(
-                "nodes need ROS 2 (rclpy), which is not installed here: --offline --no-record needs none"
+                "nodes need ROS 2 (rclpy), which is not installed here: --offline --no-record needs"
+                " none"
             )
         middleware = os.environ.get(_MIDDLEWARE, "")
         if middleware not in ("", "rmw_fastrtps_cpp") and not _can_be_loaded():
             raise RunFailed(
-                f"{_MIDDLEWARE}={quoted(middleware)} is refused, expected one that is installed, or none"
+                f"{_MIDDLEWARE}={quoted(middleware)} is refused, expected one that is installed, or"
+                " none"
             )
         if os.access(_SHARED_MEMORY, os.W_OK) and shutil.disk_usage(_SHARED_MEMORY).free < _ROOM:
             raise RunFailed(
@@ -97,7 +103,8 @@ def _refuse_without_ros(given: argparse.Namespace) -> None:
             )
     if not given.no_record and None in (find_spec("rosbags"), find_spec("sensor_msgs")):
         raise RunFailed(
-            "a bag needs rosbags and the messages of ROS 2, which are not installed here: add --no-record"
+            "a bag needs rosbags and the messages of ROS 2, which are not installed here: add"
+            " --no-record"
         )
 
 

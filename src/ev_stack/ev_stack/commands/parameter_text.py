@@ -21,7 +21,10 @@ _KINDS = {
 
 
 def parameter_of(name: str, kind: Parameter.Type, value: Any) -> Parameter:
-    """The parameter of that kind; ValueError in one line if the value, or YAML in a text, cannot be carried."""
+    """The parameter of that kind.
+
+    Raises ValueError in one line if the value, or YAML in a text, cannot be carried.
+    """
     try:
         # A text for a text is taken as it is: YAML would make a number of "12" and a truth of
         # "off".
@@ -49,7 +52,10 @@ def _read(text: str) -> Any:
 
 
 def _alike(values: list[Any], kind: type) -> list[Any]:
-    """The values, all of one kind, whole numbers where others are meant among them; TypeError or ValueError if not."""
+    """The values, all of one kind, whole numbers where others are meant among them.
+
+    Raises TypeError or ValueError if not.
+    """
     made = [float(value) if kind is float and type(value) is int else value for value in values]
     for value in made:
         if type(value) is not kind or kind not in _KINDS.values():

@@ -39,7 +39,10 @@ def full_names(node: Node) -> list[str]:
 
 
 def present_domain() -> int:
-    """ROS_DOMAIN_ID, else the domain of the run under way, 0 without one; RunFailed if there are several."""
+    """ROS_DOMAIN_ID, else the domain of the run under way, 0 without one.
+
+    Raises RunFailed if there are several.
+    """
     if os.environ.get("ROS_DOMAIN_ID"):
         with free_domain() as domain:
             return domain
@@ -52,7 +55,10 @@ def present_domain() -> int:
 
 @contextmanager
 def in_the_graph(name: str) -> Iterator[Node]:
-    """A node of our own in the graph, when the others have been found; LookupError if there are none."""
+    """A node of our own in the graph, when the others have been found.
+
+    Raises LookupError if there are none.
+    """
     domain = present_domain()
     rclpy.init(
         args=["--ros-args", NO_LOG_FILE],
@@ -128,7 +134,10 @@ def _type_by_contract(name: str) -> str | None:
 
 
 def type_of(node: Node, name: str) -> str:
-    """The type of a topic; LookupError if there is no such topic, or if it has several that are none of ours."""
+    """The type of a topic.
+
+    Raises LookupError if there is no such topic, or if it has several that are none of ours.
+    """
     first, *others = awaited(node, lambda: _types_now(node, name))
     if others and first != _type_by_contract(name):
         raise LookupError(f"{name} has several types, expected one: {', '.join((first, *others))}")
@@ -157,7 +166,10 @@ def quality_of(node: Node, name: str, depth: int) -> QoSProfile:
 
 
 def master_namespace(node: Node, wanted: str | None) -> str:
-    """The namespace of the master of time, the wanted one where there is one; LookupError if there is not just one."""
+    """The namespace of the master of time, the wanted one where there is one.
+
+    Raises LookupError if there is not just one.
+    """
     return awaited(node, lambda: _master_now(node, wanted))
 
 

@@ -21,7 +21,10 @@ from ev_stack.running.output_folder import new_file, output_folder
 
 
 def run_report(argv: Sequence[str]) -> None:
-    """Read the folders and write the page; ParameterError if one of them was not left behind by a scenario."""
+    """Read the folders and write the page.
+
+    Raises ParameterError if one of them was not left behind by a scenario.
+    """
     about = "one page about what several commands left behind, runs and metrics side by side."
     parser = Parser(prog="run.sh report", description=f"scripts/run.sh report: {about}")
     parser.add_argument(
@@ -48,7 +51,10 @@ def run_report(argv: Sequence[str]) -> None:
 
 
 def read_folder(label: str, folder: Path) -> tuple[Mapping[str, Any], Signals]:
-    """The summary of a scenario's folder and its signals; ParameterError that names the folder if one is not whole."""
+    """The summary of a scenario's folder and its signals.
+
+    Raises ParameterError that names the folder if one is not whole.
+    """
     try:
         summary: dict[str, Any] = json.loads(read_data(folder / SUMMARY, TABLE))
     except (OSError, ValueError, RecursionError) as error:

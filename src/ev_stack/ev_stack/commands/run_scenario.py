@@ -66,7 +66,10 @@ def main(argv: list[str] | None = None) -> None:
 
 
 def drive_study(words: list[str]) -> None:
-    """Drive the study that the first word names; RunFailed if no package is installed that drives studies."""
+    """Drive the study that the first word names.
+
+    Raises RunFailed if no package is installed that drives studies.
+    """
     study = offered_commands().study
     if study is None:
         raise RunFailed(f"{words[0]} needs the package ev_study, which is not installed here")

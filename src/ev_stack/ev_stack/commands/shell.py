@@ -42,7 +42,10 @@ _PATIENCE = 5.0  # s for a node to answer
 
 
 class Shell:
-    """Asks the nodes of a graph; LookupError, in one line, for what is not there or does not answer."""
+    """Asks the nodes of a graph.
+
+    Raises LookupError, in one line, for what is not there or does not answer.
+    """
 
     def __init__(self, node: Node, namespace: str | None) -> None:
         self.node, self._wanted = node, namespace
@@ -146,8 +149,10 @@ def parser_of(name: str, about: str) -> Parser:
     """Words of a command for a running graph."""
     parser = Parser(
         prog=f"ev-stack {name}",
-        description=f"{about} Of the run under way, of several ROS_DOMAIN_ID=N says which; nodes started by hand "
-        "are in domain 0 unless that is set.",
+        description=(
+            f"{about} Of the run under way, of several ROS_DOMAIN_ID=N says which; nodes started by"
+            " hand are in domain 0 unless that is set."
+        ),
     )
     parser.add_argument(
         "--namespace", metavar="/NAME", help="of the graph, where a domain has several"
@@ -225,7 +230,8 @@ def _get(shell: Shell, given: Any) -> str:
 def _known(given: Any, there: dict[str, Parameter]) -> Parameter:
     if given.name not in there:
         raise LookupError(
-            f"{given.node} has no parameter {quoted(given.name)}; ev-stack param get {given.node} lists all"
+            f"{given.node} has no parameter {quoted(given.name)}; ev-stack param get {given.node}"
+            " lists all"
         )
     return there[given.name]
 
@@ -278,7 +284,9 @@ _SILENCE = 2.0  # s of wall time without a message that are reported
 
 
 def messages(node: Node, name: str) -> Iterator[str]:
-    """The messages of a topic as they come, as YAML; LookupError if there is no such topic, or no package for it.
+    """The messages of a topic as they come, as YAML.
+
+    Raises LookupError if there is no such topic, or no package for it.
 
     Where none comes, one line on standard error tells whether simulated time goes on.
     """

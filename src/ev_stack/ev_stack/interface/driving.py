@@ -90,9 +90,9 @@ def batch(
         for name in metrics:
             if name in of_report and name not in METRICS and "=" not in name:
                 raise ParameterError(
-                    f"metric {name} is one of the report {of.report}, expected in a batch are those "
-                    "of any run (docs/metrics.md) and expressions; ev_stack.run and a sweep "
-                    "measure those of reports"
+                    f"metric {name} is one of the report {of.report}, expected in a batch are those"
+                    " of any run (docs/metrics.md) and expressions; ev_stack.run and a sweep"
+                    " measure those of reports"
                 )
     return batch_of(
         of.configurations, of.duration, vary, initial_states, signals, every, metrics, threads

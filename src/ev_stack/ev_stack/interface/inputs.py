@@ -10,7 +10,10 @@ from ev_msgs_py.refusal import ParameterError, quoted
 
 
 def taken_input(name: str, place: int, value: float) -> float:
-    """An input as it is taken at its place of the frame; ParameterError unless it is finite, and 0 or more if due."""
+    """An input as it is taken at its place of the frame.
+
+    Raises ParameterError unless it is finite, and 0 or more if due.
+    """
     if not math.isfinite(value):
         raise ParameterError(f"input {name}: {quoted(value)} is refused, expected a finite number")
     if place not in frame.UNSIGNED_COMMANDS or value >= 0.0:

@@ -114,7 +114,9 @@ class SimulationState:
 
 
 class Simulation:
-    """One run of a scenario, step by step; what the roles in `without` would write is given to each `step`.
+    """One run of a scenario, step by step.
+
+    What the roles in `without` would write is given to each `step`.
 
     `scenario` is a name, a path, or a run that is configured already.
 
@@ -187,7 +189,10 @@ class Simulation:
         )
 
     def reset(self, seed: int | None = None) -> Mapping[str, float]:
-        """Begin again, at rest, with another seed of everything random if one is given; the first frame comes back."""
+        """Begin again, at rest, with another seed of everything random if one is given.
+
+        The first frame comes back.
+        """
         if seed is not None:
             self.configurations = {
                 role: each.changed({"seed": seed}) for role, each in self.configurations.items()
@@ -289,7 +294,9 @@ class Simulation:
 
     @property
     def state(self) -> SimulationState:
-        """All that lasts, as a copy, which can be pickled; may be set to go on from there. The recording goes on.
+        """All that lasts, as a copy, which can be pickled.
+
+        It may be set to go on from there. The recording goes on.
 
         It may be that of other parameters of the same methods. ParameterError, and nothing changes,
         if it is of another period, of other roles, methods, sensors or faults of signals, or if its

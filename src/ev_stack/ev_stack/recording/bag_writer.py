@@ -38,7 +38,9 @@ UNLIMITED = QosTime(sec=9223372036, nsec=854775807)
 
 
 class BagWriter:
-    """Records serialized messages into a new bag; at most `flush_period` seconds of them are not yet on the disk.
+    """Records serialized messages into a new bag.
+
+    At most `flush_period` seconds of them are not yet on the disk.
 
     FileExistsError if the directory exists; OSError, and no directory, if there is no room to
     begin. It is used from one thread.

@@ -111,7 +111,10 @@ def _series(recording: Recording) -> np.ndarray:
 def _output_again(
     configuration: Configuration, series: np.ndarray, struck: set[str]
 ) -> dict[str, np.ndarray]:
-    """The truth of the channels that were struck; nothing of them if the others are not those of the recording."""
+    """The truth of the channels that were struck.
+
+    Nothing of them if the others are not those of the recording.
+    """
     from ev_core.lockstep.run import output_again
 
     try:

@@ -24,7 +24,9 @@ from ev_msgs_py.refusal import ParameterError
 
 @contextmanager
 def atomic_file(path: Path | str, replaces: bool = False) -> Iterator[IO[bytes]]:
-    """A binary file that takes its name only when everything is written; a failure leaves what was there before.
+    """A binary file that takes its name only when everything is written.
+
+    A failure leaves what was there before.
 
     FileExistsError if something has this name by then, unless it `replaces` that; OSError names the
     file.
@@ -53,7 +55,9 @@ _NO_LINKS = (errno.EPERM, errno.ENOTSUP, errno.ENOSYS)
 
 
 def _linked(unfinished: Path, path: Path) -> bool:
-    """Give a file its name if nothing has it, else FileExistsError; a process that is killed leaves no empty one.
+    """Give a file its name if nothing has it, else FileExistsError.
+
+    A process that is killed leaves no empty one.
 
     False where the file system has no links: the name is then taken by an empty file, to be
     replaced.
@@ -113,11 +117,15 @@ class Recording:
         for name, values in {TIME: self.time, **self.channels}.items():
             if values.dtype != np.float64 or values.shape != (len(self.time),):
                 raise ValueError(
-                    f"{name} must be float64 of shape ({len(self.time)},), not {values.dtype} of shape {values.shape}"
+                    f"{name} must be float64 of shape ({len(self.time)},), not {values.dtype} of"
+                    f" shape {values.shape}"
                 )
 
     def __repr__(self) -> str:
-        return f"Recording of {len(self.channels)} channels at {len(self.time)} instants in {self.duration:g} s"
+        return (
+            f"Recording of {len(self.channels)} channels at {len(self.time)} instants in"
+            f" {self.duration:g} s"
+        )
 
     @property
     def duration(self) -> float:
@@ -172,7 +180,10 @@ def write_signals(
 
 
 def load(path: Path | str) -> Recording:
-    """Read signals.npz, bit for bit what was saved; OSError if it is not there, RecordingError if it is damaged."""
+    """Read signals.npz, bit for bit what was saved.
+
+    Raises OSError if it is not there, RecordingError if it is damaged.
+    """
     channels = read_arrays(path)
     try:
         return Recording(channels.pop(TIME), channels)

@@ -50,8 +50,10 @@ class RecorderParameters:
     bag: bool = setting(True, about="write a bag besides signals.npz", read_only=True)
     parameter_file: str = setting(
         "",
-        about="parameter file that all nodes of the run were started with: the bag gets what it holds, and the car for "
-        "viewers; empty: neither",
+        about=(
+            "parameter file that all nodes of the run were started with: the bag gets what it"
+            " holds, and the car for viewers; empty: neither"
+        ),
         read_only=True,
     )
     control_period: float = setting(
@@ -65,7 +67,10 @@ class RecorderParameters:
     mode: str = setting(
         "lockstep",
         choices=("lockstep", "realtime"),
-        about="lockstep: every topic has every step; realtime: a step that is missing holds the one before",
+        about=(
+            "lockstep: every topic has every step; realtime: a step that is missing holds the one"
+            " before"
+        ),
         read_only=True,
     )
     duration: float = setting(
@@ -105,7 +110,8 @@ class RunRecorder:
             os.path.lexists(folder / name) for name in ((BAG, SIGNALS) if p.bag else (SIGNALS,))
         ):
             raise ParameterError(
-                f"parameter directory: {quoted(p.directory)} is refused, expected one without a recording"
+                f"parameter directory: {quoted(p.directory)} is refused, expected one without a"
+                " recording"
             )
         folder.mkdir(parents=True, exist_ok=True)
         self._signals, self._is_written = folder / SIGNALS, False
@@ -138,9 +144,11 @@ class RunRecorder:
     def _begin_bag(self) -> None:
         self._bag = BagWriter(self._directory) if self._directory is not None else None
         self._handles = [
-            self._bag.add_topic(name, topic.message_type, depth=QUEUE_DEPTH)
-            if self._bag is not None
-            else None
+            (
+                self._bag.add_topic(name, topic.message_type, depth=QUEUE_DEPTH)
+                if self._bag is not None
+                else None
+            )
             for topic, name in zip(self._topics, self._names, strict=True)
         ]
         self._beside: dict[str, object] = {}
@@ -157,7 +165,9 @@ class RunRecorder:
         came: Sequence[int],
         refuse: Callable[[MessageError], None],
     ) -> None:
-        """Keep messages of the topic with this index; one that repeats an earlier stamp adds nothing.
+        """Keep messages of the topic with this index.
+
+        One that repeats an earlier stamp adds nothing.
 
         In real time the bag has them under the wall times at which they came [ns], in lockstep
         under their stamps. `refuse` is given the reason of each that the topic table does not
@@ -253,7 +263,9 @@ class RunRecorder:
     def add_beside(
         self, name: str, message_type: str, stamp: int, message: bytes, came: int
     ) -> bool:
-        """Put a message that is no signal of the contract, such as /clock, into the bag only; False if it is too early.
+        """Put a message that is no signal of the contract, such as /clock, into the bag only.
+
+        False if it is too early.
 
         It is for a run that has yet to begin. One of a run before is not kept.
         """
@@ -270,7 +282,10 @@ class RunRecorder:
 
     @property
     def held(self) -> int:
-        """The instant up to which the run is held, in nanoseconds; negative before the first step is complete."""
+        """The instant up to which the run is held, in nanoseconds.
+
+        Negative before the first step is complete.
+        """
         return (self._paced() - 1) * self._period
 
     @property
@@ -302,7 +317,10 @@ class RunRecorder:
         return self._paced() >= self._steps
 
     def close(self) -> None:
-        """Finish the bag, and write signals.npz with all complete steps, once; a topic without messages is left out."""
+        """Finish the bag, and write signals.npz with all complete steps, once.
+
+        A topic without messages is left out.
+        """
         if self._is_written:
             return
         self._is_written = True

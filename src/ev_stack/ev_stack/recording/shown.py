@@ -69,7 +69,10 @@ class ViewsInBag:
         self._newest = np.zeros(frame.SIZE)
 
     def take(self, step: int, place: slice, numbers: Sequence[float], came: int) -> None:
-        """Numbers of a step at their place in the frame; `came` is the time that the bag has for it [ns]."""
+        """Numbers of a step at their place in the frame.
+
+        `came` is the time that the bag has for it [ns].
+        """
         if step % self._every:
             return
         # What comes later in a step overwrites it there; a topic that is late shows its last

@@ -42,7 +42,10 @@ class MessageTable:
         return [message.tobytes() for message in messages]
 
     def read(self, messages: Sequence[bytes], frames: np.ndarray) -> None:
-        """Put the numbers of messages into frames (n, frame size); MessageError if one of them is refused."""
+        """Put the numbers of messages into frames (n, frame size).
+
+        Raises MessageError if one of them is refused.
+        """
 
         def refuse(_place: int, error: MessageError) -> None:
             raise error
@@ -52,7 +55,9 @@ class MessageTable:
     def numbers(
         self, messages: Sequence[bytes], refuse: Callable[[int, MessageError], None]
     ) -> np.ndarray:
-        """The numbers of messages (n, channels); `refuse` is given place and reason of each that is refused.
+        """The numbers of messages (n, channels).
+
+        `refuse` is given place and reason of each that is refused.
 
         Messages of another layout (such as joints in another order) are read one by one.
         """
@@ -168,7 +173,10 @@ class SpooledTopic:
         )
 
     def series(self, steps: int) -> Iterator[np.ndarray]:
-        """The numbers of so many steps (steps,), channel by channel; what has not come holds the last one."""
+        """The numbers of so many steps (steps,), channel by channel.
+
+        What has not come holds the last one.
+        """
         spooled = self._spooled
         for channel, place in enumerate(range(self._place.start, self._place.stop)):
             numbers = np.empty(max(steps, self.count))

@@ -35,7 +35,10 @@ from ev_stack.scenarios.records import Run
 
 
 class Unit(NamedTuple):
-    """Something to compile: what it is called, whether it is on disk, what makes it; of one `key` one is made."""
+    """Something to compile: what it is called, whether it is on disk, what makes it.
+
+    Of one `key` one is made.
+    """
 
     name: str
     is_kept: Callable[[], bool]

@@ -21,18 +21,24 @@ class Bus(Protocol):
     ) -> AbstractContextManager[dict[str, dict[str, Any]]]:
         """Channels of this run alone in real time: further parameters of its nodes, by name.
 
-        RunFailed if they cannot be had.
+        Raises RunFailed if they cannot be had.
         """
 
     def frame_log(self, run: Run, directory: Path) -> FrameLog | None:
-        """A log of the frames of a run in lockstep, which is open; None if none is asked for. RunFailed."""
+        """A log of the frames of a run in lockstep, which is open.
+
+        None if none is asked for. Raises RunFailed if it cannot be opened.
+        """
 
 
 class FrameLog(Protocol):
     """Writes the frames of a run that has been recorded."""
 
     def write(self, recording: Recording) -> str:
-        """Write all frames and close the log; a line with the reason if it ends before the run does."""
+        """Write all frames and close the log.
+
+        A line with the reason if it ends before the run does.
+        """
 
 
 def buses() -> list[Bus]:

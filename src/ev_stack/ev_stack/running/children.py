@@ -41,7 +41,9 @@ def ends_with_us() -> Callable[[], None] | None:
 
 
 def ending_with_us(group: int) -> subprocess.Popen:
-    """A process that kills a process group when we end, whatever ends us; to be killed when the group has ended.
+    """A process that kills a process group when we end, whatever ends us.
+
+    It is to be killed when the group has ended.
 
     A shell that becomes no node, but starts one, hands no death signal on.
     """

@@ -102,13 +102,14 @@ def free_domain() -> Iterator[int]:
 def own_namespace(domain: int, namespace: str) -> Iterator[None]:
     """Reserve the names of nodes against other runs of this user.
 
-    RunFailed if one has them. Two nodes of one name are not believed, and both runs would stand
-    still.
+    Raises RunFailed if one has them. Two nodes of one name are not believed, and both runs would
+    stand still.
     """
     with _reservation(f"{domain}_{os.getuid()}{namespace.replace('/', '_')}") as reserved:
         if not reserved:
             raise RunFailed(
-                f"ROS domain {domain} has a run in the namespace {namespace} already: wait, or take another"
+                f"ROS domain {domain} has a run in the namespace {namespace} already: wait, or take"
+                " another"
             )
         yield
 

@@ -54,7 +54,8 @@ def command(name: str) -> list[str]:
         if path.exists():
             return [str(path)]
     raise RunFailed(
-        f"executable {package} {name} is not found: source install/local_setup.bash of the workspace"
+        f"executable {package} {name} is not found: source install/local_setup.bash of the"
+        " workspace"
     )
 
 
@@ -182,7 +183,10 @@ _PATIENCE, _AT_THE_END = 2.0, 10.0
 def started_nodes(
     place: Place, own: Mapping[str, Sequence[str]], reports: NodeReports
 ) -> Iterator[list[NodeProcess]]:
-    """The processes of all nodes, with commands of others for some of them; RunFailed if one cannot be started."""
+    """The processes of all nodes, with commands of others for some of them.
+
+    Raises RunFailed if one cannot be started.
+    """
     nodes: list[NodeProcess] = []
     try:
         for name in place.parameters:

@@ -36,7 +36,10 @@ from ev_stack.recording.recording import Recording
 
 @contextmanager
 def observing(namespace: str, domain: int, name: str) -> Iterator[Node]:
-    """A node in the graph of a domain; RunFailed where ROS 2 refuses it, as without keys, or fails."""
+    """A node in the graph of a domain.
+
+    Raises RunFailed where ROS 2 refuses it, as without keys, or fails.
+    """
     refuse_unready()
     context = rclpy.Context()
     try:
@@ -127,7 +130,10 @@ class NodeReports:
         return words
 
     def waits_for(self, node: str, within: float) -> Sequence[str] | None:
-        """The roles for which a node has reported within the last seconds that it waits; None without a report."""
+        """The roles for which a node has reported within the last seconds that it waits.
+
+        None without a report.
+        """
         # Infinitely long ago: a node that never reported counts as one without a report.
         at, whom = self._waits.get(node, (-inf, None))
         return whom if time.monotonic() - at <= within else None

@@ -32,14 +32,18 @@ def recorded_topics(run: Run) -> list[Topic]:
 def node_parameters(
     run: Run, directory: Path, bag: bool, besides: Mapping[str, Mapping[str, Any]] | None = None
 ) -> dict[str, dict[str, Any]]:
-    """Dotted names and values for every role and the recorder; `directory` is where the recorder writes.
+    """Dotted names and values for every role and the recorder.
+
+    `directory` is where the recorder writes.
 
     The parameters of roles in `besides` go before their own.
     """
     nodes = {
         # ROS has no type for an empty list.
-        role: {name: _plain(value) for name, value in configuration.values().items() if value != ()}
-        | dict((besides or {}).get(role, {}))
+        role: (
+            {name: _plain(value) for name, value in configuration.values().items() if value != ()}
+            | dict((besides or {}).get(role, {}))
+        )
         for role, configuration in run.configurations.items()
     }
     # Without it time would begin before the recorder is connected, and run ahead of it.
@@ -71,7 +75,10 @@ def write_parameter_file(path: Path, run: Run, nodes: dict[str, dict[str, Any]])
 
 
 def drive_offline(run: Run, progress: Progress = lambda time: None) -> Outcome:
-    """Drive one run of a scenario; raises what `run_offline` does. To compile does not count as driving."""
+    """Drive one run of a scenario.
+
+    Raises what `run_offline` does. To compile does not count as driving.
+    """
     graph = graph_run(run.configurations, run.duration)
     start = time.monotonic()
     notes: list[str] = []

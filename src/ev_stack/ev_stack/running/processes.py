@@ -37,7 +37,9 @@ def run_in_processes(
     progress: Progress,
     own_nodes: Mapping[str, Sequence[str]] | None = None,
 ) -> Outcome:
-    """Drive a run to its end, every node as its own process over DDS; the recorder writes into `directory`.
+    """Drive a run to its end, every node as its own process over DDS.
+
+    The recorder writes into `directory`.
 
     `own_nodes` are commands by role that are started in the place of our nodes, with the same ROS
     arguments.
@@ -85,7 +87,8 @@ def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> 
     """
     if security_is_asked_for(os.environ):
         raise RunFailed(
-            "--in-process: DDS security gives keys to processes, not to nodes; drive one process per node"
+            "--in-process: DDS security gives keys to processes, not to nodes; drive one process"
+            " per node"
         )
     nodes: list[SteppedNode] = []
     with (

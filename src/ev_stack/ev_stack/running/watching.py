@@ -60,7 +60,8 @@ def is_stopped(pid: int) -> bool:
 class RunWatcher:
     """Watches the processes of a run until plant and recorder have ended.
 
-    `look` and `notice_ends` are to be called often. It is `patient` with nodes of others, which may load for long, or stand at a breakpoint.
+    `look` and `notice_ends` are to be called often. It is `patient` with nodes of others, which may
+    load for long, or stand at a breakpoint.
     """
 
     def __init__(
@@ -99,19 +100,26 @@ class RunWatcher:
         return self._arrived_at - self._began_at
 
     def look(self) -> list[str]:
-        """Follow simulated time, and return lines for the user; RunFailed if no step will be taken."""
+        """Follow simulated time, and return lines for the user.
+
+        Raises RunFailed if no step will be taken.
+        """
         now = time.monotonic()
         self._reports.look()
         self._follow_time(now)
         self._looked_at = now
         if now > self._begins_by:
             raise RunFailed(
-                f"no step was taken within {_TO_BEGIN:g} s: the nodes do not find or answer each other"
+                f"no step was taken within {_TO_BEGIN:g} s: the nodes do not find or answer each"
+                " other"
             )
         return [*self._reports.new_words(), *self._name_silent_node(now)]
 
     def notice_ends(self) -> None:
-        """Note nodes that have ended in order; RunFailed if in another way, or before the run has."""
+        """Note nodes that have ended in order.
+
+        Raises RunFailed if in another way, or before the run has.
+        """
         now = time.monotonic()
         for node in self._nodes:
             if node.process.poll() is not None:

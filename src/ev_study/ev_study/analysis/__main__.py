@@ -105,7 +105,10 @@ def save_matrices(path: Path, plant: LinearisedPlant) -> None:
 
 
 def drive_torques(vehicle: Vehicle, force: float) -> Wheels:
-    """Equal torques [N m] of the driven wheels for a drive force [N]; ParameterError if a force has no wheel."""
+    """Equal torques [N m] of the driven wheels for a drive force [N].
+
+    Raises ParameterError if a force has no wheel.
+    """
     driven = [name in vehicle.driven_wheels for name in WHEEL_NAMES]
     if force and not any(driven):
         raise ParameterError(f"vehicle {vehicle.name} has no driven wheels")
@@ -162,8 +165,10 @@ def rows(
 def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser = Parser(
         prog="python -m ev_study.analysis",
-        description="How a vehicle steers: understeer gradient, W12, the single-track model over speed, and the planar "
-        "plant linearised numerically, saved as A, B, C, D.",
+        description=(
+            "How a vehicle steers: understeer gradient, W12, the single-track model over speed, and"
+            " the planar plant linearised numerically, saved as A, B, C, D."
+        ),
     )
     parser.add_argument("vehicle", help="name of a file in config/vehicles, or path of your own")
     parser.add_argument(

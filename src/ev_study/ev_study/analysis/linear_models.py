@@ -139,7 +139,10 @@ class SideSlipModel:
 
     @property
     def damping(self) -> float:
-        """D = K L^2/(2 V J_z) + j cos(phi)/V + m_z [1/s]; the model is stable if it is above zero."""
+        """D = K L^2/(2 V J_z) + j cos(phi)/V + m_z [1/s].
+
+        The model is stable if it is above zero.
+        """
         stiffness = (
             self.axle_cornering_stiffness * self.wheelbase**2 / (2 * self.speed * self.yaw_inertia)
         )
@@ -147,7 +150,10 @@ class SideSlipModel:
 
     @property
     def excitation(self) -> float:
-        """N = L^2 h X/(2 V J_z) - j cos(phi)/V - m_z [1/s]; zero means that the car steers neutrally."""
+        """N = L^2 h X/(2 V J_z) - j cos(phi)/V - m_z [1/s].
+
+        Zero means that the car steers neutrally.
+        """
         drive = (
             self.wheelbase**2
             * self.front_share

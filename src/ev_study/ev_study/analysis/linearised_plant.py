@@ -104,7 +104,10 @@ class LinearisedPlant:
         )
 
     def slip_angle_difference(self, frequency: np.ndarray) -> np.ndarray:
-        """Response of dA = d2 - d1 to the road-wheel angle, (n,); Zhileykin's W12 with all that it leaves out."""
+        """Response of dA = d2 - d1 to the road-wheel angle, (n,).
+
+        Zhileykin's W12 with all that it leaves out.
+        """
         found = self.response(frequency)
         return (
             found[:, OUTPUTS.index("rear_slip_angle")] - found[:, OUTPUTS.index("front_slip_angle")]
@@ -196,7 +199,8 @@ def _brought_to(vehicle: Vehicle, point: OperatingPoint) -> np.ndarray:
     run_up = force / vehicle.mass
     if not 0.0 < run_up < point.speed or point.road_wheel_angle != 0.0:
         raise ValueError(
-            "an acceleration is linearised straight ahead, at a speed above that of its first second"
+            "an acceleration is linearised straight ahead, at a speed above that of its first"
+            " second"
         )
     # It passes the speed after about a second of acceleration, settled in all but the speed itself.
     plant = plant_from(point.speed - run_up)

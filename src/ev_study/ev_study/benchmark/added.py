@@ -91,7 +91,7 @@ def _parameters(file: str) -> dict[str, Any]:
 def check_laws(board: Board, laws: Sequence[str], added: Sequence[str]) -> None:
     """Configure laws for each car of the board, and hold what was added against the contract.
 
-    ParameterError, in one line, for what is refused or breaks it.
+    Raises ParameterError, in one line, for what is refused or breaks it.
     """
     cells = sorted(board.cells(), key=lambda cell: not board.manoeuvres[cell.manoeuvre].steering_on)
     # the last ones need no run for the steering angles
@@ -144,7 +144,8 @@ def _refuse_variation(variation: Variation, driven: Mapping[str, Configuration])
             )
         if variation.factor:
             raise ParameterError(
-                "it is a number of a law, of which each has its own, expected value, count or choice"
+                "it is a number of a law, of which each has its own, expected value, count or"
+                " choice"
             )
     of_car = value_in(driven, variation.parameter) if variation.factor else 1.0
     declared = {

@@ -42,7 +42,9 @@ MOTOR_FAULT = "motor_fault"
 
 @dataclass(frozen=True, slots=True)
 class Road:
-    """Surfaces under the left and the right wheels, one behind the other; the lengths of all but the last [m].
+    """Surfaces under the left and the right wheels, one behind the other.
+
+    The lengths of all but the last [m].
 
     `friction` and `stiffness` are factors on c1 and c3, and on c2 of all its surfaces.
     """
@@ -135,7 +137,7 @@ class Board:
     def cells(self, pattern: str = "*") -> list[Cell]:
         """Return the cells of which an id fits a pattern as of file names.
 
-        ParameterError if none does.
+        Raises ParameterError if none does.
         """
         every = []
         for car in self.cars:
@@ -156,7 +158,7 @@ class Board:
 def read_board(name: str) -> Board:
     """Return the board of a name in config/benchmarks, or of a path.
 
-    ParameterError, in one line, for what is wrong in it.
+    Raises ParameterError, in one line, for what is wrong in it.
     """
     path = configured_file("benchmark", name)
     try:

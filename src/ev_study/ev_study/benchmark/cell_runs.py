@@ -49,7 +49,8 @@ def values_of(board: Board, cell: Cell) -> dict[str, Any]:
     for name in named_metrics(manoeuvre.measured):
         if name in FIELDS:
             raise ParameterError(
-                f"metric {name} of {cell.manoeuvre} has the name of a field of records, expected is another name"
+                f"metric {name} of {cell.manoeuvre} has the name of a field of records, expected is"
+                " another name"
             )
     # The names are what counts here; any value of the range gives them.
     searched = searched_at(manoeuvre, np.array(manoeuvre.searched[:1]))

@@ -28,7 +28,10 @@ _FAULTS, _ANYTHING = "faults", 2**31
 
 @dataclass(frozen=True)
 class Draws:
-    """Values of each run for all laws, by ROLE.PARAMETER; `believed` scales the friction that the laws assume."""
+    """Values of each run for all laws, by ROLE.PARAMETER.
+
+    `believed` scales the friction that the laws assume.
+    """
 
     values: Mapping[str, Sequence[Any]]
     believed: Sequence[float]
@@ -124,7 +127,7 @@ def value_in(base: Mapping[str, Configuration], name: str) -> float:
 def own_draws(law: Mapping[str, Configuration], draws: Draws) -> dict[str, Sequence[float]]:
     """Draw the friction that a law believes in, by its own names: its own factor x believed.
 
-    ParameterError if one of the products is beyond the bounds of that name.
+    Raises ParameterError if one of the products is beyond the bounds of that name.
     """
     return {
         f"{role}.{name}": [own * believed for believed in draws.believed]

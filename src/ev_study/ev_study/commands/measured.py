@@ -107,7 +107,8 @@ def run_validate(argv: Sequence[str]) -> None:
     for note in (*found.notes(), *lacking):
         print(f"note: {note}")
     print(
-        f"{len(replay.windows)} windows of {given.window:g} s; page, figures, signals, summary: {folder}"
+        f"{len(replay.windows)} windows of {given.window:g} s; page, figures, signals, summary:"
+        f" {folder}"
     )
 
 
@@ -122,7 +123,8 @@ def run_identify(argv: Sequence[str]) -> None:
         _identify_tyre(given, command)
     elif given.record is None or not given.free:
         parser.error(
-            "which record, and which parameters? RECORD --free GROUP ..., or --tyre RIG ..., or --motor MAP.csv"
+            "which record, and which parameters? RECORD --free GROUP ..., or --tyre RIG ..., or"
+            " --motor MAP.csv"
         )
     else:
         _identify_car(given, command)
@@ -347,7 +349,10 @@ def _add_record(parser: argparse.ArgumentParser, name: str) -> None:
         default="speed",
         help="what drives the car besides the measured angle",
     )
-    about = "[Hz] of the speed and what windows begin from, 0 for none; default by the noise of the record"
+    about = (
+        "[Hz] of the speed and what windows begin from, 0 for none; default by the noise of the"
+        " record"
+    )
     parser.add_argument("--smooth", type=_cut_off, metavar="HZ", help=about)
     parser.add_argument(
         "--window", type=float, default=5.0, metavar="S", help="length of a window; default 5 s"
@@ -418,7 +423,7 @@ def _replay(
 def open_record(path: Path, mapping: Path | None = None) -> MeasuredRecord:
     """The record of a file with its mapping, of a bag of standard messages, or of a run of ours.
 
-    ParameterError if there is none.
+    Raises ParameterError if there is none.
     """
     path = without_metadata(path)
     name = path.name.removesuffix(".xz")

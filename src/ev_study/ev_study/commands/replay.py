@@ -62,7 +62,10 @@ def run_replay(argv: Sequence[str]) -> None:
 
 
 def _meant(role: str, text: str) -> tuple[str, list[str]]:
-    """The method or the words of the command that stands behind NODE=; ParameterError if it is neither."""
+    """The method or the words of the command that stands behind NODE=.
+
+    Raises ParameterError if it is neither.
+    """
     known = methods_of(role)
     if not text or text in known or text.endswith(LIBRARIES):
         return text, []

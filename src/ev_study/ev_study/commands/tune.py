@@ -55,7 +55,8 @@ def run_tune(argv: Sequence[str]) -> None:
             # the first steps are a part of all its range, however large that is
             if not each.by_factors:
                 announce(
-                    f"note: {law}: {each.name} starts at {each.start:g}: from {each.low:g} to {each.high:g}"
+                    f"note: {law}: {each.name} starts at {each.start:g}: from {each.low:g} to"
+                    f" {each.high:g}"
                 )
     references = _references(board, given)
     keys = {name: search_key(references, name, free[name], given) for name in names}
@@ -173,7 +174,10 @@ def _tune(
         bar.update(more)
     lines = [
         command,
-        f"{given.cost} in {training.runs} training runs {history[0].cost:.4f}, tuned {best.cost:.4f}",
+        (
+            f"{given.cost} in {training.runs} training runs {history[0].cost:.4f}, tuned"
+            f" {best.cost:.4f}"
+        ),
         f"{given.cost} in {validation.runs} validation runs {before:.4f}, tuned {cost:.4f}",
         f"{reference} in these {training.of_reference:.4f} and {validation.of_reference:.4f}",
     ]
@@ -206,7 +210,10 @@ def search_key(
 
 
 def _write(path: Path, free: Sequence[Free], best: Candidate, lines: Sequence[str]) -> None:
-    """A parameter file; the numbers are as exact as they were driven, and beside them is what they were before."""
+    """A parameter file.
+
+    The numbers are as exact as they were driven, and beside them is what they were before.
+    """
     text, before = (
         [f"# {line}" for line in lines],
         by_role({each.name: each.start for each in free}),

@@ -61,7 +61,10 @@ def run_verdicts(argv: Sequence[str]) -> None:
         "--data",
         type=Path,
         metavar="DIR",
-        help=f"folder of measured data to hold the car against as well; --only {MEASURED} alone (docs/measured.md)",
+        help=(
+            f"folder of measured data to hold the car against as well; --only {MEASURED} alone"
+            " (docs/measured.md)"
+        ),
     )
     given = parser.parse_args(argv)
     start = time.monotonic()

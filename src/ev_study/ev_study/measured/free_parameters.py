@@ -86,7 +86,9 @@ class FreeParameter:
 def free_parameters(
     asked: Sequence[str], configurations: Mapping[str, Configuration]
 ) -> tuple[FreeParameter, ...]:
-    """Those of groups and single names, each once; ParameterError for one that the graph of the car does not have.
+    """Those of groups and single names, each once.
+
+    Raises ParameterError for one that the graph of the car does not have.
 
     The scale is the start, where that is 0 a tenth of the range; a range that is wider than a tenth
     to ten times the start is cut to that.

@@ -201,7 +201,8 @@ def identify(
         beside = of.begin + random.uniform(-0.2, 0.2, len(free)) if number else first.x
         found.append(of.fit(beside, most))
         progress(
-            f"start {number + 1}: cost {found[-1].cost:.6g} in {found[-1].nfev} steps, by the errors left"
+            f"start {number + 1}: cost {found[-1].cost:.6g} in {found[-1].nfev} steps, by the"
+            " errors left"
         )
     best = min(found, key=lambda each: float(each.cost))
     return Fitted(

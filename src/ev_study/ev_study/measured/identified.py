@@ -92,7 +92,8 @@ class Identified:
             # are.
             if abs(constant) > max(CONSTANT * now.errors.rms, floors[name]):
                 found.append(
-                    f"the fit is {constant:+.3g} {now.unit} off {name} on average: offset of a sensor"
+                    f"the fit is {constant:+.3g} {now.unit} off {name} on average: offset of a"
+                    " sensor"
                 )
             # Where the start was within the weight already, 5 % of that is chance.
             if now.median_window > was.median_window + 0.05 * max(
@@ -141,7 +142,10 @@ class Identified:
         lines = []
         for place, (each, (low, high)) in enumerate(zip(self.free, self.intervals, strict=True)):
             unit = f" {each.unit}" if each.unit not in ("", "1") else ""
-            interval = f"{low:.4g} to {high:.4g}{unit} in 95 %, deviation {self.known.deviation[place]:.2g}"
+            interval = (
+                f"{low:.4g} to {high:.4g}{unit} in 95 %, deviation"
+                f" {self.known.deviation[place]:.2g}"
+            )
             lines.append(f"{self._why_none(place) or interval}, start {each.start:.6g}")
         return lines
 
@@ -211,7 +215,10 @@ class Identified:
         replay = self.replays[PARTS[0]]
         source = f"identified from {quoted_source(replay.record)}"
         head = [
-            f"{source}: {len(replay.windows)} windows of {(replay.windows.size - 1) * replay.record.period:g} s",
+            (
+                f"{source}: {len(replay.windows)} windows of"
+                f" {(replay.windows.size - 1) * replay.record.period:g} s"
+            ),
             self.command,
             *(f"no interval: {line}" for line in self.doubts),
         ]
@@ -284,7 +291,10 @@ class Identified:
 
 def _change(before: Judged, after: Judged) -> str:
     """The RMS errors of the median window, from the one to the other."""
-    return f"{before.median_window:.4g} before, {after.median_window:.4g} {before.unit} after, in the median window"
+    return (
+        f"{before.median_window:.4g} before, {after.median_window:.4g} {before.unit} after, in the"
+        " median window"
+    )
 
 
 def _rms_and_median(validation: Validation, name: str) -> tuple[float, float]:

@@ -115,6 +115,7 @@ def in_words(known: Knowledge, free: Sequence[FreeParameter]) -> list[str]:
         what = "alone" if len(parts) == 1 else "together"
         # A direction without any information has a million scales, which is no number to print.
         lines.append(
-            f"{' '.join(parts).removeprefix('+ ')} {what}, to {min(deviation, 99.0):.2g} of the scale"
+            f"{' '.join(parts).removeprefix('+ ')} {what}, to {min(deviation, 99.0):.2g} of the"
+            " scale"
         )
     return lines

@@ -133,7 +133,10 @@ def motor_table(fit: MotorFit) -> str:
 
 def write_motor(folder: Path, fit: MotorFit, command: str) -> None:
     """Parameters for --params, the numbers, and the map of the errors, into a folder."""
-    head = f"identified from a motor map, SHA-256 {fit.digest[:12]}: {len(fit.speed)} points, {fit.left_out} left out"
+    head = (
+        f"identified from a motor map, SHA-256 {fit.digest[:12]}: {len(fit.speed)} points,"
+        f" {fit.left_out} left out"
+    )
     lines = [
         f"# {head}",
         f"# {command}",

@@ -79,7 +79,10 @@ class Sweeps:
 
 
 def read_rig(paths: list[Path]) -> Sweeps:
-    """The sweeps of some files (.csv, .csv.xz, or .mat of the TTC); ParameterError if one is not of this kind."""
+    """The sweeps of some files (.csv, .csv.xz, or .mat of the TTC).
+
+    Raises ParameterError if one is not of this kind.
+    """
     tables, digests = [], []
     for path in paths:
         columns, digest = _mat(path) if path.suffix == ".mat" else _table(path)
@@ -154,10 +157,16 @@ def _check_units(path: Path, columns: Mapping[str, np.ndarray]) -> None:
             f"{path}: FZ is {load:.4g} N in the median, expected below 0 (SAE: z is down)"
         )
     if not LEAST_LOAD <= -load <= MOST_LOAD:
-        expected = f"expected -{MOST_LOAD:g} to -{LEAST_LOAD:g} N: the unit of FZ, and of the forces with it?"
+        expected = (
+            f"expected -{MOST_LOAD:g} to -{LEAST_LOAD:g} N: the unit of FZ, and of the forces"
+            " with it?"
+        )
         raise ParameterError(f"{path}: FZ is {load:.4g} N in the median, {expected}")
     if not LEAST_PRESSURE <= pressure <= MOST_PRESSURE:
-        expected = f"expected {LEAST_PRESSURE:g} to {MOST_PRESSURE:g} kPa: the unit of P, and of the forces with it?"
+        expected = (
+            f"expected {LEAST_PRESSURE:g} to {MOST_PRESSURE:g} kPa: the unit of P, and of the"
+            " forces with it?"
+        )
         raise ParameterError(f"{path}: P is {pressure:.4g} kPa in the median, {expected}")
 
 

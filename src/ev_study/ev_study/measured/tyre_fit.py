@@ -130,7 +130,10 @@ class TyreFit:
 
 
 def fit_tyre(sweeps: Sweeps, held_out: int = 3) -> TyreFit:
-    """Fit to all sweeps but every `held_out`-th; what a kind of sweep is not there for stays at its start."""
+    """Fit to all sweeps but every `held_out`-th.
+
+    What a kind of sweep is not there for stays at its start.
+    """
     points = sweeps.points
     nominal = {
         "FNOMIN": float(np.median(points.load)),
@@ -203,7 +206,8 @@ def _fitted(
     """Coefficients, and the standard deviation of each in shares of its range.
 
     Least squares with a loss that does not follow outliers beyond a tenth of the largest force. A
-    prior about the starts keeps what the samples do not decide: one load fits any friction over load.
+    prior about the starts keeps what the samples do not decide: one load fits any friction over
+    load.
     """
     starts, lows, highs = np.array(list(free.values())).T
     largest = float(np.max(np.abs(force)))

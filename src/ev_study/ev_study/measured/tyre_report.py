@@ -64,7 +64,10 @@ def write_tyre(
 
 
 def curves(fit: TyreFit, sweeps: Sweeps) -> Sheet:
-    """Forces of the sweeps over their slip, with the curve of the fit at the means of each; unseen ones in orange."""
+    """Forces of the sweeps over their slip, with the curve of the fit at the means of each.
+
+    Unseen ones in orange.
+    """
 
     def over_slip(axes: Axes, slip: str, force: str, chosen: np.ndarray) -> None:
         model, factor = (
@@ -110,7 +113,10 @@ def curves(fit: TyreFit, sweeps: Sweeps) -> Sheet:
 
 
 def property_file(fit: TyreFit, friction_scale: float, head: str) -> str:
-    """A tyre property file of MF 6.1; `friction_scale` from the belt of the rig to the road is LMUX and LMUY."""
+    """A tyre property file of MF 6.1.
+
+    `friction_scale` from the belt of the rig to the road is LMUX and LMUY.
+    """
     assumed = {*fit.at_start, *fit.undecided}
     groups = (
         ("MODEL", {"FITTYP": "61", "TYRESIDE": "'LEFT'"}),

@@ -88,7 +88,10 @@ def _flow(value: Any) -> str:
 
 
 def _nested(values: Mapping[str, Any], comments: Mapping[str, Sequence[str]]) -> Iterator[str]:
-    """Lines of YAML, a level of indentation for each dot; comments stand above what has several, else behind."""
+    """Lines of YAML, a level of indentation for each dot.
+
+    Comments stand above what has several, else behind.
+    """
     before: list[str] = []
     for name in sorted(values, key=_order(values)):
         *groups, last = name.split(".")

@@ -89,7 +89,8 @@ def latencies_in_words(timing: Mapping[str, Any], topics: list[str]) -> list[str
     for topic in topics:
         found = {what: timing[what].get(topic, {}) for what in (_LATENCY, _JITTER)}
         parts = [
-            f"{what} {1e3 * times['median']:.3g} ms of half, {1e3 * times['largest']:.3g} ms at most"
+            f"{what} {1e3 * times['median']:.3g} ms of half, {1e3 * times['largest']:.3g} ms at"
+            " most"
             for what, times in found.items()
             if times.get("median") is not None
         ]
@@ -176,4 +177,7 @@ def in_words(found: Sequence[Difference]) -> str:
     # The first step counts; in one step the first channel in the order of the topics.
     first = min(differing, key=lambda d: (d.step or 0, found.index(d)))
     where = f"first {first.channel} in step {first.step} at {cell(first.time)} s"
-    return f"{len(differing)} of {len(found)} channels differ, compared at {compared} instants; {where}"
+    return (
+        f"{len(differing)} of {len(found)} channels differ, compared at {compared} instants;"
+        f" {where}"
+    )

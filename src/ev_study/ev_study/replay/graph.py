@@ -140,7 +140,9 @@ def _with_duration(
 
 
 def replay_of(recorded: Recorded, role: str, method: str, overrides: Overrides) -> Replay:
-    """A role of a recorded run, with the parameters of that run and what differs; `method` may be empty: as recorded.
+    """A role of a recorded run, with the parameters of that run and what differs.
+
+    `method` may be empty: as recorded.
 
     ParameterError, in one line, for a role, method, parameter or car that cannot be, and for a
     topic that is missing.
@@ -261,7 +263,10 @@ def _write_told(path: Path, replay: Replay) -> None:
 
 @dataclass(frozen=True)
 class Replayed:
-    """A replay that was driven; `command` are the words of the node that took part, `line` repeats it all."""
+    """A replay that was driven.
+
+    `command` are the words of the node that took part, `line` repeats it all.
+    """
 
     replay: Replay
     run: Run

@@ -88,10 +88,15 @@ class _Messages:
 
 
 def read_bag(bag: Path, namespace: str, given: ParameterFile | None) -> Recorded:
-    """The run in a bag; ParameterError, in one line, if there is none, or RunFailed if nothing here can read bags."""
+    """The run in a bag.
+
+    Raises ParameterError, in one line, if there is none, or RunFailed if nothing here can read
+    bags.
+    """
     if None in (find_spec("rosbags"), find_spec("sensor_msgs")):
         raise RunFailed(
-            "a bag needs rosbags and the messages of ROS 2, which are not installed here: give signals.npz"
+            "a bag needs rosbags and the messages of ROS 2, which are not installed here: give"
+            " signals.npz"
         )
     namespace, found = _messages(bag, namespace)
     period = _period(bag, namespace, found, given)
@@ -225,7 +230,10 @@ def _period(
 
 
 def _refuse_time(bag: Path, topic: Topic, at: np.ndarray, first: int, period: int) -> None:
-    """ParameterError if stamps are between two steps or go back, as after a reset; a repetition may be there."""
+    """ParameterError if stamps are between two steps or go back, as after a reset.
+
+    A repetition may be there.
+    """
     # A stamp between two steps belongs to no row.
     if len(odd := at[(at - first) % period != 0]):
         allowed = (
@@ -245,7 +253,10 @@ def _refuse_time(bag: Path, topic: Topic, at: np.ndarray, first: int, period: in
 def _put(
     bag: Path, topic: Topic, messages: _Messages, first: int, period: int, frames: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Put a topic into the frames; the answers are the instants at which a message was there, and when it came [ns]."""
+    """Put a topic into the frames.
+
+    The answers are the instants at which a message was there, and when it came [ns].
+    """
     # a repetition is the same
     steps, once = np.unique((messages.stamps - first) // period, return_index=True)
     numbers = np.empty((len(once), frame.SIZE))
@@ -269,7 +280,8 @@ def _notes(
     notes = []
     if first >= stamps.RUNS:  # below that it is the first instant of a run behind a reset
         notes.append(
-            f"time counts from the stamp {stamps.to_seconds(first):g} s on, the first one of all topics"
+            f"time counts from the stamp {stamps.to_seconds(first):g} s on, the first one of all"
+            " topics"
         )
     ends = {topic.name: int(messages.stamps.max()) for topic, messages in found.items()}
     if max(ends.values()) > last:
@@ -280,7 +292,8 @@ def _notes(
     for topic, came in there.items():
         if not came.all():
             notes.append(
-                f"{topic.name}: {np.sum(~came)} of {len(came)} messages are missing, the one before is held"
+                f"{topic.name}: {np.sum(~came)} of {len(came)} messages are missing, the one before"
+                " is held"
             )
     return tuple(notes)
 

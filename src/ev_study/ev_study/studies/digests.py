@@ -42,7 +42,9 @@ def digest_of(file: Path) -> str:
 
 
 def imported_files(module: str, but: Collection[str]) -> list[Path]:
-    """Those of a module by its name, apart from Python's own and those of some packages; libraries in C as well.
+    """Those of a module by its name, apart from Python's own and those of some packages.
+
+    Libraries in C as well.
 
     The imports of other installed packages are left out.
     """

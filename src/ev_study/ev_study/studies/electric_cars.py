@@ -37,7 +37,10 @@ _INTERVAL = 0.2  # s, of the sums
 
 @dataclass(frozen=True, slots=True)
 class ElectricCar:
-    """A row of the list, in SI units; `measured` is the consumption from the wall by cycle [W h/km]."""
+    """A row of the list, in SI units.
+
+    `measured` is the consumption from the wall by cycle [W h/km].
+    """
 
     name: str
     vehicle: str
@@ -70,7 +73,9 @@ class Assumptions:
 
 
 def read_cars(file: Path | str) -> list[ElectricCar]:
-    """The cars of a list; ParameterError that names line and column of what is missing or no number.
+    """The cars of a list.
+
+    Raises ParameterError that names line and column of what is missing or no number.
 
     Columns: model, vehicle, configuration, drive, test_weight_lb, A_lbf, B_lbf_per_mph,
     C_lbf_per_mph2, udds_mpge and hwfet_mpge. Further ones are not read.
@@ -130,7 +135,10 @@ _DRIVEN_AXLES = {
 
 
 def _rows(file: Path | str) -> list[tuple[int, dict[str, str]]]:
-    """The rows below the header, with their lines in the file; a line that begins with # is a comment."""
+    """The rows below the header, with their lines in the file.
+
+    A line that begins with # is a comment.
+    """
     text = read_data(file, _MOST).decode("utf-8-sig", "replace")
     lines = [(n, line) for n, line in enumerate(text.splitlines(), 1) if not line.startswith("#")]
     reader = csv.DictReader(line for _, line in lines)
@@ -152,7 +160,7 @@ def _class_of(name: str, axles: int) -> str:
 def read_assumptions(file: Path | str | None = None) -> Assumptions:
     """Those of a file such as `config/energy/assumptions.csv`, which is the default.
 
-    ParameterError if one lacks, is there twice or beyond what it can be.
+    Raises ParameterError if one lacks, is there twice or beyond what it can be.
     """
     path = find_file(ASSUMPTIONS) if file is None else Path(file)
     values: dict[tuple[str, str], float] = {}
@@ -165,7 +173,8 @@ def read_assumptions(file: Path | str | None = None) -> Assumptions:
             quantity, drive, value = row["quantity"], row["class"], float(row["value"])
         except (KeyError, TypeError, ValueError):
             raise ParameterError(
-                f"{path}, line {line}: {quoted(str(row))} is refused, expected quantity, class and a number as value"
+                f"{path}, line {line}: {quoted(str(row))} is refused, expected quantity, class and"
+                " a number as value"
             ) from None
         most = 1.0 if quantity.endswith("efficiency") else _LARGEST
         if not (0.0 < value <= most or (value == 0.0 and most > 1.0)):
@@ -290,7 +299,10 @@ def held_out(cars: Sequence[ElectricCar]) -> set[str]:
 
 
 def assumption_rows(a: Assumptions) -> list[tuple[str, str, str, str]]:
-    """Quantity, class, value and unit, as in the file of the assumptions; the fitted vehicles last."""
+    """Quantity, class, value and unit, as in the file of the assumptions.
+
+    The fitted vehicles last.
+    """
     units = {
         "gear_efficiency": "1",
         "copper": "W/N^2",

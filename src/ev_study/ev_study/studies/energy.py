@@ -92,7 +92,10 @@ def _fitted(file: Path) -> Assumptions:
 
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:
-    """Each car on each cycle; ParameterError for a duration: what was measured is of whole cycles."""
+    """Each car on each cycle.
+
+    Raises ParameterError for a duration: what was measured is of whole cycles.
+    """
     if given.duration is not None:
         raise ParameterError(
             f"--duration {given.duration:g} is refused: what was measured is of whole cycles"

@@ -89,7 +89,10 @@ def _last_used(folder: Path) -> float:
 
 
 class Answers:
-    """Answers of functions at arrays of points, computed once; `key` is a digest of all else that they depend on."""
+    """Answers of functions at arrays of points, computed once.
+
+    `key` is a digest of all else that they depend on.
+    """
 
     def __init__(self, results: Results, key: str) -> None:
         self._results = results

@@ -34,7 +34,9 @@ Measure = Callable[[Recording, Run], Mapping[str, Any]]  # of the true motion
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """A run of a scenario, and what differs from the scenario's own file; `values` are (node, parameter, value).
+    """A run of a scenario, and what differs from the scenario's own file.
+
+    `values` are (node, parameter, value).
 
     `metrics` are measured besides those of the scenario (`measures.expression`).
 
@@ -120,7 +122,10 @@ def drive_case(case: Case, measure: Measure) -> CaseResult:
 
 
 def scenario_of(case: Case) -> Scenario:
-    """The scenario of a case with its only run; ParameterError, in one line, if something is refused."""
+    """The scenario of a case with its only run.
+
+    Raises ParameterError, in one line, if something is refused.
+    """
     overrides = Overrides(
         case.files, (), case.duration, case.vehicle, prepared=case.values, metrics=case.metrics
     )

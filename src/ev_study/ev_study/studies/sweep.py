@@ -38,7 +38,10 @@ from ev_study.studies.metric_table import (
 )
 from ev_study.studies.study import Case, Results, run_of_command
 
-ABOUT = "Any parameters of any scenario over values and seeds - a row for each run, lines with bands or maps"
+ABOUT = (
+    "Any parameters of any scenario over values and seeds - a row for each run, lines with bands or"
+    " maps"
+)
 SEED = "seed"
 
 
@@ -58,8 +61,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="NODE.PARAM=VALUES",
-        help="x,y,z, lists as [x,y],[z], or FIRST:LAST:COUNT for so many numbers; may be repeated, then every value "
-        "meets every other",
+        help=(
+            "x,y,z, lists as [x,y],[z], or FIRST:LAST:COUNT for so many numbers; may be repeated,"
+            " then every value meets every other"
+        ),
     )
     parser.add_argument(
         "--seeds", type=int, default=1, metavar="N", help="runs of each, with the seeds 0 to N - 1"
@@ -73,7 +78,7 @@ MOST = 100_000  # runs of a sweep
 def variations(given: argparse.Namespace) -> dict[str, list[Any]]:
     """Values by NODE.PARAM, and by `seed` if there are several.
 
-    ParameterError for words without sense.
+    Raises ParameterError for words without sense.
     """
     if not 1 <= given.seeds <= MOST:
         raise ParameterError(f"--seeds {given.seeds} is refused, expected 1 to {MOST}")
@@ -97,7 +102,8 @@ def variations(given: argparse.Namespace) -> dict[str, list[Any]]:
     runs = given.seeds * math.prod(map(len, varied.values()))
     if runs > MOST:
         raise ParameterError(
-            f"a sweep of {runs} runs is refused, expected at most {MOST}; docs/batch.md has what drives more"
+            f"a sweep of {runs} runs is refused, expected at most {MOST}; docs/batch.md has what"
+            " drives more"
         )
     if runs == 1 and not varied:
         raise ParameterError(
@@ -208,18 +214,24 @@ def tables(given: argparse.Namespace, results: Results) -> str:
 
 
 def _alike(results: Results) -> str:
-    """A note where runs have the same signals, as where a value is rounded inside; empty if all differ."""
+    """A note where runs have the same signals, as where a value is rounded inside.
+
+    Empty if all differ.
+    """
     hashes = [result.signal_hash for result in results.values() if result.signal_hash]
     if len(set(hashes)) == len(hashes):
         return ""
     return (
-        f"note: {len(set(hashes))} different runs among {len(hashes)}: the others have the signals of one of these, "
-        "since a value is rounded (docs/parameters.md), or acts on nothing here"
+        f"note: {len(set(hashes))} different runs among {len(hashes)}: the others have the signals"
+        " of one of these, since a value is rounded (docs/parameters.md), or acts on nothing here"
     )
 
 
 def figures(given: argparse.Namespace, results: Results) -> dict[str, Sheet]:
-    """Over one varied number lines with bands of the seeds, over two maps of the means; nothing over more or texts."""
+    """Over one varied number lines with bands of the seeds, over two maps of the means.
+
+    Nothing over more or texts.
+    """
     varied = variations(given)
     seeds = len(varied.pop(SEED, [0]))
     axes = {

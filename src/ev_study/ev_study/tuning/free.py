@@ -55,8 +55,8 @@ def free_parameters(
 ) -> list[Free]:
     """Numbers of a law with fitting names, as a board names them, but none that the board draws.
 
-    ParameterError if a pattern fits none, if one that fits has no bounds and no positive start, or
-    if fewer than two fit: CMA-ES needs two.
+    Raises ParameterError if a pattern fits none, if one that fits has no bounds and no positive
+    start, or if fewer than two fit: CMA-ES needs two.
     """
     known = {}
     for role, configuration in configurations.items():
@@ -79,7 +79,8 @@ def free_parameters(
     found = [_free(law, name, float(of.default), of.spec) for name, of in fitting.items()]
     if len(found) < 2:
         raise ParameterError(
-            f"free numbers {quoted(','.join(patterns))} of law {law} mean {len(found)}, expected two or more"
+            f"free numbers {quoted(','.join(patterns))} of law {law} mean {len(found)}, expected"
+            " two or more"
         )
     return found
 
@@ -94,8 +95,8 @@ def _free(law: str, name: str, start: float, spec: Spec) -> Free:
         high = high if spec.high is None else min(high, spec.high)
     if low is None or high is None:
         raise ParameterError(
-            f"number {name} of law {law} starts at {start:g} and has no bounds on both sides, expected are low= and "
-            "high= where it is declared, or other numbers by --free"
+            f"number {name} of law {law} starts at {start:g} and has no bounds on both sides,"
+            " expected are low= and high= where it is declared, or other numbers by --free"
         )
     if not low < high:
         raise ParameterError(

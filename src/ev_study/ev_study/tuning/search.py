@@ -66,7 +66,9 @@ def chosen(
     finalists: int,
     answer: Answer,
 ) -> tuple[Candidate, float, float]:
-    """The candidate of the least cost on other runs, among the start and the best ones; its cost and the start's there.
+    """The candidate of the least cost on other runs, among the start and the best ones.
+
+    Its cost and the start's there.
 
     The start comes first, so it stays where no candidate is better.
     """

@@ -45,7 +45,7 @@ class Tolerance:
     def of(cls, text: str, why: str) -> Tolerance:
         """The tolerance that a text means, `0.5 %` of the value, `0.02` in its unit or `1 .. 2`, an end of it open.
 
-        ParameterError for any other text, and if the reason is missing.
+        Raises ParameterError for any other text, and if the reason is missing.
         """
         if not why:
             raise ParameterError(
@@ -64,8 +64,8 @@ class Tolerance:
                 raise ValueError
         except ValueError:
             raise ParameterError(
-                f"the tolerance {quoted(text)} is refused, expected such as '1 %' (of the value), '0.5' (in its "
-                "unit), '0 .. 2', '.. 2' or '0 ..'"
+                f"the tolerance {quoted(text)} is refused, expected such as '1 %' (of the value),"
+                " '0.5' (in its unit), '0 .. 2', '.. 2' or '0 ..'"
             ) from None
         return cls(why, relative=number / 100) if text.endswith("%") else cls(why, absolute=number)
 
@@ -125,7 +125,10 @@ class Check:
     def metric(
         self, reference: Callable[[float, Band, str], Reference], driven: Sequence[Any]
     ) -> Metric:
-        """The number with its reference; of a claim in words the ratio [1], with both numbers in its source."""
+        """The number with its reference.
+
+        Of a claim in words the ratio [1], with both numbers in its source.
+        """
         if not self.is_judged:
             return metric(lambda: self.measure(driven), self.unit)
         # A claim in words is held against the ratio 1.
@@ -187,7 +190,10 @@ SHOWN = "shown"  # in place of a value: the number is shown and not judged
 
 
 def check_of(row: Mapping[str, str], measures: Measures, needs: tuple[Need, ...]) -> Check:
-    """The check of a row of published.csv; ParameterError that names what is refused and what is allowed."""
+    """The check of a row of published.csv.
+
+    Raises ParameterError that names what is refused and what is allowed.
+    """
     text, value = row["measure"], row["value"]
     _refuse_unit(row["unit"])
     tolerance, why = (Template.of(row[name], measures, needs) for name in ("tolerance", "why"))
@@ -196,7 +202,8 @@ def check_of(row: Mapping[str, str], measures: Measures, needs: tuple[Need, ...]
     if value == SHOWN:
         if row["tolerance"] or row["why"]:
             raise ParameterError(
-                f"the tolerance {quoted(row['tolerance'])} is refused, allowed beside {SHOWN} is none"
+                f"the tolerance {quoted(row['tolerance'])} is refused, allowed beside {SHOWN} is"
+                " none"
             )
         return check
     check = replace(check, tolerance=tolerance, why=why)
@@ -210,8 +217,8 @@ def check_of(row: Mapping[str, str], measures: Measures, needs: tuple[Need, ...]
         # Without a width any difference would do, and by 100 % nothing can be smaller.
         if sign and not 0.0 < found.relative < 1.0:
             raise ParameterError(
-                f"the tolerance {quoted(row['tolerance'])} is refused, allowed for a comparison is more than 0 % and "
-                "less than 100 % of the larger number"
+                f"the tolerance {quoted(row['tolerance'])} is refused, allowed for a comparison is"
+                " more than 0 % and less than 100 % of the larger number"
             )
     if sign:
         if value:

@@ -63,7 +63,10 @@ class Call:
 
     @classmethod
     def of(cls, text: str, measures: Measures, needs: Sequence[Need]) -> Call:
-        """The call that a text means; ParameterError for an unknown measure, and for words that it does not take."""
+        """The call that a text means.
+
+        Raises ParameterError for an unknown measure, and for words that it does not take.
+        """
         name, *words = text.split() or [""]
         if name not in measures:
             raise unknown_name("measure", name, measures)
@@ -131,7 +134,10 @@ class Expression:
 
     @classmethod
     def parsed(cls, text: str, needs: Sequence[Need]) -> Expression:
-        """The expression that a text means; ParameterError, in one line, if it has no meaning for these needs."""
+        """The expression that a text means.
+
+        Raises ParameterError, in one line, if it has no meaning for these needs.
+        """
         named = _OF_RUN.fullmatch(text)
         run, expression = named.groups() if named else ("", text)
         runs = []
@@ -161,7 +167,8 @@ class Expression:
     def _value(self, driven: ScenarioRuns, run: str) -> float:
         if not run and len(driven.runs) > 1:
             raise NotMeasured(
-                f"no run is named, expected one of {', '.join(driven.runs)} in front of the expression"
+                f"no run is named, expected one of {', '.join(driven.runs)} in front of the"
+                " expression"
             )
         recording = run_named(driven.runs, run or next(iter(driven.runs)))
         return self.of(DrivenRun(recording, driven.vehicle))

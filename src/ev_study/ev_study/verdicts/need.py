@@ -104,7 +104,8 @@ def need_of(text: str) -> Need:
     if not name or unknown:
         refused = quoted(" ".join(unknown) or text)
         raise ParameterError(
-            f"what is driven: {refused} is refused, expected a scenario with --set, --duration, --runs"
+            f"what is driven: {refused} is refused, expected a scenario with --set, --duration,"
+            " --runs"
         )
     found = overrides(given)
     values = tuple((node, name, _frozen(value)) for node, name, value in found.values)

@@ -113,7 +113,10 @@ def draw_panels(
 
 
 def write_page(shown: Mapping[str, Sequence[PublishedPanel]], folder: Path) -> Path:
-    """Write index.html: the panels of each source, those of a row side by side; what cannot be drawn says why."""
+    """Write index.html: the panels of each source, those of a row side by side.
+
+    What cannot be drawn says why.
+    """
     page = folder / INDEX
     with atomic_file(page) as file:
         file.write(filled("panels.html", shown=shown, file_name=file_name).encode())

@@ -39,7 +39,10 @@ def sources() -> dict[str, ModuleType]:
 
 
 def source_named(name: str) -> ModuleType:
-    """The module of a source, and of no other; ParameterError that lists the known ones if there is none."""
+    """The module of a source, and of no other.
+
+    Raises ParameterError that lists the known ones if there is none.
+    """
     return offered_module(GROUP, "source", name)
 
 
@@ -81,7 +84,10 @@ class Published:
         return self.note not in NO_VERDICT
 
     def noted(self, note: str, driven: Mapping[Need, Driven]) -> str:
-        """The text of the note if it is one of this sort, with what was driven for it filled in; else empty."""
+        """The text of the note if it is one of this sort, with what was driven for it filled in.
+
+        Else empty.
+        """
         return (
             self.text.filled([driven[need] for need in self.text_needs])
             if self.note == note
@@ -122,7 +128,7 @@ _Row = Mapping[str, str]  # text by column, and in `place` file and line
 def published(source: str) -> dict[str, Published]:
     """Everything that a source published by id, in the order of its list.
 
-    ParameterError, in one line with file, line and id, if something of a row is refused.
+    Raises ParameterError, in one line with file, line and id, if something of a row is refused.
     """
     measures = {**COMMON, **getattr(source_named(source), "MEASURES", {})}
     return {id: _published(id, rows, measures) for id, rows in _rows_by_id(source).items()}
@@ -160,7 +166,8 @@ def _published(id: str, rows: list[_Row], measures: Measures) -> Published:
                 if note not in NOTES or not text or entry.note:
                     refused = "a second note" if entry.note else f"the note {quoted(row['note'])}"
                     raise ParameterError(
-                        f"{refused} is refused, expected one that begins with {': , '.join(NOTES)}: "
+                        f"{refused} is refused, expected one that begins with"
+                        f" {': , '.join(NOTES)}: "
                     )
                 # A note may need what is driven in its own row.
                 entry = replace(
@@ -204,7 +211,8 @@ def _rows_by_id(source: str) -> dict[str, list[_Row]]:
             found[id] = []
         elif not id or any(row[name] for name in _CELLS_OF_ID):
             raise ParameterError(
-                f"{row['place']}: a row without id has {', '.join(_CELLS_OF_ID)}, expected none of them"
+                f"{row['place']}: a row without id has {', '.join(_CELLS_OF_ID)}, expected none of"
+                " them"
             )
         found[id].append(row)
     return found
@@ -230,7 +238,8 @@ def _lines(path: Path, columns: tuple[str, ...]) -> Iterator[tuple[int, list[str
     for line, row in rows:
         if len(row) > len(columns):
             raise ParameterError(
-                f"{path}, line {line}: {len(row)} cells, expected {len(columns)}: quote what has commas"
+                f"{path}, line {line}: {len(row)} cells, expected {len(columns)}: quote what has"
+                " commas"
             )
         # The last columns of most rows are empty, and a line may leave them out.
         yield line, row + [""] * (len(columns) - len(row))

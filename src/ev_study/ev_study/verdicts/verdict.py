@@ -1,4 +1,6 @@
-"""The verdicts on what was published: on one id, on all of them; as a table, as Markdown and as JSON.
+"""The verdicts on what was published: on one id, on all of them.
+
+As a table, as Markdown and as JSON.
 
 How it works: an id has one or several numbers, each with a judgement of its own. The verdict is the
 worst of them, with one exception: "in part" needs a first number that fails and others that all
@@ -58,7 +60,10 @@ class Verdict:
 
     @property
     def judgement(self) -> str:
-        """The verdict without its reason or assumption; an id with several numbers holds if all of them hold."""
+        """The verdict without its reason or assumption.
+
+        An id with several numbers holds if all of them hold.
+        """
         if not self.published.is_judged:
             return self.published.note
         first, *others = (metric.judgement for metric in self.metrics.values() if metric.reference)
@@ -234,7 +239,10 @@ def markdown_row(of: Verdict) -> str:
 
 
 def write(verdicts: Sequence[Verdict], folder: Path, images: Mapping[str, Sequence[str]]) -> None:
-    """Write verdicts.json and verdicts.md; `images` are those of scripts/run.sh figures that show an id."""
+    """Write verdicts.json and verdicts.md.
+
+    `images` are those of scripts/run.sh figures that show an id.
+    """
     entries = [
         {**each.as_json(), "figures": list(images.get(each.published.id, ()))} for each in verdicts
     ]

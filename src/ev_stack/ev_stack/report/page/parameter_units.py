@@ -15,7 +15,10 @@ from ev_nodes.master.real_time import MasterParameters
 
 
 def unit_of(node: str, parameter: str, method: str = "") -> str:
-    """The unit of a parameter of a node with this method; empty where it is not known, or others have other units."""
+    """The unit of a parameter of a node with this method.
+
+    Empty where it is not known, or others have other units.
+    """
     # Without a known method all methods of the role are looked at, which may disagree.
     found = {of[parameter].spec.unit for of in _described(node, method) if parameter in of}
     return found.pop() if len(found) == 1 else ""

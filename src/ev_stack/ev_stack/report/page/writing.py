@@ -317,7 +317,10 @@ def _number(value: Any) -> str:
 
 
 def images_of(figures: Mapping[str, Figure], folder: Path) -> dict[str, Image]:
-    """The files NAME.png that were saved in a folder; what they show are titles and labels of their axes."""
+    """The files NAME.png that were saved in a folder.
+
+    What they show are titles and labels of their axes.
+    """
     return {
         name: Image((folder / f"{name}.png").read_bytes(), _shown(figure))
         for name, figure in figures.items()

@@ -41,7 +41,10 @@ def improvement(costs: np.ndarray, seed: int) -> Estimate:
 
 
 def _mean(of_runs: np.ndarray, seed: int) -> Estimate:
-    """The mean over cells and draws of (cells, draws, n), and its interval; the sums are exact, so equal anywhere."""
+    """The mean over cells and draws of (cells, draws, n), and its interval.
+
+    The sums are exact, so equal anywhere.
+    """
     cells, draws, _ = of_runs.shape
     flat = of_runs.reshape(cells * draws, -1)
     means = np.concatenate([counts @ flat for counts in _counts(cells, draws, seed)]) / len(flat)

@@ -46,9 +46,15 @@ def law_page(result: BoardResult, law: str, level: int = 2) -> str:
         f"{stated}.",
         _in_words(result, i),
         markdown_table(PART_COLUMNS, list(_parts(result, i))),
-        "By how much runs with the most of what varies cost more, and are more unstable, than with the least:",
+        (
+            "By how much runs with the most of what varies cost more, and are more unstable, than"
+            " with the least:"
+        ),
         markdown_table(VARIED_COLUMNS, list(_varied(result, i))),
-        f"The cells with the least and the largest middle cost of handling beside `{result.board.reference}`:",
+        (
+            "The cells with the least and the largest middle cost of handling beside"
+            f" `{result.board.reference}`:"
+        ),
         markdown_table(CELL_COLUMNS, list(_ends(result, i))),
     ]
     return "\n\n".join(part.strip() for part in parts) + "\n"

@@ -168,7 +168,10 @@ def _number(bag: Path, message: Any, column: str, path: str) -> float:
 
 @contextmanager
 def _opened(bag: Path) -> Iterator[AnyReader]:
-    """A bag that is open, which knows its messages by the definitions in it; ParameterError for what is none."""
+    """A bag that is open, which knows its messages by the definitions in it.
+
+    Raises ParameterError for what is none.
+    """
     if find_spec("rosbags") is None:
         raise ParameterError(f"{bag}: a bag needs the Python package rosbags, which is missing")
     from rosbags.highlevel import AnyReader

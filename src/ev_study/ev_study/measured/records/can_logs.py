@@ -110,13 +110,19 @@ def _bus(log: Path, frame: can.Message) -> str:
 def _chosen(
     log: Path, wanted: Wanted, decoded: dict[Source, Decoded], channel: str, others: set[int]
 ) -> Decoded:
-    """The frames of a message from the one source that has it; ParameterError if there is none, or more than one."""
+    """The frames of a message from the one source that has it.
+
+    Raises ParameterError if there is none, or more than one.
+    """
     name, message = next(iter(wanted.signals)), wanted.message
     if not decoded:
         alike = sorted(each for each in others if group_of(each) == group_of(message.frame_id))
         hint = f": the DBC has it as {id_text(message)}"
         if message.is_extended_frame and alike:
-            hint += f", the log has {', '.join(f'{each:08X}' for each in alike)}; priority or source differ"
+            hint += (
+                f", the log has {', '.join(f'{each:08X}' for each in alike)}; priority or source"
+                " differ"
+            )
         raise ParameterError(f"{log} has no frame with {name}{hint}")
     # A channel of the mapping that has none of the message is no filter: the message is on another
     # bus.
@@ -145,17 +151,18 @@ def _digest(log: Path) -> str:
 
 
 def _frames(log: Path) -> Iterator[can.Message]:
-    """The frames of data of a log; ParameterError, in one line that has the last good one, if it cannot be read on."""
+    """The frames of data of a log.
+
+    Raises ParameterError, in one line that has the last good one, if it cannot be read on.
+    """
     import can
 
     number, last = 0, 0.0
     try:
         # .asc is read from a corrected text (`_absolute`), all other formats by the suffix.
         with (
-            can.ASCReader(_absolute(log))
-            if log.suffix.lower() == ".asc"
-            else can.LogReader(log) as reader
-        ):
+            can.ASCReader(_absolute(log)) if log.suffix.lower() == ".asc" else can.LogReader(log)
+        ) as reader:
             for frame in reader:
                 number, last = number + 1, frame.timestamp
                 # They carry no data of a signal.

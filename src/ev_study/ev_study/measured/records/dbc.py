@@ -80,8 +80,8 @@ class Decoded:
         for column, n in self.outside.items():
             signal = self.wanted.signals[column]
             lines.append(
-                f"{column}: {n} of {of} values passed over, expected in the DBC's range of {signal.minimum} to "
-                f"{signal.maximum} {signal.unit or ''}".rstrip()
+                f"{column}: {n} of {of} values passed over, expected in the DBC's range of"
+                f" {signal.minimum} to {signal.maximum} {signal.unit or ''}".rstrip()
             )
         return tuple(lines)
 
@@ -98,7 +98,10 @@ def _is_outside(signal: Signal, value: float) -> bool:
 
 
 def wanted_messages(database: Path, wanted: Sequence[str]) -> list[Wanted]:
-    """The messages of the columns MESSAGE.SIGNAL; ParameterError, in one line, if one is not there or is ambiguous."""
+    """The messages of the columns MESSAGE.SIGNAL.
+
+    Raises ParameterError, in one line, if one is not there or is ambiguous.
+    """
     known = _load(database)
     signals = {f"{m.name}.{s.name}": (m, s) for m in known.messages for s in m.signals}
     found: dict[str, Wanted] = {}

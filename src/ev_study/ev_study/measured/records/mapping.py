@@ -40,7 +40,10 @@ Reader = Callable[[Path, Sequence[str]], Read]
 
 
 def read_record(path: Path, mapping: Path) -> MeasuredRecord:
-    """The record of a file, by its mapping; ParameterError, in one line that names the file, if it is refused."""
+    """The record of a file, by its mapping.
+
+    Raises ParameterError, in one line that names the file, if it is refused.
+    """
     given = _given(mapping)
     known = (*frame.channels(), SIDESLIP)
     declared: dict[str, ColumnParameters] = {}
@@ -65,7 +68,10 @@ def read_record(path: Path, mapping: Path) -> MeasuredRecord:
 
 
 def read_standard(bag: Path) -> MeasuredRecord:
-    """The record of a bag of standard messages, each sensor at the centre of mass; ParameterError if it is refused."""
+    """The record of a bag of standard messages, each sensor at the centre of mass.
+
+    Raises ParameterError if it is refused.
+    """
     chosen = bags.standard_channels(bag)
     read = bags.read_columns(bag, [*chosen.values()])
     # In SI at the centre of mass, as the messages are defined.
@@ -117,7 +123,8 @@ def _reader(path: Path, mapping: Path, given: Mapping[str, Any]) -> Reader:
         if (needed and name not in given) or (name in given and not has_use):
             use = "needs" if needed else "has no use for"
             raise ParameterError(
-                f"{mapping}: {path.name} {use} {name}: time is that of CSV files, dbc and channel those of CAN logs"
+                f"{mapping}: {path.name} {use} {name}: time is that of CSV files, dbc and channel"
+                " those of CAN logs"
             )
     if is_log:
         # Beside the mapping, so that both can be moved together.
@@ -133,11 +140,13 @@ def _reader(path: Path, mapping: Path, given: Mapping[str, Any]) -> Reader:
         declared = _declared(mapping, "time", given["time"])
         if declared.column not in found.columns:
             raise ParameterError(
-                f"{mapping}: time: {unknown_name(f'column of {file}', declared.column, found.columns)}"
+                f"{mapping}: time:"
+                f" {unknown_name(f'column of {file}', declared.column, found.columns)}"
             )
         if declared.column in found.texts:
             raise ParameterError(
-                f"{file}: {declared.column}: {found.texts[declared.column]}, expected a number for the time"
+                f"{file}: {declared.column}: {found.texts[declared.column]}, expected a number for"
+                " the time"
             )
         # A row of units goes before brackets in the names.
         units = found.units or of_header(found.columns)

@@ -159,7 +159,9 @@ class MaskParameters:
         unit="rad/s",
         low=0.01,
         high=100.0,
-        about="of the road wheels, of the steering wheel 16 times as much; a faster change is a jump",
+        about=(
+            "of the road wheels, of the steering wheel 16 times as much; a faster change is a jump"
+        ),
     )
     bridge: float = parameter(
         0.05,
@@ -237,8 +239,8 @@ def measured(
 
     Its instants are as far apart as the samples of the yaw rate, or of the first column, from the
     instant on at which all columns have begun to that at which the first ends. Samples at times
-    that do not increase are passed over. ParameterError if there are no such instants, or if most of the
-    times do not increase.
+    that do not increase are passed over. ParameterError if there are no such instants, or if most
+    of the times do not increase.
     """
     if not columns:
         raise ParameterError(f"{source}: no channel of it is known")
@@ -315,7 +317,10 @@ def measured(
     if bursts := [name for name, each in found.items() if each.is_in_bursts]:
         most = max(found[name].largest for name in bursts)
         notes += (
-            f"{', '.join(bursts)}: samples come in bursts, up to {most:.2g} s apart: their times are those of arrival",
+            (
+                f"{', '.join(bursts)}: samples come in bursts, up to {most:.2g} s apart: their"
+                " times are those of arrival"
+            ),
         )
     _complete_sideslip(channels, noise, spacing)
     return MeasuredRecord(
@@ -338,8 +343,10 @@ def _left_out(samples: Mapping[str, Sampled], begin: float, end: float) -> tuple
         if names
     )
     return (
-        f"of {first:.2f} to {last:.2f} s only {begin:.2f} to {end:.2f} s count, in which all channels "
-        f"are there ({which}): a mapping without them has the rest",
+        (
+            f"of {first:.2f} to {last:.2f} s only {begin:.2f} to {end:.2f} s count, in which all"
+            f" channels are there ({which}): a mapping without them has the rest"
+        ),
     )
 
 
@@ -448,7 +455,10 @@ def _sideslip_at_centre(
 def _bridge(
     channels: dict[str, np.ndarray], valid: np.ndarray, is_cut: np.ndarray, most: int
 ) -> tuple[str, ...]:
-    """Interpolate all channels where they are not believed; what is short and no cut is believed then."""
+    """Interpolate all channels where they are not believed.
+
+    What is short and no cut is believed then.
+    """
     bad = np.flatnonzero(~valid)
     if not len(bad):
         return ()
@@ -465,7 +475,10 @@ def _bridge(
         valid[run] = True
     masked = len(runs) - len(bridged)
     return (
-        f"{len(bad)} instants in {len(runs)} jumps and gaps, {len(bridged)} of them bridged, {masked} masked",
+        (
+            f"{len(bad)} instants in {len(runs)} jumps and gaps, {len(bridged)} of them bridged,"
+            f" {masked} masked"
+        ),
     )
 
 

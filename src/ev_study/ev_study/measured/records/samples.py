@@ -61,15 +61,18 @@ def in_order(
         # is no time.
         if of - bad < 2 or 4 * bad > 3 * of:
             raise ParameterError(
-                f"{source}: the time of {name} does not increase, or there are less than two instants: "
-                f"{bad} of {of} samples are not later than those before"
+                f"{source}: the time of {name} does not increase, or there are less than two"
+                f" instants: {bad} of {of} samples are not later than those before"
             )
         kept[name] = replace(each, time=each.time[good], values=each.values[good])
         if bad:
             back = _steps_back(each.time, good)
             # Columns of one table report the same cut.
             cuts |= dict.fromkeys(back)
-            what = f"{bad} of {of} samples passed over: their times do not increase{_where_cut('steps back', back)}"
+            what = (
+                f"{bad} of {of} samples passed over: their times do not"
+                f" increase{_where_cut('steps back', back)}"
+            )
             names_of.setdefault(what, []).append(name)
     return kept, tuple(f"{', '.join(names)}: {what}" for what, names in names_of.items()), [*cuts]
 
@@ -130,7 +133,10 @@ def without_spikes(
             spikes = places[jumped]
             kept[name] = replace(each, values=each.values.copy())
             kept[name].values[spikes] = np.nan
-            what = f"{len(spikes)} of {len(each.values)} samples passed over, which jump as no car does"
+            what = (
+                f"{len(spikes)} of {len(each.values)} samples passed over, which jump as no car"
+                " does"
+            )
             notes.append(f"{name}: {what}{_where_cut('jumps for good', of_column)}")
             cuts += of_column
     return kept, tuple(notes), cuts
@@ -204,7 +210,10 @@ def believed(time: np.ndarray) -> np.ndarray:
 
 
 def _longest_rise(values: np.ndarray) -> list[int]:
-    """Places of the longest strictly increasing subsequence, by patience sorting; of equal values the first."""
+    """Places of the longest strictly increasing subsequence, by patience sorting.
+
+    Of equal values the first.
+    """
     ends: list[float] = []  # by length the least value with which a rise of it ends,
     last: list[int] = []  # where that value is,
     before = [-1] * len(values)  # and by place that of the value before it in its rise

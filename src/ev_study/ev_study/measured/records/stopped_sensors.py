@@ -1,8 +1,8 @@
 """Sensors that show one number while the car turns: they have stopped, or are at the end of their range.
 
-A logger that holds the last value of a sensor, and a sensor that shows no more than its range, leave
-numbers that look like any others. What gives them away is that they stay the same to the bit while
-what they follow moves on. A steering angle follows nothing: a driver may hold it.
+A logger that holds the last value of a sensor, and a sensor that shows no more than its range,
+leave numbers that look like any others. What gives them away is that they stay the same to the bit
+while what they follow moves on. A steering angle follows nothing: a driver may hold it.
 """
 
 from __future__ import annotations
@@ -65,8 +65,8 @@ def stopped(
 def in_words(by_channel: Mapping[str, np.ndarray], period: float) -> tuple[str, ...]:
     """A line for each channel that stands still somewhere, with how long it does [s]."""
     return tuple(
-        f"{name} shows one number for {period * where.sum():.2f} s though the car turns, and is masked "
-        "there: the sensor has stopped, or is at the end of its range"
+        f"{name} shows one number for {period * where.sum():.2f} s though the car turns, and is"
+        " masked there: the sensor has stopped, or is at the end of its range"
         for name, where in by_channel.items()
         if where.any()
     )

@@ -38,7 +38,9 @@ class Table(NamedTuple):
 
 
 def read_columns(path: Path) -> Table:
-    """The table of a CSV file; .csv.xz is unpacked. ParameterError, in one line, if it is none or is cut off.
+    """The table of a CSV file.
+
+    .csv.xz is unpacked. ParameterError, in one line, if it is none or is cut off.
 
     The first line that is not empty is the header, with or without "#" before it. Columns are
     separated by commas, or by semicolons or tabs, beside which a comma is that of a decimal. A
@@ -77,7 +79,10 @@ def read_columns(path: Path) -> Table:
 
 
 def _unpacked(content: bytes) -> bytes:
-    """All streams of an .xz file; EOFError if the last one has no end, ValueError if they are too large."""
+    """All streams of an .xz file.
+
+    Raises EOFError if the last one has no end, ValueError if they are too large.
+    """
     with lzma.open(io.BytesIO(content)) as file:
         # One byte more than is allowed shows that there is more; a small file may unfold to any
         # size.
@@ -107,7 +112,8 @@ def _numbers(
         line = above + reader.line_num
         if len(row) != len(names):
             raise ParameterError(
-                f"{path}: line {line} has {len(row)} cells, expected {len(names)}, as the header has"
+                f"{path}: line {line} has {len(row)} cells, expected {len(names)}, as the"
+                " header has"
             )
         cells = [cell.replace(",", ".") for cell in row] if separator != "," else row
         values = _values(cells)

@@ -63,7 +63,9 @@ def refuse_other_units(file: Path, units: Mapping[str, str], expected: Mapping[s
 
 
 def with_unit(name: str, declared: ColumnParameters, of_file: str) -> ColumnParameters:
-    """The same column with the unit of its numbers; `of_file` is the text that the file has for it, or empty.
+    """The same column with the unit of its numbers.
+
+    `of_file` is the text that the file has for it, or empty.
 
     ParameterError if mapping and file contradict each other, or if the unit does not measure what
     the channel is.
@@ -74,13 +76,14 @@ def with_unit(name: str, declared: ColumnParameters, of_file: str) -> ColumnPara
     given = declared.unit
     if not given and known is None:
         raise ParameterError(
-            f"{declared.column} has the unit {quoted(of_file)} in the file, expected one of {', '.join(UNITS)[2:]}, "
-            "or `unit` in the mapping"
+            f"{declared.column} has the unit {quoted(of_file)} in the file, expected one of"
+            f" {', '.join(UNITS)[2:]}, or `unit` in the mapping"
         )
     # By name: units of different quantities may have the same factor to SI.
     if given and known and given != known:
         raise ParameterError(
-            f"{declared.column} is in {given} by the mapping and in {quoted(of_file)} by the file, expected the same"
+            f"{declared.column} is in {given} by the mapping and in {quoted(of_file)} by the file,"
+            " expected the same"
         )
     unit = given or known or ""
     allowed = _SAME.get(channel_unit, ("1",))
@@ -109,6 +112,7 @@ def without_unit(
         if not each.unit and each.column in units and si[name] != "1":
             taken = "m/s" if each.radius else si[name]
             notes.append(
-                f"{each.column} has no unit, neither in the file nor in the mapping, and is taken as {taken}"
+                f"{each.column} has no unit, neither in the file nor in the mapping, and is taken"
+                f" as {taken}"
             )
     return tuple(notes)

@@ -36,7 +36,10 @@ _SLOWEST = 1.0  # [m/s]; below it a yaw rate says nothing of the curvature
 
 @dataclass(frozen=True, slots=True)
 class CorridorParameters:
-    """Half the width of a corridor, offset + gain times the magnitude of what was simulated; all assumptions."""
+    """Half the width of a corridor, offset + gain times the magnitude of what was simulated.
+
+    All assumptions.
+    """
 
     steering_angle_offset: float = parameter(
         0.0035,

@@ -162,21 +162,29 @@ class Judged:
         )
 
     def is_late(self, name: str) -> str:
-        """The line on a measured signal that comes well before or behind the simulated one; empty if it does not."""
+        """The line on a measured signal that comes well before or behind the simulated one.
+
+        Empty if it does not.
+        """
         if not (abs(self.errors.lag) > LATE and self.errors.explained > CLEAR):
             return ""
         # The lag is that of the simulated signal, so a negative one is a measured signal that is
         # late.
         when = "late" if self.errors.lag < 0.0 else "early"
-        return f"{name} is measured {abs(self.errors.lag):.3f} s {when}: clock or filter of a sensor, or another car"
+        return (
+            f"{name} is measured {abs(self.errors.lag):.3f} s {when}: clock or filter of a sensor,"
+            " or another car"
+        )
 
     def metrics(self, name: str) -> dict[str, Metric]:
         """Metrics for summary.json and the page; their names begin with `name`."""
         numbers = {"rms": self.errors.rms, "largest": self.errors.largest, "bias": self.errors.bias}
         found = {
-            f"{name}_{what}": Metric(value, self.unit)
-            if np.isfinite(value)
-            else Metric(None, self.unit, reason="not finite")
+            f"{name}_{what}": (
+                Metric(value, self.unit)
+                if np.isfinite(value)
+                else Metric(None, self.unit, reason="not finite")
+            )
             for what, value in (numbers | {"median_window": self.median_window}).items()
         }
         if np.isfinite(self.errors.explained):

@@ -87,7 +87,10 @@ class ImposedTorques(NamedTuple):
 
 
 def torques(parameters: ImposedTorqueParameters, vehicle: Vehicle, period: float) -> ImposedTorques:
-    """The given torques over time; ParameterError for a drive torque at a wheel that is not driven."""
+    """The given torques over time.
+
+    Raises ParameterError for a drive torque at a wheel that is not driven.
+    """
     for wheel in WHEEL_NAMES:
         # A brake acts at every wheel, a drive only where there is a motor.
         if any(getattr(parameters.drive, wheel)) and wheel not in vehicle.driven_wheels:

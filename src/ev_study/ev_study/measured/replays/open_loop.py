@@ -195,7 +195,8 @@ def refuse_own(changed: Overrides, imposed: str) -> None:
         names = [name for role, of in of_record.items() if node in ("*", role) for name in of]
         if any(key == name or key.startswith(f"{name}.") for name in names):
             raise ParameterError(
-                f"{node}.{key} is refused: a replay has it from the record, expected is no such value"
+                f"{node}.{key} is refused: a replay has it from the record, expected is no such"
+                " value"
             )
 
 
@@ -246,14 +247,16 @@ class OpenLoop:
             "plant.imposed_speed.time": [time] * len(windows),
             "plant.imposed_speed.speed": speed.tolist(),
             "plant.initial_speed": (
-                # With a free speed a held car keeps this one until its window begins.
-                speed[:, 0] if self.is_imposed or not held else speed[:, self._lead]
-            ).tolist(),
+                (
+                    # With a free speed a held car keeps this one until its window begins.
+                    speed[:, 0] if self.is_imposed or not held else speed[:, self._lead]
+                ).tolist()
+            ),
             # Without a measured lateral velocity there is none to be held at.
             "plant.initial_hold": [HOLD if held else 0.0] * len(windows),
             "plant.initial_lateral_velocity": (
-                smooth[LATERAL][begin] if held else np.zeros(len(begin))
-            ).tolist(),
+                (smooth[LATERAL][begin] if held else np.zeros(len(begin))).tolist()
+            ),
             "plant.initial_yaw_rate": smooth[YAW_RATE][begin].tolist(),
             "steering_column.time": [time] * len(windows),
             "steering_column.angle": self.road_wheel_angle[ahead].tolist(),
@@ -332,7 +335,10 @@ class OpenLoop:
         }
 
     def _torque(self, channel: str) -> np.ndarray:
-        """A channel [N m]; a brake never drives, so what its sensor has below zero is none, of which a note is made."""
+        """A channel [N m].
+
+        A brake never drives, so what its sensor has below zero is none, of which a note is made.
+        """
         # Below zero a brake would drive the car.
         torque = self.record[channel]
         low = float(torque.min())
@@ -353,7 +359,9 @@ class OpenLoop:
         return self.windows.of(self.record[signal])
 
     def simulate(self, cars: Sequence[Mapping[str, Any]] = ({},)) -> dict[str, np.ndarray]:
-        """The signals of all windows for each car, (cars, windows, size); NaN where a number was not finite.
+        """The signals of all windows for each car, (cars, windows, size).
+
+        NaN where a number was not finite.
 
         A car is what is changed, by ROLE.PARAMETER or *.PARAMETER, the same names in all of them.
         """

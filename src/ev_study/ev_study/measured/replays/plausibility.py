@@ -85,8 +85,8 @@ def contradictions(replay: OpenLoop) -> list[str]:
         median = float(np.nanmedian(np.abs(channels[SIDESLIP][moving])))
         if median > _MOST_SIDESLIP:
             found.append(
-                f"the median sideslip angle is {np.degrees(median):.0f} deg: velocities of another frame, such as "
-                "east and north, expected are those along and across the car"
+                f"the median sideslip angle is {np.degrees(median):.0f} deg: velocities of another"
+                " frame, such as east and north, expected are those along and across the car"
             )
     return found
 
@@ -98,7 +98,8 @@ def _constant(replay: OpenLoop, moving: np.ndarray, deviation: float) -> list[st
     angle = ROAD_WHEEL_ANGLE if ROAD_WHEEL_ANGLE in replay.record.channels else STEERING_WHEEL_ANGLE
     turning = (YAW_RATE, angle, LATERAL, LATERAL_ACCELERATION, SIDESLIP)
     return [
-        f"{name} is {values[moving][0]:.4g} throughout though the car turns: not measured, leave it out of the mapping"
+        f"{name} is {values[moving][0]:.4g} throughout though the car turns: not measured, leave it"
+        " out of the mapping"
         for name, values in replay.record.channels.items()
         if name in turning and np.ptp(values[moving]) == 0.0
     ]
@@ -115,7 +116,8 @@ def _compared(
     correlation = float(np.corrcoef(values, expected)[0, 1])
     if correlation < _OPPOSED:
         return [
-            f"{name} has the opposite sign of {what} (correlation {correlation:.2f}): sign or frame of one of them"
+            f"{name} has the opposite sign of {what} (correlation {correlation:.2f}): sign or frame"
+            " of one of them"
         ]
     if not least <= own / size <= most:
         ratio = f"{own / size:.3g} times as large as {what}, expected {least:.2g} to {most:.2g}"

@@ -70,7 +70,9 @@ def smoothed(record: MeasuredRecord, channel: str, cut_off: float | None = None)
 
 
 def smoothed_values(record: MeasuredRecord, values: np.ndarray, cut_off: float) -> np.ndarray:
-    """A series of a record likewise, (n,); as it is for 0, or if the samples are too far apart or too few.
+    """A series of a record likewise, (n,).
+
+    As it is for 0, or if the samples are too far apart or too few.
 
     Each stretch is smoothed by itself: where another drive begins behind a mask, its speed would be
     mixed with that of the one before, and the car be braked by the difference.
@@ -108,12 +110,15 @@ def with_acceleration(record: MeasuredRecord, speed: np.ndarray, cut_off: float 
     """The line on what the imposed speed asks for: the RMS of its differences, raw and smoothed."""
     raw, smooth = (_rms_of_rate(record, each) for each in (record[LONGITUDINAL], speed))
     if speed is record[LONGITUDINAL]:
-        return f"the imposed speed is not smoothed: its acceleration is {raw:.2g} m/s2 RMS, noise included"
+        return (
+            f"the imposed speed is not smoothed: its acceleration is {raw:.2g} m/s2 RMS, noise"
+            " included"
+        )
     by_noise = cut_off_of(record, LONGITUDINAL) if cut_off is None else cut_off
     why = f"{noise_of(record, LONGITUDINAL):.2g} m/s of noise, " if cut_off is None else ""
     return (
-        f"the imposed speed is smoothed ({why}Butterworth, {by_noise:.2g} Hz, forth and back): its acceleration is "
-        f"{smooth:.2g} m/s2 RMS, that of the raw samples {raw:.2g}"
+        f"the imposed speed is smoothed ({why}Butterworth, {by_noise:.2g} Hz, forth and back): its"
+        f" acceleration is {smooth:.2g} m/s2 RMS, that of the raw samples {raw:.2g}"
     )
 
 

@@ -100,7 +100,10 @@ class Validation:
 
     @cached_property
     def friction_used(self) -> np.ndarray:
-        """Horizontal force over load of each wheel [1], (4, windows, samples); 0 for a lifted one."""
+        """Horizontal force over load of each wheel [1], (4, windows, samples).
+
+        0 for a lifted one.
+        """
         # Four wheels of each kind, in the order of `_FORCES`.
         along, across, load = (
             np.array([self.simulated[f] for f in _FORCES[n : n + 4]]) for n in (0, 4, 8)
@@ -128,8 +131,9 @@ class Validation:
             wheel = int(np.nanargmax(used)) if np.isfinite(used).any() else 0
             speed = self.replay.measured(LONGITUDINAL)[window]
             found.append(
-                f"the window from {self.begins()[window]:.2f} s leaves the record at {speed.min():.0f} to "
-                f"{speed.max():.0f} m/s: {WHEEL_NAMES[wheel]} uses {used[wheel]:.2f} of its load on average"
+                f"the window from {self.begins()[window]:.2f} s leaves the record at"
+                f" {speed.min():.0f} to {speed.max():.0f} m/s: {WHEEL_NAMES[wheel]} uses"
+                f" {used[wheel]:.2f} of its load on average"
             )
         return tuple(found)
 
@@ -165,7 +169,10 @@ class Validation:
         }
 
     def recordings(self) -> dict[str, Recording]:
-        """Measured and simulated, window behind window; an instant that two windows share is that of the later one."""
+        """Measured and simulated, window behind window.
+
+        An instant that two windows share is that of the later one.
+        """
         record, windows = self.replay.record, self.replay.windows
         time, last = windows.of(record.time), np.ones(windows.size, bool)
         # The instant on which two windows meet is in both: the one of the later begins from the
@@ -294,7 +301,10 @@ class Validation:
             save_figures(figures, folder)
             signals = Signals("", both, None)
             shown = "\n\n".join(filter(None, (table, self.table())))
-            title = f"{configurations['plant'].common.vehicle.name} against {Path(self.replay.record.source).name}"
+            title = (
+                f"{configurations['plant'].common.vehicle.name} against"
+                f" {Path(self.replay.record.source).name}"
+            )
             write_page(
                 Page(title, {"": content}, (signals,), images_of(figures, folder), shown),
                 folder / PAGE,
@@ -308,7 +318,10 @@ def _panel(
     values: Mapping[str, np.ndarray],
     span: float = np.inf,
 ) -> Panel:
-    """A signal by label over time, in the unit of figures; a curve may leave the panel beyond the span."""
+    """A signal by label over time, in the unit of figures.
+
+    A curve may leave the panel beyond the span.
+    """
     unit, factor = IN_FIGURES.get(COMPARED[signal], (COMPARED[signal], 1.0))
     curves = [Curve(time, factor * each, label) for label, each in values.items()]
     return Panel(
