@@ -41,7 +41,7 @@ THINGS: dict[str, Callable[[Path], object]] = {
     "file": lambda path: path.write_text("mine"),
     "empty file": lambda path: path.touch(),
     "folder": lambda path: path.mkdir(),
-    "link": lambda path: path.symlink_to("elsewhere"),
+    "link": lambda path: path.symlink_to("/elsewhere/folder"),
 }
 
 
@@ -194,7 +194,7 @@ def test_a_run_that_fails_names_what_it_has_written_and_leaves_no_empty_folder(h
     assert Path("results", "a", LATEST).resolve() == first
 
 
-@pytest.mark.parametrize("thing", ["file", "folder"])
+@pytest.mark.parametrize("thing", ["file", "folder", "link"])
 def test_a_users_own_latest_stays(here: Path, capsys: pytest.CaptureFixture, thing: str):
     Path("results", "a").mkdir(parents=True)
     THINGS[thing](Path("results", "a", LATEST))

@@ -191,14 +191,35 @@ def load(path: Path | str) -> Recording:
         raise RecordingError(f"{path} holds no signals: {error}") from None
 
 
+_MAGIC = b"\x89MCAP0\r\n"  # a whole MCAP file begins and ends with it
+
+
 def refuse_unfinished(bag: Path) -> None:
-    """ParameterError for the folder of a bag that was not closed: its storage file has no index."""
-    files = sorted(bag.glob("*.mcap")) if bag.is_dir() else []
-    if files and not (bag / "metadata.yaml").exists():
+    """ParameterError for a bag that was not closed, given as its folder or as its storage file."""
+    if bag.is_dir():
+        files = sorted(bag.glob("*.mcap"))
+        is_unfinished = bool(files) and not (bag / "metadata.yaml").exists()
+    else:
+        files = [bag]
+        is_unfinished = bag.is_file() and _has_no_end(bag)
+    if is_unfinished:
         raise ParameterError(
-            f"{bag}: the bag has no metadata.yaml, as its recorder was killed: "
+            f"{bag}: the bag has no index, as its recorder was killed or found no room: "
             f"`mcap recover {files[0].name} -o WHOLE.mcap` makes a file that can be read"
         )
+
+
+def _has_no_end(path: Path) -> bool:
+    """Return whether a file is the beginning of an MCAP file, without its end."""
+    try:
+        with path.open("rb") as file:
+            begin = file.read(len(_MAGIC))
+            size = file.seek(0, os.SEEK_END)
+            file.seek(max(size - len(_MAGIC), len(begin)))
+            end = file.read()
+    except OSError:  # whoever reads it gets the reason
+        return False
+    return begin == _MAGIC and end != _MAGIC
 
 
 def signal_hash(recording: Recording) -> str:

@@ -91,12 +91,17 @@ def _named_by_time(parent: Path) -> Path:
             folder = parent / f"{time}_{number}"
 
 
+def _leads_beside(path: Path) -> bool:
+    """Return whether a path is a link to something in its own folder, as ours are."""
+    return path.is_symlink() and path.readlink().parent == Path()
+
+
 def _lead_latest_to(folder: Path) -> None:
     latest = folder.with_name(LATEST)
     link = folder.with_name(f".{folder.name}")
     try:
-        # A user's own folder of that name is not replaced.
-        if latest.exists() and not latest.is_symlink():
+        # A user's own folder or link of that name is not replaced.
+        if os.path.lexists(latest) and not _leads_beside(latest):
             raise FileExistsError(errno.EEXIST, "it is no link of ours")
         # Relative, so that results can be moved as a whole.
         link.symlink_to(folder.name)

@@ -67,11 +67,11 @@ def run_in_processes(
             progress(run.duration)
         reports.look()  # all nodes have sent their last reports
     recording = load(directory / SIGNALS)
-    # In real time nothing waits for a recorder that was stopped.
-    if recording.time[-1] < watcher.last - 0.5 * stamps.to_seconds(run.period):
-        raise RunFailed(
-            f"node {RECORDER} was stopped, at {recording.time[-1]:g} s of simulated time"
-        )
+    # In real time nothing waits for a recorder that was stopped; one that was stopped together with
+    # the plant before the first step has no instant at all.
+    reached = recording.time[-1] if len(recording.time) else 0.0
+    if reached < watcher.last - 0.5 * stamps.to_seconds(run.period):
+        raise RunFailed(f"node {RECORDER} was stopped, at {reached:g} s of simulated time")
     return reports.outcome(recording, watcher.wall_time)
 
 

@@ -334,6 +334,7 @@ def _found(path: Path) -> tuple[Path, Path]:
                 f"{path} has several runs, expected one: {', '.join(str(path / b) for b in below)}"
             )
     elif path.suffix in (".mcap", ".db3"):
+        refuse_unfinished(path)
         bag = path.parent / _METADATA
         # A bag of ours is a folder in that of its run, beside parameters.yaml.
         return path, path.parent.parent if bag.exists() else path.parent
