@@ -41,6 +41,20 @@ from ev_stack.batches.whole_runs import Ending
             {"asr.method": ["off"]},
             "asr.method is refused: all runs of a batch have the same method",
         ),
+        # An option reads and writes other signals: with some runs alone the graph would not fit.
+        (
+            {"plant.rear_steering": [False, True]},
+            "plant.rear_steering is refused: all runs of a batch have the same rear_steering",
+        ),
+        (
+            {"plant.electrical": [False, True]},
+            "plant.electrical is refused: all runs of a batch have the same electrical",
+        ),
+        (
+            {"plant.speed_control.gain": [1.0, 2.0]},
+            "speed_control.gain is refused: plant method planar does not have it, "
+            "expected with planar and plant.speed_mode true",
+        ),
         (
             {"plant.pedals.drive_torque": [[1.0]]},
             "unknown parameter of plant 'pedals.drive_torque'",

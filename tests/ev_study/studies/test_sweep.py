@@ -18,7 +18,7 @@ from ev_stack.recording.outcome import RunFailed
 from ev_stack.recording.recording import load, signal_hash
 from ev_stack.report.tables import write_tables
 from ev_study.studies import run_study, sweep
-from ev_study.studies.run_study import arguments
+from ev_study.studies.run_study import arguments, study_cases
 from ev_study.studies.study import drive_case
 
 WORDS = (
@@ -203,6 +203,14 @@ def test_words_without_sense_are_one_line(words, message):
     with pytest.raises(ParameterError) as error:
         sweep.cases(arguments("sweep", ["shchur2019", *words]))
     assert str(error.value) == message
+
+
+@pytest.mark.parametrize("order", ["true,false", "false,true"])
+def test_a_value_for_an_option_that_one_case_has_is_taken(order):
+    """As with methods: it is enough that some case uses it, in any order of the cases."""
+    words = ["--vary", f"plant.electrical={order}", "--set", "plant.sensors.motor_current.bias=1"]
+    given = arguments("sweep", ["double_lane_change", *words])
+    assert len(study_cases(sweep, given)) == 2
 
 
 def test_runs_too_short_for_any_metric_have_a_line():

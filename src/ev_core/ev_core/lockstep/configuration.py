@@ -229,9 +229,10 @@ def configure(
     method = method.with_options(parameters)
     sensors: Any = _take(rest, sensors_for(method.writes), _SENSORS)
     own_faults = None if hasattr(parameters, "faults") else _take(rest, FaultParameters)
-    made = Configuration(
-        role, method, parameters, common, further, tuple(sorted(rest)), sensors, own_faults
-    )
+    # A default does nothing either, and `values` has it for every parameter.
+    idle = [name for name in _not_default(parameters) if method.is_idle(name)]
+    unused = tuple(sorted((*rest, *idle)))
+    made = Configuration(role, method, parameters, common, further, unused, sensors, own_faults)
     if rest:
         _refuse_unknown(made, rest)
     return _fitting(made)
@@ -278,13 +279,22 @@ def _unused(name: str, configurations: Collection[Configuration]) -> ParameterEr
 
 
 def _methods_with(role: str, name: str) -> list[str]:
-    """Names of the methods of a role that have a parameter, of their own or of a sensor."""
+    """Methods of a role that use a parameter, of their own or of a sensor, and the option for it."""
     found: list[str] = []
     for method in methods_of(role).values():
-        sensors = entries_by_name(sensors_for(method.may_write), _SENSORS)
-        if name in entries_by_name(method.parameters) or name in sensors:
-            found.append(method.name)
+        ways = {method.name: method}
+        for switch in method.switches:
+            ways[f"{method.name} and {role}.{switch} true"] = method.with_switches_on([switch])
+        with_it = [way for way, each in ways.items() if _uses(each, name)]
+        # What it uses without an option it uses with each.
+        found += with_it[:1]
     return found
+
+
+def _uses(method: Method, name: str) -> bool:
+    of_sensors = entries_by_name(sensors_for(method.writes), _SENSORS)
+    is_own = name in entries_by_name(method.parameters) and not method.is_idle(name)
+    return is_own or name in of_sensors
 
 
 def _ends_alike(one: str, other: str) -> bool:
@@ -339,6 +349,12 @@ def _changed(before: Any, after: Any, prefix: str = "") -> tuple[str, ...]:
         return ()
     now = flatten(after, prefix)
     return tuple(name for name, value in flatten(before, prefix).items() if value != now[name])
+
+
+def _not_default(parameters: Any) -> tuple[str, ...]:
+    """Names of the parameters that differ from their defaults."""
+    kind: type = type(parameters)
+    return _changed(defaults(kind), parameters)
 
 
 def _replaced(values: dict[str, Any], instance: P, prefix: str = "") -> P:

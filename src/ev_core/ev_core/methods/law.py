@@ -64,7 +64,8 @@ class Law:
     run so far. `mirrored` claims that left and right are alike to it (`check.mirror`).
 
     `options` has fields that replace those of the law where switches among its parameters are on:
-    so a switch can add signals that are read or written.
+    so a switch can add signals that are read or written. `idle` names groups of parameters that do
+    nothing; the option that uses them replaces it.
     """
 
     function: Callable[..., Any]
@@ -82,6 +83,7 @@ class Law:
     heavy: bool = False
     mirrored: bool = False
     options: Options = field(default_factory=lambda: MappingProxyType({}))
+    idle: tuple[str, ...] = ()
 
     @property
     def is_compilable(self) -> bool:

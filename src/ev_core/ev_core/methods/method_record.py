@@ -88,13 +88,10 @@ class Method:
         parameters = self.parameters()
         return self.with_options(replace(parameters, **dict.fromkeys(switches, True)))
 
-    @property
-    def may_write(self) -> tuple[type, ...]:
-        """The signals it writes with any of its options on."""
-        found = dict.fromkeys(self.writes)
-        for changed in self.law.options.values() if self.law else ():
-            found |= dict.fromkeys(changed.get("writes", ()))
-        return tuple(found)
+    def is_idle(self, name: str) -> bool:
+        """True for a parameter that does nothing without another option."""
+        groups = self.law.idle if self.law else ()
+        return any(name.startswith(f"{group}.") for group in groups)
 
     @property
     def requires(self) -> dict[str, Any]:

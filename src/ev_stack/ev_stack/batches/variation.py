@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
-from ev_core.lockstep.configuration import Configuration
+from ev_core.lockstep.configuration import Configuration, refuse_unused
 from ev_core.methods.common_parameters import CommonParameters
 from ev_core.parameters.declaration import entries
 from ev_core.parameters.values import check, entries_by_name, plain
@@ -68,8 +69,10 @@ class Variation:
     def _refuse(self, name: str, parameter: str, role: str, for_all: bool) -> None:
         configuration = self._configurations[role]
         extra = entries(configuration.extra) if configuration.extra is not None else ()
-        # They shape the compiled loop or the master, of which a batch has one for all runs.
-        fixed = (*_OF_ALL_RUNS, *(entry.name for entry in extra))
+        # They shape the compiled loop or the master, of which a batch has one for all runs; so do
+        # options of a method, which read and write other signals.
+        options = configuration.method.switches
+        fixed = (*_OF_ALL_RUNS, *options, *(entry.name for entry in extra))
         if parameter in fixed:
             raise ParameterError(
                 f"{name} is refused: all runs of a batch have the same {parameter}"
@@ -83,6 +86,8 @@ class Variation:
                 if each not in fixed and each.startswith(_SENSORS) == is_sensor
             ]
             raise unknown_name(f"parameter of {role}", parameter, listed)
+        if configuration.method.is_idle(parameter):
+            refuse_unused([parameter], [replace(configuration, unused=(parameter,))])
         if parameter.startswith(_VEHICLE) and not for_all:
             raise ParameterError(
                 f"{name} is refused: expected {EVERY_ROLE}.{parameter}, one for all roles"

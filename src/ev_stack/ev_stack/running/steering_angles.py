@@ -35,6 +35,7 @@ from ev_stack.scenarios.slow_ramp import (
     car_of,
 )
 
+_OF_CONTROL = frozenset(("speed_mode",))  # switches of a plant for what the ramp is without
 RAMP_BEGIN = 1.0  # [s], when the ramp begins
 LARGEST = 2.5  # times the angle of the linear car: so far the ramp goes on
 # Of the wanted acceleration, over which FMVSS 126, S7.6, fits its line: 0.1 to 0.375 g.
@@ -99,8 +100,10 @@ def angle_at(run: Recording, acceleration: float, read: str = FITTED_LINE) -> fl
 def driven_slowly(run: Run, ramp: SlowRampParameters) -> Recording:
     """The true motion of the car of a run on the slow ramp, at the initial speed."""
     plant = run.configurations[MASTER]
-    # Faults and sensors would be in the angle as well.
-    plant = replace(plant.changed({"faults": []}), sensors=defaults(type(plant.sensors)))
+    # Faults and sensors would be in the angle as well; drives in speed mode need a traction control.
+    ideal = {"faults": [], **dict.fromkeys(_OF_CONTROL & plant.values().keys(), False)}
+    plant = plant.changed(ideal)
+    plant = replace(plant, sensors=defaults(type(plant.sensors)))
     speed = plant.values().get("initial_speed", 0.0)
     angle = _largest_angle(run, ramp, speed)
     end = RAMP_BEGIN + angle / ramp.rate

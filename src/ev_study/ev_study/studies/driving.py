@@ -48,10 +48,14 @@ def drive_cases(
 
 
 def run_of_each_kind(cases: Sequence[Case]) -> list[Run]:
-    """Return a run of each kind of cases: within a kind all have the same methods."""
+    """Return a run of each kind of cases: within a kind all have the same methods and options."""
     kinds = {}
     for case in cases:
-        methods = [f"{node} {value}" for node, name, value in case.values if name == "method"]
+        methods = []
+        for node, name, value in case.values:
+            # A switch may be an option of a method, with which it is other code.
+            if name == "method" or isinstance(value, bool):
+                methods.append(f"{node}.{name} {value}")
         # The last case of a kind stays: other values compile to the same code.
         kinds[case.scenario, case.run, case.vehicle, case.files, *methods] = case
     runs = []

@@ -21,6 +21,7 @@ from ev_msgs_py.contract.signals import BodyVelocity, SteeringColumnState, Wheel
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.recording.offline import run_offline
+from ev_stack.running.steering_angles import with_own_angles
 from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 OPTIONS = ("electrical", "rear_steering", "speed_mode")
@@ -141,3 +142,33 @@ def test_a_law_puts_the_option_on_that_it_requires(role, law, option):
     contrary = ("plant", option, False)
     with pytest.raises(ParameterError, match=rf"requires plant\.{option} true, but false is"):
         load_scenario("double_lane_change", Overrides((), [chosen, contrary]))
+
+
+@pytest.mark.parametrize(
+    ("name", "option"),
+    [("speed_control.gain", "speed_mode"), ("sensors.cell_temperature.bias", "electrical")],
+)
+def test_a_value_of_an_option_that_is_off_is_refused_with_its_switch(name, option):
+    """It would do nothing; the line names the option that uses it."""
+    given = ("plant", name, 7.0)
+    way = f"{name} is refused: .* expected with planar and plant.{option} true$"
+    with pytest.raises(ParameterError, match=way):
+        load_scenario("double_lane_change", Overrides(values=[given]))
+    # A file, and a study of several methods, may have it for runs with the option.
+    (run,) = load_scenario("double_lane_change", Overrides(prepared=[given])).runs
+    assert run.configurations["plant"].unused == (name,)
+    used = configure("plant", {"method": "planar", option: True, name: 7.0})
+    assert not used.unused
+    assert used.values()[name] == 7.0
+
+
+def test_the_slow_ramp_of_a_car_in_speed_mode_is_that_of_the_car():
+    """The ramp has no traction control that would set wheel speeds; the run keeps the option."""
+    heavy = ("*", "vehicle.mass", 1300.0)
+    scales = []
+    for values in ([heavy], [heavy, ("asr", "method", "speed_by_slip")]):
+        loaded = load_scenario("step_steer", Overrides(values=values), only=["left"])
+        (run,) = with_own_angles(loaded).runs
+        scales.append(run.configurations["steering_column"].parameters.scale)
+    assert run.configurations["plant"].parameters.speed_mode
+    assert scales[0] == scales[1] != 1.0

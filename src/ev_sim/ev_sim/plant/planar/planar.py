@@ -390,6 +390,7 @@ OPTIONS: Options = {
         "function": with_speed_mode,
         "state": SpeedModeState,
         "start": partial(shown.begin, kind=SpeedModeState),
+        "idle": (),
     },
     ("rear_steering", "speed_mode"): {"function": with_rear_steering_and_speed_mode},
 }
@@ -401,6 +402,7 @@ method(
     parameters=PlanarPlantParameters,
     needs=(a_motor_for_each_wheel,),
     options=OPTIONS,
+    idle=("speed_control",),
 )(planar)
 
 # Each option was a plant of its own. Scenarios may have these names for one release more.
