@@ -279,7 +279,7 @@ def _unused(name: str, configurations: Collection[Configuration]) -> ParameterEr
 
 
 def _methods_with(role: str, name: str) -> list[str]:
-    """Methods of a role that use a parameter, of their own or of a sensor, and the option for it."""
+    """Methods of a role that use a parameter, their own or a sensor's, and the option for it."""
     found: list[str] = []
     for method in methods_of(role).values():
         ways = {method.name: method}

@@ -100,7 +100,7 @@ def angle_at(run: Recording, acceleration: float, read: str = FITTED_LINE) -> fl
 def driven_slowly(run: Run, ramp: SlowRampParameters) -> Recording:
     """The true motion of the car of a run on the slow ramp, at the initial speed."""
     plant = run.configurations[MASTER]
-    # Faults and sensors would be in the angle as well; drives in speed mode need a traction control.
+    # Faults and sensors would be in the angle as well; speed mode needs a traction control.
     ideal = {"faults": [], **dict.fromkeys(_OF_CONTROL & plant.values().keys(), False)}
     plant = plant.changed(ideal)
     plant = replace(plant, sensors=defaults(type(plant.sensors)))
