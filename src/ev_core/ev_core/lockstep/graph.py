@@ -12,6 +12,7 @@ from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
 from ev_core.lockstep.configuration import Configuration
+from ev_core.methods.former_names import chosen_by
 from ev_core.methods.hooks import SAME
 from ev_core.parameters.declaration import flatten
 from ev_msgs_py.contract.roles import Role, RoleKind
@@ -138,6 +139,12 @@ def _lacks(configurations: Mapping[str, Configuration], what: str, needed: Any) 
     if other.method.plays_back:
         return ""
     if not parameter:
+        # A law of another package may still require a method by its former name.
+        for name, value in chosen_by(role, needed).items():
+            part = role if name == "method" else f"{role}.{name}"
+            if lacks := _lacks(configurations, part, value):
+                return lacks
+        needed = chosen_by(role, needed).get("method", needed)
         chosen = other.method.name
         return "" if chosen == needed else f"{role} method {needed}, but {chosen} is chosen"
     values = other.values()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -10,6 +11,7 @@ from plant.planar.car import STRAIGHT, command, outputs, plant, steered
 
 from ev_core.lockstep.configuration import configure
 from ev_core.lockstep.finding import find_method
+from ev_core.lockstep.graph import check_graph
 from ev_msgs_py.contract.optional_signals import (
     CellCondition,
     MotorElectrics,
@@ -172,3 +174,17 @@ def test_the_slow_ramp_of_a_car_in_speed_mode_is_that_of_the_car():
         scales.append(run.configurations["steering_column"].parameters.scale)
     assert run.configurations["plant"].parameters.speed_mode
     assert scales[0] == scales[1] != 1.0
+
+
+def test_a_law_may_require_an_option_by_its_former_name():
+    """Former names go on for one release, also where a law requires one."""
+    option = "electrical"
+    named = [("plant", "method", f"planar_{option}")]
+    (run,) = load_scenario("double_lane_change", Overrides(values=named)).runs
+    asr = run.configurations["asr"]
+    law = replace(asr.method.law, requires={"plant": f"planar_{option}"})
+    graph = {**run.configurations, "asr": replace(asr, method=replace(asr.method, factory=law))}
+    check_graph(graph)
+    graph["plant"] = graph["plant"].changed({option: False})
+    with pytest.raises(ParameterError, match=f"requires plant.{option} true, but false is chosen"):
+        check_graph(graph)
