@@ -50,7 +50,7 @@ def test_an_output_folder_that_is_none_is_refused(out: str, capsys: pytest.Captu
     with pytest.raises(SystemExit) as ended:
         arguments(["shchur2019", "--out", out])
     assert ended.value.code == 2
-    assert capsys.readouterr().err.splitlines()[-1].endswith("expected the name of a folder")
+    assert capsys.readouterr().err.splitlines()[-1].endswith("expected a name")
 
 
 @pytest.mark.parametrize(

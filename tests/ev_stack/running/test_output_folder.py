@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+from argparse import ArgumentTypeError
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -17,6 +18,7 @@ import pytest
 
 import ev_stack
 from ev_msgs_py.refusal import ParameterError
+from ev_stack.command_line.paths import output_path
 from ev_stack.commands import program
 from ev_stack.recording.recording import atomic_file
 from ev_stack.running import output_folder as module
@@ -289,3 +291,14 @@ def test_a_name_that_is_taken_meanwhile_is_not_replaced(tmp_path):
         ours.write(b"ours")
         file.write_bytes(b"of the user")
     assert file.read_bytes() == b"of the user" and list(tmp_path.iterdir()) == [file]
+
+
+def test_a_tilde_that_the_shell_has_left_means_the_home(tmp_path: Path, monkeypatch):
+    """Shells expand `--out ~/x` but not `--out=~/x`."""
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert output_path("~/mine") == tmp_path / "mine"
+
+
+def test_a_home_of_nobody_is_refused():
+    with pytest.raises(ArgumentTypeError, match=r"'~no\.such\.user/mine' is refused: no such home"):
+        output_path("~no.such.user/mine")

@@ -14,6 +14,7 @@ from ev_core.parameters.data_file import TABLE, read_data
 from ev_core.parameters.values import build
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.refusal import ParameterError, quoted
+from ev_stack.command_line.paths import output_path
 from ev_stack.command_line.refusal import Parser
 from ev_stack.recording.recording import PAGE, SIGNALS, SUMMARY, load
 from ev_stack.report.page.writing import Page, Signals, write_page
@@ -31,7 +32,10 @@ def run_report(argv: Sequence[str]) -> None:
         "folders", nargs="+", type=Path, metavar="DIR", help="what --out of a scenario was"
     )
     parser.add_argument(
-        "--out", type=Path, metavar="FILE", help=f"the page; default results/report/latest/{PAGE}"
+        "--out",
+        type=output_path,
+        metavar="FILE",
+        help=f"the page; default results/report/latest/{PAGE}",
     )
     given = parser.parse_args(argv)
     labels = [folder.absolute().name for folder in given.folders]
