@@ -32,6 +32,7 @@ from ev_stack.interface.changes import Changes, Name, listing_changes, overrides
 from ev_stack.interface.driving import only_run
 from ev_stack.interface.inputs import taken_input
 from ev_stack.recording.recording import Recording, recording_of
+from ev_stack.running.steering_angles import run_with_own_angles
 from ev_stack.scenarios.records import Run
 
 
@@ -150,7 +151,10 @@ class Simulation:
             raise ParameterError(
                 f"run {scenario.name} is configured already, expected a name or path with changes"
             )
-        of = scenario if isinstance(scenario, Run) else only_run(scenario, run, changed)
+        if isinstance(scenario, Run):
+            of = run_with_own_angles(scenario)
+        else:
+            of = only_run(scenario, run, changed)
         for role in without:
             if role not in of.configurations:
                 raise unknown_name("role", role, of.configurations)

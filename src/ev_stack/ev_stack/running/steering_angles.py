@@ -54,6 +54,11 @@ def with_own_angles(scenario: Scenario) -> Scenario:
     return replace(scenario, runs=tuple(runs), notes=(*scenario.notes, *notes))
 
 
+def run_with_own_angles(run: Run) -> Run:
+    """Drive the slow ramp that a run needs, if any, as for the runs of a scenario."""
+    return _on_its_own_angles(run, {})[0]
+
+
 def _on_its_own_angles(run: Run, found: dict[str, float]) -> tuple[Run, str]:
     """A run with the angles of its car and the note on it; `found` are those of cars so far."""
     ramp = run.slow_ramp

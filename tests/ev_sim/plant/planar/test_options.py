@@ -22,6 +22,7 @@ from ev_msgs_py.contract.optional_signals import (
 from ev_msgs_py.contract.signals import BodyVelocity, SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.refusal import ParameterError
+from ev_stack.interface.simulation import Simulation
 from ev_stack.recording.offline import run_offline
 from ev_stack.running.steering_angles import with_own_angles
 from ev_stack.scenarios.scenario import Overrides, load_scenario
@@ -172,6 +173,9 @@ def test_the_slow_ramp_of_a_car_in_speed_mode_is_that_of_the_car():
         loaded = load_scenario("step_steer", Overrides(values=values), only=["left"])
         (run,) = with_own_angles(loaded).runs
         scales.append(run.configurations["steering_column"].parameters.scale)
+        # A simulation of the run as it was resolved drives the ramp as well.
+        stepped = Simulation(loaded.runs[0]).configurations["steering_column"]
+        assert stepped.parameters.scale == scales[-1]
     assert run.configurations["plant"].parameters.speed_mode
     assert scales[0] == scales[1] != 1.0
 
