@@ -237,7 +237,9 @@ def test_a_trial_without_a_fault_fails():
 
 
 def test_a_control_period_that_is_no_number_of_cycles_is_refused():
-    with pytest.raises(ParameterError, match=r"allowed on a CAN bus are 1 to 5 cycles of 0\.001 s"):
+    with pytest.raises(
+        ParameterError, match=r"expected on a CAN bus are 1 to 5 cycles of 0\.001 s"
+    ):
         driven(0.1, ("*", "control_period", 0.0025))
 
 

@@ -395,7 +395,7 @@ def test_a_file_opens_no_socket_to_a_network(tmp_path: Path):
         file.read_text().replace("address: 192.0.2.7", f"database: {tmp_path.parent / 'other.dbc'}")
     )
     with pytest.raises(
-        ParameterError, match=r"bus\.database: '.*other.dbc' is refused, allowed in "
+        ParameterError, match=r"bus\.database: '.*other.dbc' is refused, expected in "
     ):
         load_scenario("urban_mixed_bench", Overrides([file], [can]))
     file.write_text(f"/**/inverter_gateway:\n  ros__parameters: {values}\n")

@@ -164,7 +164,7 @@ def test_a_library_that_does_not_fit_is_refused_when_it_is_loaded(refused, defin
     [
         (
             "ANSWER=NAN",
-            r"at 0 s: asr: WheelTorqueCommand\.drive\.front_left is nan, only finite numbers are allowed$",
+            r"at 0 s: asr: WheelTorqueCommand\.drive\.front_left is nan, expected a finite number$",
         ),
         (
             "BRAKE=-2.0",

@@ -204,7 +204,7 @@ def test_a_path_in_a_file_does_not_lead_out(tmp_path, elsewhere, node, name, fil
         value = f"./link{Path(file).suffix}"
         Path(value).symlink_to(elsewhere / file)
     own = scenario_with(tmp_path / "scenarios", node, name, value)
-    message = rf"{re.escape(repr(value))} is refused, allowed in \S+own.yaml is a file "
+    message = rf"{re.escape(repr(value))} is refused, expected in \S+own.yaml is a file "
     with pytest.raises(ParameterError, match=message):
         load_scenario(str(own))
 

@@ -395,9 +395,7 @@ def test_a_law_that_gives_no_number_ends_its_node(tmp_path: Path):
     assert process.returncode == 1
     ready, output = output.splitlines()
     assert "ready" in ready
-    assert (
-        output == "asr: WheelTorqueCommand.drive.front_left is nan, only finite numbers are allowed"
-    )
+    assert output == "asr: WheelTorqueCommand.drive.front_left is nan, expected a finite number"
 
 
 STOPPED_WHILE_LOADED = """

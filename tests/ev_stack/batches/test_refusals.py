@@ -122,7 +122,7 @@ def test_states_that_are_not_finite():
 def test_a_method_that_only_python_runs():
     with pytest.raises(
         ParameterError,
-        match="method toy runs in plain Python, allowed in a batch are methods that run",
+        match="method toy runs in plain Python, expected in a batch are methods that run",
     ):
         batch(toy_graph(), 1.0)
 

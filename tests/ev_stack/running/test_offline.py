@@ -149,7 +149,7 @@ def test_a_law_that_gives_no_number_stops_the_run_in_one_line(bad):
     asr = played_by("asr", Stumbling, (WheelTorqueRequest,))
     with pytest.raises(SignalError) as error:
         run_offline({**clockwork(), "electronic_differential": law, "asr": asr}, 0.1)
-    message = f"WheelTorqueRequest.drive.front_right is {bad}, only finite numbers are allowed"
+    message = f"WheelTorqueRequest.drive.front_right is {bad}, expected a finite number"
     assert str(error.value) == f"at 0.02 s: electronic_differential: {message}"
 
 

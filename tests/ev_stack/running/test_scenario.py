@@ -300,7 +300,7 @@ ASR, LAW = "asr", "electronic_differential"
         ),
         (
             [("rear_steering", "gain", 3.0)],
-            "rear_steering.gain is refused: no node plays rear_steering, allowed with --method rear_steering=NAME",
+            "rear_steering.gain is refused: no node plays rear_steering, expected with --method rear_steering=NAME",
         ),
     ],
 )
@@ -327,7 +327,7 @@ def test_another_cycle_changes_what_is_driven_or_is_refused(name, tmp_path):
     try:
         other = ev_stack.run(name, cycle=cycle, **given)
     except ParameterError as error:
-        message = "is refused: the driver goes by the pedals from the start on, allowed with driver.pedals.begin=false"
+        message = "is refused: the driver goes by the pedals from the start on, expected with driver.pedals.begin=false"
         if name == "lap":
             assert (
                 str(error)
@@ -456,13 +456,13 @@ def test_points_that_a_file_gives_are_refused_wherever_the_file_is_named(
     ]
     beside = [*named, *speed] if level == "command line" else speed
     prepared = named if level == "cycle" else []
-    message = "driver: parameter speed_profile.time is refused: speed_profile.file says it, allowed with speed_profile.fi"
+    message = "driver: parameter speed_profile.time is refused: speed_profile.file has it, expected speed_profile.fi"
     assert refused(name, Overrides(files, beside, prepared=prepared)).startswith(message)
     points = more(
         section("/**/driver", "{speed_profile: {time: [0.0, 5.0], speed: [3.0, 4.0]}}"), "points"
     )
     if level in ("scenario", "file"):
-        assert refused(name, Overrides([*files, points])) == f"{message}le '' ({points})"
+        assert refused(name, Overrides([*files, points])) == f"{message}le '' beside it ({points})"
     instead = Overrides([points, *files], [*speed, ("driver", "speed_profile.file", "")])
     (run,) = load_scenario(name, instead).runs
     assert run.configurations["driver"].parameters.speed_profile.speed == (3.0, 4.0)
@@ -481,7 +481,7 @@ def test_a_file_goes_before_points_that_were_given_before_it(scenario, tmp_path)
 
 
 def test_numbers_of_a_tyre_that_its_file_says_are_refused():
-    message = "parameter vehicle.tyre.rear_mf is refused: vehicle.tyre.rear_file says it, allowed with vehicle.tyre.rear_"
+    message = "parameter vehicle.tyre.rear_mf is refused: vehicle.tyre.rear_file has it, expected vehicle.tyre.rear_"
     numbers = list(
         load_scenario("coast_down", Overrides(vehicle="compact_ev"))
         .runs[0]
@@ -562,4 +562,4 @@ def test_a_lesson_of_what_no_slider_can_change_is_one_line(scenario, named, mess
 def test_what_the_scenario_states_of_itself_is_not_set_in_the_plant(scenario, name):
     value = "[]" if name == "lesson" else "1.0"
     message = refused(scenario(HEAD + section("/**/plant", f"{{{name}: {value}}}")))
-    assert f"plant.{name} is refused, allowed in the section /**/scenario" in message
+    assert f"plant.{name} is refused, expected in the section /**/scenario" in message

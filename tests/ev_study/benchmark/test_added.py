@@ -114,7 +114,7 @@ def test_what_cannot_be_added_is_one_line(tmp_path: Path):
     found, names = with_added(board, [str(law)])
     with pytest.raises(
         ParameterError,
-        match="law my_law runs in plain Python, allowed on a board are laws that run",
+        match="law my_law runs in plain Python, expected on a board are laws that run",
     ):
         check_laws(found, names, names)
     law.write_text(LAW)

@@ -182,7 +182,7 @@ def test_the_command_beside_a_cell_gives_the_hash_of_the_board(
         (["--drive", "pi:1"], "--drive is for one cell, 36 fit '*'; expected --cells ID"),
         (
             ["--offline"],
-            "--offline and --in-process are refused: a board is driven in batches, allowed with --drive",
+            "--offline and --in-process are refused: a board is driven in batches, expected with --drive",
         ),
     ],
 )

@@ -265,7 +265,7 @@ def test_the_friction_jumps_where_the_road_has_it(board: Board):
         (
             "entry_speed: [12.0, 32.0]",
             "halvings: 4",
-            "entry_speed of double_lane_change is measured, allowed with",
+            "entry_speed of double_lane_change is measured, expected with",
         ),
         ("steering_on: dry ", "steering_on: mud ", "unknown road of step_steer 'mud'"),
         (

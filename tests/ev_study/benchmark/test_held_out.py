@@ -71,7 +71,8 @@ def test_the_command_drives_them_and_says_so(tmp_path: Path, capsys: pytest.Capt
     with pytest.raises(ParameterError, match="--seed is refused beside --held-out"):
         run_benchmark(["--held-out", "7", "--seed", "1"])
     with pytest.raises(
-        ParameterError, match="board small has no held_out cases, allowed with an entry held_out"
+        ParameterError,
+        match="board small has no held_out cases, expected an entry held_out in its file",
     ):
         held_out(replace(SMALL, held_out=None), 1)
 

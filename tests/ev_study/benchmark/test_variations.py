@@ -326,7 +326,7 @@ def test_what_is_searched_is_not_drawn(board: Board):
         ),
         (
             {"parameter": "friction"},
-            "variation of friction has begin or probability, allowed for motor_fault alone",
+            "variation of friction has begin or probability, expected for motor_fault alone",
         ),
     ],
 )

@@ -15,6 +15,7 @@ from ev_stack.commands.run_scenario import main
 from ev_stack.recording.offline import run_offline
 from ev_stack.scenarios.scenario import Overrides
 from ev_study.measured.records.record import (
+    LATERAL,
     LONGITUDINAL,
     ROAD_WHEEL_ANGLE,
     YAW_RATE,
@@ -24,6 +25,7 @@ from ev_study.measured.records.record import (
 )
 from ev_study.measured.records.samples import Sampled
 from ev_study.measured.replays.open_loop import OpenLoop, graph, windows_of
+from ev_study.measured.replays.validation import Validation
 
 IN_CORRIDORS = ("steering_angle", "twist.yaw_rate", "sideslip")
 
@@ -228,3 +230,24 @@ def test_the_torque_of_each_wheel_is_imposed_by_itself(tmp_path, capsys):
     assert exchanged["twist.yaw_rate"]["explained"] < 0.0
     with pytest.raises(SystemExit, match=r"drive\.rear_left: a torque there is refused"):
         validated({"drive.rear_left": "drive.front_left"}, "refused")
+
+
+def test_what_is_written_has_every_instant_of_every_window_once():
+    """The end of a window in front of a gap is in no other one, that in front of a window in both."""
+    run = driven(6.0)
+    kept = ~((run.time > 2.5) & (run.time < 3.5))
+    columns = {
+        name: (Sampled(run.time[kept], run.channels[name][kept]), ColumnParameters())
+        for name in (LONGITUDINAL, LATERAL, YAW_RATE, ROAD_WHEEL_ANGLE)
+    }
+    record = measured("made", "", columns, MaskParameters())
+    replay = OpenLoop(record, windows_of(record, 1.0), graph(CAR, PERIOD))
+    simulated = {YAW_RATE: np.zeros((len(replay.windows), replay.windows.size))}
+    both = Validation(replay, simulated, 0.0).recordings()
+    # Windows from 0, 1, 3.5 and 4.5 s on, each with both of its ends.
+    wanted = np.unique(replay.windows.of(record.time))
+    assert len(replay.windows) == 4
+    assert np.count_nonzero(np.diff(wanted) > 1.5 * record.period) == 1
+    assert np.array_equal(both["measured"].time, wanted)
+    assert np.array_equal(both["simulated"].time, wanted)
+    assert len(both["measured"].channels[YAW_RATE]) == len(wanted)

@@ -13,10 +13,11 @@ import pytest
 
 from ev_core.parameters.data_file import find_file
 from ev_msgs_py.refusal import ParameterError
-from ev_study.studies import energy
+from ev_study.studies import electric_cars, energy
 from ev_study.studies.electric_cars import (
     ASSUMPTIONS,
     CYCLES,
+    assumption_rows,
     consumption,
     fit,
     held_out,
@@ -65,7 +66,7 @@ def test_classes_by_model_else_by_driven_axles(tmp_path):
         (car("X", DRIVES[0], c="nan"), "line 2, column C_lbf_per_mph2: 'nan' is refused"),
         (
             car("X", "three wheels"),
-            "line 2, column drive: .three wheels. is refused, allowed: 2-Wheel Drive, Front",
+            "line 2, column drive: .three wheels. is refused, expected one of 2-Wheel Drive, Front",
         ),
     ],
 )
@@ -151,6 +152,22 @@ def test_a_fit_finds_assumptions_that_made_the_numbers(tmp_path):
     for each in made:
         for cycle in CYCLES:
             assert consumption(each, cycle, found) == pytest.approx(each.measured[cycle], rel=0.01)
+
+
+def test_a_fit_that_ends_at_its_bounds_can_be_read_again(tmp_path, monkeypatch):
+    """Idle force and copper losses are zero there, to the bit, not a rounding below."""
+
+    def at_low_ends(residuals, start, bounds, loss):
+        return SimpleNamespace(x=bounds[0])
+
+    monkeypatch.setattr(electric_cars, "least_squares", at_low_ends)
+    found = fit(read_cars(listed(tmp_path, [car("X", DRIVES[0])])))
+    assert set(found.idle.values()) == {0.0}
+    assert found.copper == 0.0
+    file = tmp_path / "fitted.csv"
+    lines = [",".join(row) for row in assumption_rows(found)]
+    file.write_text("\n".join(["quantity,class,value,unit", *lines]) + "\n")
+    assert read_assumptions(file).idle == found.idle
 
 
 @pytest.mark.parametrize(

@@ -170,14 +170,14 @@ def test_what_is_in_braces_is_a_text_or_a_measure(listed, tmp_path: Path):
         ({"value": "nan"}, "the value 'nan' is refused, expected a finite number or 'shown'"),
         ({"value": ""}, "the value '' is refused, expected a finite number or 'shown'"),
         ({"value": "two"}, "the value 'two' is refused"),
-        ({"value": "shown"}, "the tolerance '1 %' is refused, allowed beside shown is none"),
+        ({"value": "shown"}, "the tolerance '1 %' is refused, expected beside shown is none"),
         (
             {"measure": "length > length 2"},
-            "the value '2' is refused, allowed for a comparison is none",
+            "the value '2' is refused, expected for a comparison is none",
         ),
         (
             {"measure": "length > length 2", "value": "", "tolerance": "0.1"},
-            "the tolerance '0.1' is refused, allowed for a comparison is more than 0 % and less than 100 %",
+            "the tolerance '0.1' is refused, expected for a comparison is more than 0 % and less than 100 %",
         ),
         (
             {"note": "because"},

@@ -132,7 +132,7 @@ def refuse_outside(name: str, path: Path) -> None:
         roots = [root.resolve() for root in (name.file.parent, *config_folders(), Path())]
         if not any(path.resolve().is_relative_to(root) for root in roots):
             raise ParameterError(
-                f"{quoted(str(name))} is refused, allowed in {name.file} is a file below "
+                f"{quoted(str(name))} is refused, expected in {name.file} is a file below "
                 f"{name.file.parent}, a config folder or the working directory; "
                 "further away it is named on the command line"
             )

@@ -92,7 +92,7 @@ def ticks_of(period: float, most: int) -> float:
     ticks = round(period / TICK)
     if not 1 <= ticks <= most or abs(period - ticks * TICK) > 1e-9:
         raise ParameterError(
-            f"control_period: {period!r} is refused, allowed on a CAN bus are 1 to {most} cycles "
+            f"control_period: {period!r} is refused, expected on a CAN bus are 1 to {most} cycles "
             f"of {TICK:g} s"
         )
     return float(ticks)

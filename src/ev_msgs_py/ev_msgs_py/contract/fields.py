@@ -125,7 +125,7 @@ class Shape:
         for channel, value, single in zip(self.channels, values, self.single, strict=True):
             if not math.isfinite(value):
                 raise SignalError(
-                    f"{self.signal.__name__}.{channel} is {value}, only finite numbers are allowed"
+                    f"{self.signal.__name__}.{channel} is {value}, expected a finite number"
                 )
             if single and not math.isfinite(rounded(value)):
                 raise SignalError(

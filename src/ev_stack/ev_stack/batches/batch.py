@@ -84,7 +84,7 @@ class Runs:
             law = configuration.method.law
             if law is None or not law.is_compilable:
                 raise ParameterError(
-                    f"{role} method {configuration.method.name} runs in plain Python, allowed in a"
+                    f"{role} method {configuration.method.name} runs in plain Python, expected in a"
                     " batch are methods that run compiled"
                 )
         self._answering, self._integrating = roles_in_order(configurations)
@@ -180,7 +180,7 @@ class Runs:
             part = self._made[role]
             if role in self._differs:
                 part = compiled_part(configuration, like=part)
-        # values that are allowed one by one and do not fit together
+        # values that are each in their range and do not fit together
         except ParameterError as error:
             raise ParameterError(f"run {run}: {role}: {error}") from None
         state = self._initial_states[role][run] if role in self._initial_states else part.state

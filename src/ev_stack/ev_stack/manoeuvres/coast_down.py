@@ -30,6 +30,7 @@ from ev_stack.measures.metric import (
 from ev_stack.recording.recording import Recording
 
 INTERVAL = 1.0  # [s]
+FEWEST = 10  # intervals for a fit
 LOWEST_SPEED = 15 / 3.6  # [m/s], the fit does not use lower ones
 ROAD_LOAD_BAND = 0.01  # of the vehicle description, in which fitted values count as found back
 UPPER, LOWER = 100 / 3.6, 80 / 3.6  # [m/s], between which the coast-down is timed
@@ -53,8 +54,10 @@ def decelerations(run: Recording) -> tuple[np.ndarray, np.ndarray]:
     # Rounding of the last instant must not cost the last interval.
     ends = np.arange(run.time[0], run.time[-1] + 1e-9, INTERVAL)
     at_ends = np.interp(ends, run.time, speed)
-    if np.count_nonzero(at_ends > LOWEST_SPEED) < 10:
-        raise NotMeasured(f"the car coasts above {LOWEST_SPEED:.2f} m/s for less than 10 s")
+    # Between ends: there is one more of them than of intervals.
+    if np.count_nonzero(at_ends > LOWEST_SPEED) <= FEWEST:
+        least = f"{FEWEST * INTERVAL:g} s"
+        raise NotMeasured(f"the car coasts above {LOWEST_SPEED:.2f} m/s for less than {least}")
     ends, at_ends = ends[at_ends > LOWEST_SPEED], at_ends[at_ends > LOWEST_SPEED]
     return np.interp((ends[:-1] + ends[1:]) / 2, run.time, speed), -np.diff(at_ends) / np.diff(ends)
 

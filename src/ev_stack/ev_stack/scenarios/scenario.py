@@ -215,7 +215,7 @@ def _state_times(values: dict[str, Any], duration: float, about: ScenarioParamet
         if key in values:
             option = ", or --duration" if key == "duration" else ""
             raise ParameterError(
-                f"{MASTER}.{key} is refused, allowed in the section /**/{SCENARIO_NODE}{option}"
+                f"{MASTER}.{key} is refused, expected in the section /**/{SCENARIO_NODE}{option}"
             )
     values |= stated
 

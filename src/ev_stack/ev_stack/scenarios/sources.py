@@ -78,5 +78,6 @@ class Sources:
                 # A value before the file is one that the file is meant to replace.
                 if place > self.place(role, file) or place == command_line:
                     raise ParameterError(
-                        f"parameter {name} is refused: {file} says it, allowed with {file} ''", name
+                        f"parameter {name} is refused: {file} has it, expected {file} '' beside it",
+                        name,
                     )

@@ -23,7 +23,7 @@ def refuse_unused_values(values: Iterable[tuple[str, str, Any]], runs: Sequence[
         ]
         if not played:
             raise ParameterError(
-                f"{node}.{key} is refused: no node plays {node}, allowed with --method {node}=NAME"
+                f"{node}.{key} is refused: no node plays {node}, expected with --method {node}=NAME"
             )
         # For `*` it is enough that one node uses it.
         if all(key in each.unused for each in played):
@@ -47,7 +47,7 @@ def refuse_unfollowed_speed(values: Iterable[tuple[str, str, Any]], runs: Sequen
         if not any(_follows_a_speed(run) for run in runs):
             raise ParameterError(
                 f"driver.{name} is refused: the driver goes by the pedals from the start on, "
-                "allowed with driver.pedals.begin=false"
+                "expected with driver.pedals.begin=false"
             )
         return
 

@@ -109,7 +109,7 @@ def _hold_against_contract(name: str, car: str, configuration: Configuration) ->
     # Batches drive compiled laws alone.
     if law is None or not law.is_compilable:
         raise ParameterError(
-            f"law {name} runs in plain Python, allowed on a board are laws that run compiled"
+            f"law {name} runs in plain Python, expected on a board are laws that run compiled"
         )
     try:
         check_configuration(configuration, steps=STEPS)

@@ -302,7 +302,7 @@ def _refuse_variation(variation: Variation) -> None:
     else:
         _expect(
             not variation.begin and variation.probability == 1.0,
-            f"{what} has begin or probability, allowed for {MOTOR_FAULT} alone",
+            f"{what} has begin or probability, expected for {MOTOR_FAULT} alone",
         )
 
 
@@ -354,5 +354,5 @@ def _refuse_search(name: str, manoeuvre: Manoeuvre) -> None:
         )
     _expect(
         bool(manoeuvre.entry_speed) or ENTRY_SPEED not in manoeuvre.measured,
-        f"entry_speed of {name} is measured, allowed with the bounds entry_speed: [LOW, HIGH]",
+        f"entry_speed of {name} is measured, expected with the bounds entry_speed: [LOW, HIGH]",
     )

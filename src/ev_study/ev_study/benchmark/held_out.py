@@ -24,7 +24,7 @@ def with_cases(board: Board, entry: str, seed: int) -> Board:
     of: Cases | None = getattr(board, entry)
     if of is None:
         raise ParameterError(
-            f"board {board.name} has no {entry} cases, allowed with an entry {entry}"
+            f"board {board.name} has no {entry} cases, expected an entry {entry} in its file"
         )
     random, roads = np.random.Generator(np.random.PCG64(seed)), dict[str, Road]()
     for name, road in board.roads.items():

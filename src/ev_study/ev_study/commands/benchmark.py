@@ -73,7 +73,7 @@ def run_benchmark(argv: Sequence[str]) -> None:
     if given.offline or given.in_process:
         raise ParameterError(
             "--offline and --in-process are refused: a board is driven in batches, "
-            "allowed with --drive"
+            "expected with --drive"
         )
     cells = board.cells(given.cells)
     # Nothing of the runs of a secret board is left on the disk.

@@ -129,8 +129,13 @@ class TyreFit:
     undecided: tuple[str, ...] = ()
 
 
-def fit_tyre(sweeps: Sweeps, held_out: int = 3) -> TyreFit:
-    """Fit to all sweeps but every `held_out`-th.
+def is_held_out(number: np.ndarray) -> np.ndarray:
+    """Mask of the sweeps, by their numbers, that a fit does not see: every third one."""
+    return number % 3 == 2
+
+
+def fit_tyre(sweeps: Sweeps) -> TyreFit:
+    """Fit to all sweeps but those that are held out.
 
     What a kind of sweep is not there for stays at its start.
     """
@@ -141,7 +146,7 @@ def fit_tyre(sweeps: Sweeps, held_out: int = 3) -> TyreFit:
     }
     # Whatever is not fitted below keeps these values, so a property file is complete in any case.
     found = {**FIXED, **nominal, **{name: start for name, (start, _, _) in STARTS.items()}}
-    unseen = sweeps.number % held_out == held_out - 1
+    unseen = is_held_out(sweeps.number)
     along, across = points.longitudinal_force, points.lateral_force
     both = ~sweeps.is_lateral & ~sweeps.is_longitudinal
     # The order matters: the weights of combined slip multiply the pure forces that were fitted

@@ -17,7 +17,7 @@ from ev_stack.report.summary import write_summary
 from ev_stack.report.tables import text_table
 from ev_study.measured.magic_formula import combined_lateral, combined_longitudinal
 from ev_study.measured.rig import Sweeps
-from ev_study.measured.tyre_fit import TyreFit
+from ev_study.measured.tyre_fit import TyreFit, is_held_out
 
 TYRE = "tyre.tir"
 _ANGLE = "slip_angle"
@@ -84,7 +84,9 @@ def curves(fit: TyreFit, sweeps: Sweeps) -> Sheet:
             # The curve belongs to one load, inclination and pressure: those of the sweep on
             # average.
             mean = replace(data, **{n: np.full(200, getattr(data, n).mean()) for n in names})
-            colour, label = ("#E69F00", "unseen") if number % 3 == 2 else ("0.6", "seen by the fit")
+            colour, label = "0.6", "seen by the fit"
+            if is_held_out(number):
+                colour, label = "#E69F00", "unseen"
             axes.plot(
                 factor * getattr(data, slip),
                 getattr(data, force),

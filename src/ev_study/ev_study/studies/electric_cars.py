@@ -100,9 +100,9 @@ def read_cars(file: Path | str) -> list[ElectricCar]:
 
         drive, name = row.get("drive") or "", f"{row.get('model')} {row.get('configuration')}"
         if drive not in _DRIVEN_AXLES:
-            allowed = ", ".join(_DRIVEN_AXLES)
+            known = f"one of {', '.join(_DRIVEN_AXLES)}"
             raise ParameterError(
-                f"{file}, line {line}, column drive: {quoted(drive)} is refused, allowed: {allowed}"
+                f"{file}, line {line}, column drive: {quoted(drive)} is refused, expected {known}"
             )
         # From miles per gallon equivalent to W h per mile.
         per_mile = {cycle: ENERGY_OF_A_GALLON / number(f"{cycle}_mpge", 0.0) for cycle in CYCLES}
@@ -286,7 +286,7 @@ def fit(cars: Sequence[ElectricCar]) -> Assumptions:
         ]
         return np.concatenate((np.array(errors) / _SPREAD, scaled))
 
-    bounds = ((low - expected) / firm - 1e-12, (high - expected) / firm)
+    bounds = ((low - expected) / firm, (high - expected) / firm)
     # What is expected beforehand, inside the bounds: that of idle is the lower one itself.
     start = np.clip(np.zeros(len(names)), bounds[0] + 1e-6, bounds[1] - 1e-6)
     found = assumptions(least_squares(residuals, start, bounds=bounds, loss="soft_l1").x)

@@ -118,7 +118,7 @@ def _is_same(place: str, other: str) -> bool:
 
 
 def _values(text: str) -> list[Any]:
-    """The values that a text lists or spans; ValueError with what is allowed."""
+    """The values that a text lists or spans; ValueError with what is expected."""
     numbers = r"\s*[-+.\deE]+\s*"
     # Numbers with colons are a span, even one with a mistake: as YAML they would be a text.
     if (text.count(":") == 2 and "," not in text) or re.fullmatch(

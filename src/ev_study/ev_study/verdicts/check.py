@@ -173,7 +173,7 @@ class Check:
     def text(self, value: float) -> str:
         """A value with its unit, a judged angle in degrees as well; a ratio as a change."""
         if self.than:
-            return f"{100 * (value - 1):+.3g} %" if math.isfinite(value) else "from nothing"
+            return f"{100 * (value - 1):+.3g} %"
         degrees = (
             f" ({math.degrees(value):.2f} deg)" if self.unit == "rad" and self.is_judged else ""
         )
@@ -192,7 +192,7 @@ SHOWN = "shown"  # in place of a value: the number is shown and not judged
 def check_of(row: Mapping[str, str], measures: Measures, needs: tuple[Need, ...]) -> Check:
     """The check of a row of published.csv.
 
-    Raises ParameterError that names what is refused and what is allowed.
+    Raises ParameterError that names what is refused and what is expected.
     """
     text, value = row["measure"], row["value"]
     _refuse_unit(row["unit"])
@@ -202,7 +202,7 @@ def check_of(row: Mapping[str, str], measures: Measures, needs: tuple[Need, ...]
     if value == SHOWN:
         if row["tolerance"] or row["why"]:
             raise ParameterError(
-                f"the tolerance {quoted(row['tolerance'])} is refused, allowed beside {SHOWN} is"
+                f"the tolerance {quoted(row['tolerance'])} is refused, expected beside {SHOWN} is"
                 " none"
             )
         return check
@@ -217,13 +217,13 @@ def check_of(row: Mapping[str, str], measures: Measures, needs: tuple[Need, ...]
         # Without a width any difference would do, and by 100 % nothing can be smaller.
         if sign and not 0.0 < found.relative < 1.0:
             raise ParameterError(
-                f"the tolerance {quoted(row['tolerance'])} is refused, allowed for a comparison is"
+                f"the tolerance {quoted(row['tolerance'])} is refused, expected for a comparison is"
                 " more than 0 % and less than 100 % of the larger number"
             )
     if sign:
         if value:
             raise ParameterError(
-                f"the value {quoted(value)} is refused, allowed for a comparison is none"
+                f"the value {quoted(value)} is refused, expected for a comparison is none"
             )
         return replace(check, than=measured_by(than, measures, needs), is_larger=sign == ">")
     try:

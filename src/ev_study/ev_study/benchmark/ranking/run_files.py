@@ -27,8 +27,8 @@ def write_runs(folder: Path, result: BoardResult) -> None:
             _write_lines(file, result, b'{"runs": [\n', b",\n", b"\n]}\n")
     else:
         announce(
-            f"note: {runs} runs: {lines.name} has one a line, allowed in {whole.name} are"
-            f" {MOST_IN_JSON}"
+            f"note: {runs} runs: {lines.name} has one a line, since {whole.name} takes"
+            f" at most {MOST_IN_JSON}"
         )
         with atomic_file(lines) as file, gzip.open(file, "wb", compresslevel=6) as packed:
             _write_lines(packed, result, b"", b"\n", b"\n")

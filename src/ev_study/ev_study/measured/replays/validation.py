@@ -174,12 +174,13 @@ class Validation:
         An instant that two windows share is that of the later one.
         """
         record, windows = self.replay.record, self.replay.windows
-        time, last = windows.of(record.time), np.ones(windows.size, bool)
-        # The instant on which two windows meet is in both: the one of the later begins from the
-        # record.
-        last[-1] = False
-        keep = np.tile(last, len(windows))
-        keep[-1] = True
+        time = windows.of(record.time)
+        # An instant on which two windows meet is in both: the one of the later begins from the
+        # record. In front of a gap no other window has the last instant.
+        meets_next = np.append(np.diff(windows.first) < windows.size, False)
+        keep = np.ones(time.shape, bool)
+        keep[meets_next, -1] = False
+        keep = keep.ravel()
         measured = {n: windows.of(v).ravel()[keep] for n, v in record.channels.items()}
         simulated = {n: v.ravel()[keep] for n, v in self.simulated.items()}
         return {
