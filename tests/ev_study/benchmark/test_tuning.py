@@ -14,9 +14,11 @@ import pytest
 from ev_core.parameters.data_file import files_in_config
 from ev_core.parameters.declaration import parameter
 from ev_msgs_py.refusal import ParameterError
+from ev_stack.recording.outcome import RunFailed
 from ev_study.benchmark.board import ROLE, read_board
 from ev_study.benchmark.cell_runs import law_of, run_of, values_of
 from ev_study.benchmark.driving import drive_cell
+from ev_study.commands import tune
 from ev_study.commands.benchmark import run_benchmark
 from ev_study.commands.tune import run_tune, search_key
 from ev_study.tuning.free import Free, free_parameters
@@ -252,7 +254,10 @@ def test_a_search_goes_on_only_while_no_file_of_its_runs_has_changed(tmp_path: P
     given = argparse.Namespace(cost="handling", seed=1)
 
     def key() -> str:
-        return search_key([reference], "own", [], given)
+        of = search_key([reference], "own", [], given)
+        # The second law of a command begins hours later.
+        assert {str(car), str(law)} <= set(of.files)
+        return of.digest
 
     keys = [key(), key()]
     for file, old, new in ((car, "mass: 1600.0", "mass: 1700.0"), (law, '"""A law', '"""The law')):
@@ -260,6 +265,28 @@ def test_a_search_goes_on_only_while_no_file_of_its_runs_has_changed(tmp_path: P
         keys.append(key())
     assert keys[0] == keys[1]
     assert len({*keys}) == 3
+
+
+def test_a_car_that_is_edited_during_a_search_ends_the_command(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """The next law would be driven with the other car, and its answers kept as those of this one."""
+    car, board = tmp_path / "car.yaml", tmp_path / "board.yaml"
+    car.write_text(files_in_config("vehicles")["layout_1_8_c"].read_text())
+    text = files_in_config("benchmarks")["small"].read_text()
+    board.write_text(text.replace("layout_1_8_c", str(car)))
+    words = ["pi", "lqr", "--board", str(board), "--cells", "*:step_steer:wet:*", "--draws", "1"]
+    tuned = tune._tune
+
+    def then_edited(*given: object) -> None:
+        tuned(*given)
+        car.write_text(car.read_text().replace("mass: 1600.0", "mass: 1700.0"))
+
+    monkeypatch.setattr(tune, "_tune", then_edited)
+    with pytest.raises(RunFailed, match=r"car\.yaml has changed since the runs began"):
+        run_tune([*words, "--budget", "2", "--out", str(tmp_path / "out")])
+    assert (tmp_path / "out" / "pi_tuned.yaml").exists()
+    assert not (tmp_path / "out" / "lqr_tuned.yaml").exists()
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ev_stack.recording.outcome import RunFailed
 from ev_study.studies.result_store import Answers, ResultStore
 
 SOURCES = f"{7:024x}"
@@ -102,3 +103,14 @@ def test_two_functions_that_a_search_asks_at_one_point_have_answers_of_their_own
             {"weight": factor}, POINTS[1], lambda points, factor=factor: factor * points
         )
         assert np.array_equal(found, factor * POINTS[1])
+
+
+def test_an_answer_of_files_that_have_changed_since_is_not_kept(tmp_path: Path):
+    store = ResultStore(SOURCES, tmp_path)
+
+    def changed() -> None:
+        raise RunFailed("car.yaml has changed")
+
+    with pytest.raises(RunFailed):
+        Answers(store, "one", changed).answer("sum", POINTS[0], lambda points: points)
+    assert taken(store, "one") == 0

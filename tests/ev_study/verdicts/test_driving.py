@@ -83,7 +83,7 @@ def test_a_case_is_kept_by_the_texts_of_the_files_that_it_names(way: str, tmp_pa
     keys = []
     for text in (texts, texts + "\n# another text\n", texts):
         file.write_text(text)
-        keys.append(key_of("", case).digest)
+        keys.append(key_of("", case, {}).digest)
     assert keys[0] == keys[2] != keys[1]
 
 
@@ -160,6 +160,29 @@ def test_two_may_drive_the_same_and_what_is_cut_off_is_driven_again(tmp_path: Pa
     assert path.read_bytes() == whole
 
 
+@pytest.mark.parametrize("need", [HOLDING, SHORT_STUDY], ids=["signals", "rows"])
+def test_nothing_is_kept_of_a_configuration_that_changes_while_it_is_driven(
+    need: ScenarioNeed | StudyNeed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """The store is named after the files as they were: it would have numbers of the others."""
+    from ev_study.studies import digests
+
+    car = tmp_path / "car.yaml"
+    car.write_text("mass: 1\n")
+    monkeypatch.setattr(digests, "_config", lambda: [("car.yaml", car)])
+    store = store_at(tmp_path / "kept")
+
+    def edited(cases, measures, keep):
+        car.write_text("mass: 2\n")
+        if need is HOLDING:
+            return drive_here(cases, measures, keep)
+        return measuring(cases, measures, keep)
+
+    with pytest.raises(RunFailed, match=r"car\.yaml has changed since the runs began"):
+        drive([need], store, edited)
+    assert list(store.folder.iterdir()) == []
+
+
 def test_a_changed_configuration_is_driven_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     from ev_study.studies import digests
 
@@ -218,8 +241,24 @@ def test_command_writes_one_object_for_each_id(
 
 @pytest.mark.parametrize("command", ["verdicts", "figures"])
 def test_unknown_source_is_one_line(command: str):
-    with pytest.raises(SystemExit, match=r"^error: --only unknown"):
+    with pytest.raises(SystemExit, match=r"^error: --only 'unknown'"):
         main([command, "--only", "unknown"])
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (["--only", "shchur2019", "unknown"], "--only 'unknown': no such id or source"),
+        (["--only", "measured"], "--only 'measured': no such id or source"),
+        (["--only", "ge.claim.low_speed", "--quick"], "--quick leaves nothing of --only ge.claim"),
+        (["--only", "shchur.fig2", "--data", "."], "--data is refused beside --only shchur.fig2"),
+    ],
+)
+def test_no_word_of_what_is_judged_is_passed_over(words: list[str], line: str, tmp_path: Path):
+    out = tmp_path / "out"
+    with pytest.raises(SystemExit, match=f"^error: {line}"):
+        main(["verdicts", *words, "--out", str(out)])
+    assert not out.exists()
 
 
 def test_a_misspelt_parameter_is_refused(tmp_path: Path):

@@ -30,6 +30,7 @@ from ev_study.benchmark.cell_runs import law_of, run_of, values_of
 from ev_study.benchmark.held_out import with_cases
 from ev_study.benchmark.kept_cells import kept_cells
 from ev_study.studies.digests import digest_of_sources, short_digest
+from ev_study.studies.kept_rows import Key
 from ev_study.studies.result_store import Answers, ResultStore
 from ev_study.tuning.free import Free, free_parameters
 from ev_study.tuning.search import Candidate, chosen, search
@@ -64,7 +65,8 @@ def run_tune(argv: Sequence[str]) -> None:
     command = command_of(["tune", *argv])
     with output_folder(given.out, "tune") as folder:
         for name in names:
-            answers = Answers(results, keys[name])
+            # Each law reads its car and files once more when its search begins.
+            answers = Answers(results, keys[name].digest, keys[name].refuse_changed)
             _tune(name, folder, references, free[name], answers, given, command)
 
 
@@ -197,16 +199,19 @@ def _tune(
 
 def search_key(
     references: Sequence[Reference], law: str, free: Sequence[Free], given: argparse.Namespace
-) -> str:
-    """Return a digest of all that the costs of a law depend on but the candidates.
+) -> Key:
+    """Return the key of all that the costs of a law depend on but the candidates.
 
     That is of its runs, and of those of the reference.
     """
     runs = []
+    files: dict[str, str] = {}
     for of in references:
-        runs.append(kept_cells(of.board, of.cells, [of.board.reference, law], {}).rows.names)
+        rows = kept_cells(of.board, of.cells, [of.board.reference, law], {}).rows
+        runs.append(rows.names)
+        files |= rows.files
     scales = [of.board.scales for of in references]
-    return short_digest((runs, scales, [*free], given.cost, given.seed))
+    return Key(short_digest((runs, scales, [*free], given.cost, given.seed)), files)
 
 
 def _write(path: Path, free: Sequence[Free], best: Candidate, lines: Sequence[str]) -> None:

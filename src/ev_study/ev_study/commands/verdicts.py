@@ -10,7 +10,7 @@ import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ev_msgs_py.refusal import ParameterError
+from ev_msgs_py.refusal import ParameterError, quoted
 from ev_stack.command_line.paths import add_out
 from ev_stack.command_line.refusal import Parser
 from ev_stack.recording.recording import atomic_file
@@ -70,14 +70,19 @@ def run_verdicts(argv: Sequence[str]) -> None:
     start = time.monotonic()
     # With --data it is no source of published numbers; without, it is refused as an unknown one.
     only = [name for name in given.only if name != MEASURED or given.data is None]
+    if given.data is not None and given.only and MEASURED not in given.only:
+        chosen = f"--only {' '.join(only)}"
+        raise ParameterError(f"--data is refused beside {chosen}, expected {MEASURED} there, too")
+    for word in only:
+        if not wanted([word], quick=False):
+            raise ParameterError(
+                f"--only {quoted(word)}: no such id or source; sources: {', '.join(sources())}"
+            )
+    if only and not wanted(only, given.quick):
+        raise ParameterError(f"--quick leaves nothing of --only {' '.join(only)}")
     with output_folder(given.out, "verdicts") as folder:
         # With `--only measured` alone nothing of the papers is driven.
         found = judge_driven(only, given.quick)[0] if only or not given.only else []
-        if only and not found:
-            raise ParameterError(
-                f"--only {' '.join(given.only)}: no such id or source; "
-                f"sources: {', '.join(sources())}"
-            )
         if found:
             images = {
                 id: names for source in sources() for id, names in images_by_id(source).items()
@@ -119,7 +124,8 @@ def run_figures(argv: Sequence[str]) -> None:
     given = parser.parse_args(argv)
     for source in given.only:
         if source not in sources():
-            raise ParameterError(f"--only {source} is refused, expected {', '.join(sources())}")
+            known = ", ".join(sources())
+            raise ParameterError(f"--only {quoted(source)} is refused, expected {known}")
     start = time.monotonic()
     shown = {
         source: panels(source) for source in sources() if not given.only or source in given.only

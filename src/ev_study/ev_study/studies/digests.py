@@ -170,6 +170,11 @@ def digest_of_sources(
     return _digest(repr(head), [*_sources(without), *(_config() if config else ())])
 
 
+def config_files() -> dict[str, str]:
+    """SHA-256, by path, of each file in the config folders."""
+    return {str(path): digest_of(path) for _, path in _config()}
+
+
 def short_digest(content: object) -> str:
     """Some digits that change with what is written of a content."""
     return hashlib.sha256(repr(content).encode()).hexdigest()[:_LENGTH]

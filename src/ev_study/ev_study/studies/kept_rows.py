@@ -128,6 +128,14 @@ class KeptRows(Generic[Row]):
         """Names of the rows in the store."""
         return list(dict.fromkeys(key.name for key in self._keys.values()))
 
+    @property
+    def files(self) -> dict[str, str]:
+        """SHA-256, by path, of the files that the rows depend on."""
+        found: dict[str, str] = {}
+        for key in self._keys.values():
+            found |= key.files
+        return found
+
     def get(self, name: Hashable) -> Row | None:
         """Return a row; None without one, or if the store has not what was written."""
         if name not in self._keys or name in self._forgotten:

@@ -91,12 +91,16 @@ def _last_used(folder: Path) -> float:
 class Answers:
     """Answers of functions at arrays of points, computed once.
 
-    `key` is a digest of all else that they depend on.
+    `key` is a digest of all else that they depend on. `refuse_changed` raises an error if that is
+    no longer so, as when a file has been edited since: such an answer is not kept.
     """
 
-    def __init__(self, results: Results, key: str) -> None:
+    def __init__(
+        self, results: Results, key: str, refuse_changed: Callable[[], None] = lambda: None
+    ) -> None:
         self._results = results
         self._key = key
+        self._refuse_changed = refuse_changed
         self._own = set[str]()
         self.taken = 0  # that an earlier command has computed
 
@@ -116,6 +120,7 @@ class Answers:
             self.taken += name not in self._own
             return np.load(io.BytesIO(kept), allow_pickle=False)
         found = compute(points)
+        self._refuse_changed()
         np.save(content := io.BytesIO(), found, allow_pickle=False)
         self._results[name] = content.getvalue()
         self._own.add(name)

@@ -15,6 +15,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, NoReturn
 from zipfile import is_zipfile
 
@@ -29,7 +30,7 @@ from ev_stack.recording.recording import Recording, load, save
 from ev_stack.running.steering_angles import with_own_angles
 from ev_stack.scenarios.records import Overrides, Run
 from ev_stack.scenarios.scenario import load_scenario
-from ev_study.studies.digests import NEVER_DRIVES, digest_of_sources
+from ev_study.studies.digests import NEVER_DRIVES, config_files, digest_of_sources
 from ev_study.studies.driving import Keep
 from ev_study.studies.kept_rows import KeptRows, Key, case_key, row_key
 from ev_study.studies.result_store import RECORDING, ResultStore
@@ -152,14 +153,14 @@ def kept_by_user(folder: Path | None = None) -> ResultStore:
     return ResultStore(digest_of_sources(_ONLY_JUDGES, config=True, others=True), folder)
 
 
-def key_of(study: str, case: Case) -> Key:
+def key_of(study: str, case: Case, config: Mapping[str, str]) -> Key:
     """Return the key of what a study measures on a case; of its signals without a study.
 
     Where the case may name a file, its name is not enough: then the run is made, and the texts of
-    all files count that it reads. Else these stand in the config folders: their texts count for
-    all.
+    all files count that it reads. Else these stand in the config folders, which are `config`: their
+    texts count for all.
     """
-    key = Key(case_key(case), {})
+    key = Key(case_key(case), config)
     given = case.scenario, case.vehicle, case.files, tuple(value for _, _, value in case.values)
     # Only such a text may be the name of a file.
     if any(set("./").intersection(text) for text in _texts(given)):
@@ -183,7 +184,8 @@ class _KeepSignals:
     path: Path
 
     def __call__(self, recording: Recording, run: Run) -> Mapping[str, Any]:
-        save(recording, self.path, replaces=True)  # another command may have driven the same
+        # A worker that was lost may have written them before.
+        save(recording, self.path, replaces=True)
         return {}
 
 
@@ -201,34 +203,42 @@ def drive(needs: Iterable[Need], kept: ResultStore, drive_cases: Drive) -> dict[
     if a run of a scenario cannot be driven.
     """
     wanted = {need: _resolved(need) for need in dict.fromkeys(needs)}
+    config = config_files()
     keys: dict[Need, list[Key]] = {}
     for need, (cases, _) in wanted.items():
         study = need.study if isinstance(need, StudyNeed) else ""
-        keys[need] = [key_of(study, case) for case in cases]
+        keys[need] = [key_of(study, case, config) for case in cases]
     # Two needs may have a case in common.
     every = {key.digest: key for of in keys.values() for key in of}
     rows = KeptRows(kept, CaseResult, every)
-    jobs: dict[str, tuple[Case, Measure]] = {}
-    for need, (cases, _) in wanted.items():
-        for case, key in zip(cases, keys[need], strict=True):
-            path = _signals(kept, key)
-            if isinstance(need, ScenarioNeed):
-                if not is_zipfile(path):  # nor is it where a crash has cut it off
-                    jobs[key.digest] = case, _KeepSignals(path)
-            elif rows.get(key.digest) is None:
-                jobs[key.digest] = case, study_named(need.study).measure
-    digests = list(jobs)
+    with TemporaryDirectory(dir=kept.folder) as driven:
+        jobs: dict[str, tuple[Case, Measure]] = {}
+        for need, (cases, _) in wanted.items():
+            for case, key in zip(cases, keys[need], strict=True):
+                if isinstance(need, ScenarioNeed):
+                    # Nor is it one where a crash has cut it off.
+                    if not is_zipfile(_signals(kept, key)):
+                        path = Path(driven, f"{key.digest}{RECORDING}")
+                        jobs[key.digest] = case, _KeepSignals(path)
+                elif rows.get(key.digest) is None:
+                    jobs[key.digest] = case, study_named(need.study).measure
+        digests = list(jobs)
 
-    def keep(number: int, result: CaseResult) -> None:
-        _, measure = jobs[digests[number]]
-        if not isinstance(measure, _KeepSignals):
-            # At once: a command that is stopped here has lost nothing.
-            rows.keep(digests[number], result)
-        elif result.refused:
-            raise RunFailed(f"{result.name}: {result.refused}")
+        def keep(number: int, result: CaseResult) -> None:
+            key = every[digests[number]]
+            _, measure = jobs[key.digest]
+            if not isinstance(measure, _KeepSignals):
+                # At once: a command that is stopped here has lost nothing.
+                rows.keep(key.digest, result)
+                return
+            if result.refused:
+                raise RunFailed(f"{result.name}: {result.refused}")
+            # Signals come into the store only when they are those of the key.
+            key.refuse_changed()
+            measure.path.replace(_signals(kept, key))
 
-    if jobs:
-        drive_cases(*zip(*jobs.values(), strict=True), keep)
+        if jobs:
+            drive_cases(*zip(*jobs.values(), strict=True), keep)
     found: dict[Need, Driven] = {}
     for need, (cases, first) in wanted.items():
         at = list(zip(cases, keys[need], strict=True))
