@@ -284,9 +284,10 @@ class RoadParameters:
             )
         if self.random_shortest > self.random_longest:
             raise ParameterError("random_shortest is above random_longest")
-        if not len(self.slope_distance) == len(self.grade) == len(self.side_slope):
+        if not 0 < len(self.slope_distance) == len(self.grade) == len(self.side_slope):
             raise ParameterError(
-                "slope_distance, grade and side_slope need the same number of elements"
+                "slope_distance, grade and side_slope need the same number of elements, at least "
+                "one"
             )
         if any(b <= a for a, b in zip(self.slope_distance, self.slope_distance[1:], strict=False)):
             raise ParameterError("slope_distance must rise")

@@ -161,3 +161,28 @@ def test_a_long_name_of_a_file_is_compiled(tmp_path):
     frame.numbers[PLACES[WheelTorqueRequest].start] = 5.0
     part_of(configure("asr", {"method": str(file)}), compiled=True).step(frame, frame)
     assert frame.numbers[PLACES[WheelTorqueCommand].start] == 5.0
+
+
+SWITCHES = {
+    "many: bool = parameter(False, about='of it')": "which may change in a run, declare it read_only=True",
+    "many: float = parameter(1.0, unit='1', about='of it')": "options= asks for many, expected a switch of P",
+    "few: bool = parameter(False, about='of it')": "options= asks for many, expected a switch of P",
+}
+
+
+@pytest.mark.parametrize("declared", SWITCHES)
+def test_an_option_goes_by_a_switch_that_is_fixed_when_a_node_starts(declared, tmp_path):
+    """An option may read another signal, to which a node that runs has not subscribed.
+
+    The law would read zeros from the change on.
+    """
+    file = tmp_path / "my_law.py"
+    text = (HEAD + FUNCTIONS).replace("class P:\n", f"class P:\n    {declared}\n")
+    file.write_text(text.replace('"mine"', '"mine", options={("many",): {}}'))
+    with pytest.raises(ParameterError, match=SWITCHES[declared]):
+        find_method("asr", str(file))
+    fixed = file.read_text().replace(
+        declared, "many: bool = parameter(False, about='', read_only=True)"
+    )
+    file.write_text(fixed)
+    assert find_method("asr", str(file)).switches == ("many",)

@@ -168,3 +168,23 @@ def test_the_torque_of_a_command_that_has_just_come_does_not_fade(period, ramp, 
     held, step = FadingInputs((WheelTorqueCommand,)), from_seconds(period)
     held.take(WheelTorqueCommand, 0, [100.0] * 8, step)
     assert held.share(step, step, extra) == 1.0
+
+
+@pytest.mark.parametrize(("role", "name"), METHODS)
+def test_no_list_of_a_method_can_be_emptied(role, name):
+    """Neither alone nor with those of as many elements beside it: a method looks into each.
+
+    ROS has no type for an empty list either, so a node would keep the default.
+    """
+    _, base = base_of(role, name)
+    lists = [each for each in entries(base.method.parameters) if each.is_array and each.default]
+    for entry in lists:
+        group = entry.name.rpartition(".")[0]
+        beside = [
+            each.name
+            for each in lists
+            if each.name.rpartition(".")[0] == group and len(each.default) == len(entry.default)
+        ]
+        for emptied in ([entry.name], beside):
+            with pytest.raises(ParameterError):
+                base.changed(dict.fromkeys(emptied, ()))

@@ -107,6 +107,52 @@ def test_a_change_of_any_length_is_reported_to_the_runner(context, monkeypatch, 
     reports.close()
 
 
+OPTIONS = [
+    (role, name, switch)
+    for role, methods in all_methods().items()
+    for name, method in methods.items()
+    for switch in method.switches
+]
+
+
+@pytest.mark.parametrize(("role", "name", "switch"), OPTIONS)
+def test_an_option_of_a_law_is_fixed_when_its_node_starts(context, role, name, switch):
+    """It decides which topics the node has."""
+    node = node_of(context, role, {"method": name})
+    before = node.configuration
+    assert "read-only" in tried(node, **{switch: True})
+    assert node.configuration is before
+    node.destroy_node()
+
+
+def test_a_live_value_that_does_nothing_without_an_option_is_refused(context):
+    """It names the option, and does not count as a change of the run."""
+    node = node_of(context, "plant", {"method": "planar"})
+    part = node.stepper.part
+    refusal = "plant method planar does not have it, expected with planar and plant.speed_mode true"
+    assert refusal in tried(node, speed_control__gain=5.0)
+    assert node.stepper.part is part
+    node.destroy_node()
+    node = node_of(context, "plant", {"method": "planar", "speed_mode": True})
+    assert tried(node, speed_control__gain=5.0) == ""
+    node.destroy_node()
+
+
+def test_one_callback_of_a_node_runs_at_a_time(context, law):
+    """Executors with several threads ask the groups: a change of parameters swaps the part.
+
+    A message in another thread would step the part that is just being left.
+    """
+    first, *others = law.subscriptions
+    assert others
+    assert first.callback_group.beginning_execution(first)
+    for entity in (*others, *law.services, *law.timers):
+        assert not entity.callback_group.can_execute(entity)
+    first.callback_group.ending_execution(first)
+    for entity in (*others, *law.services, *law.timers):
+        assert entity.callback_group.can_execute(entity)
+
+
 def test_a_change_is_taken_over_live_and_the_state_lasts(law):
     before = law.stepper.part
     before.state = [3.0]  # the integral

@@ -26,7 +26,8 @@ from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.recording.offline import run_offline
 from ev_stack.recording.recording import signal_hash
-from ev_stack.scenarios.scenario import load_scenario
+from ev_stack.running.offline import node_parameters
+from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 
 def played_by(role: str, factory: type, reads: tuple[type, ...]) -> Configuration:
@@ -216,3 +217,36 @@ def test_only_what_the_methods_write_is_recorded():
     channels = run_offline({**configurations, MASTER: blind}, 0.1).channels
     assert not set(TOPICS[BatteryCondition].channels) & set(channels)
     assert "wheel_states.effort.rear_right" in channels
+
+
+LAW = """
+from dataclasses import dataclass
+from ev_core.law import *
+
+@dataclass(frozen=True, slots=True)
+class P:
+    speeds: tuple[float, ...] = setting((1.0, 2.0), unit="m/s", about="of a table")
+    more: tuple[float, ...] = setting((), unit="m/s", about="of another one")
+
+@method("asr", "of_a_table")
+def of_a_table(p: P, request: WheelTorqueRequest) -> WheelTorqueCommand:
+    return WheelTorqueCommand(request.drive, request.brake)
+"""
+
+
+def test_an_empty_list_that_a_node_would_not_receive_is_refused(tmp_path):
+    """ROS has no type for it, so the node would take the default in its place."""
+    file = tmp_path / "law.py"
+    file.write_text(LAW)
+
+    def parameters(**lists: tuple[float, ...]) -> dict[str, object]:
+        values = [("asr", "method", str(file)), *(("asr", *each) for each in lists.items())]
+        (run,) = load_scenario("double_lane_change", Overrides((), values, 1.0)).runs
+        return node_parameters(run, tmp_path, bag=False)["asr"]
+
+    sent = parameters(speeds=(3.0,))
+    assert sent["speeds"] == [3.0]
+    # One that is empty by itself is so in the node, too.
+    assert "more" not in sent
+    with pytest.raises(ParameterError, match=r"^asr: parameter speeds: \[\] is refused, expected"):
+        parameters(speeds=())

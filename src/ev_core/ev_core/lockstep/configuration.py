@@ -123,6 +123,16 @@ class Configuration:
                 found |= flatten(part)
         return found | flatten(self.sensors, _SENSORS)
 
+    def declared(self) -> dict[str, Any]:
+        """Dotted names and declared defaults of every parameter of the node but its method."""
+        found: dict[str, Any] = {}
+        for part in (self.common, self.extra, self.parameters, self.own_faults):
+            if part is not None:
+                kind: type = type(part)
+                found |= flatten(defaults(kind))
+        sensors: type = type(self.sensors)
+        return found | flatten(defaults(sensors), _SENSORS)
+
     def changed(self, values: Mapping[str, Any]) -> Configuration:
         """The same configuration with other values.
 
@@ -261,6 +271,13 @@ def refuse_unused(names: Iterable[str], configurations: Collection[Configuration
     for name in names:
         if all(name in each.unused for each in configurations):
             raise _unused(name, configurations)
+
+
+def refuse_idle(names: Iterable[str], configuration: Configuration) -> None:
+    """Refuse a parameter that does nothing without an option of the method that is off."""
+    for name in names:
+        if configuration.method.is_idle(name):
+            raise _unused(name, [configuration])
 
 
 def _unused(name: str, configurations: Collection[Configuration]) -> ParameterError:

@@ -35,13 +35,16 @@ def with_present_name(role: str, values: Mapping[str, Any]) -> dict[str, Any]:
     return {**former, **values, "method": former["method"]}
 
 
-def note_on(role: str, name: Any) -> str:
-    """A line for a former name; empty for any other."""
+def note_on(role: str, values: Mapping[str, Any]) -> str:
+    """A line for a former name among the values of a role; empty for any other name."""
+    name = values.get("method")
     former = dict(chosen_by(role, name))
     if not former:
         return ""
     now = former.pop("method")
-    values = " and ".join(f"{key} {str(value).lower()}" for key, value in former.items())
+    # A value beside the name counts before the one that the name stands for.
+    chosen = [f"{key} {str(values.get(key, value)).lower()}" for key, value in former.items()]
     return (
-        f"{role} method {name} is now {now} with {values}; the old name goes with the next release"
+        f"{role} method {name} is now {now}, here with {' and '.join(chosen)}; "
+        "the old name goes with the next release"
     )

@@ -16,7 +16,7 @@ from types import MappingProxyType, SimpleNamespace
 from typing import Any, TypeVar, get_type_hints
 
 from ev_core.methods.law_error import WrongResultError, named
-from ev_core.parameters.declaration import number_tree
+from ev_core.parameters.declaration import entries, number_tree
 from ev_core.parameters.record import entries_without_number, fill, names, numbers
 from ev_core.vehicle.car import car_numbers
 from ev_core.vehicle.description import Vehicle
@@ -209,7 +209,7 @@ def declared_law(label: str, function: Callable[..., Any], how: Mapping[str, Any
             raise TypeError(f"{label}: {name} has no annotation, expected {expected}")
     annotated = {"parameters": hints.get("p", NoParameters), "state": hints.get("s", NoState)}
     law = Law(function, **{**annotated, **how})
-    for wrong in (_wrong_state(law.state), _wrong_option(law), _wrong_arguments(law)):
+    for wrong in (_wrong_state(law.state), _wrong_arguments(law)):
         if wrong:
             raise TypeError(f"{label}: {wrong}")
     return law
@@ -229,15 +229,20 @@ def _wrong_state(state: Any) -> str:
     return ""
 
 
-def _wrong_option(law: Law) -> str:
-    """Name the mistake in the options of a law; empty if there is none."""
-    if not law.options:
-        return ""
-    switches = {name for several in law.options for name in several}
-    unknown = switches - {each.name for each in fields(law.parameters)}
-    if unknown:
-        return f"options= asks for {min(unknown)}, expected a switch of {law.parameters.__name__}"
-    return ""
+def refuse_wrong_option(label: str, law: Law) -> None:
+    """TypeError, in one line that begins with `label`, for switches that cannot have options."""
+    declared = {each.name: each for each in entries(law.parameters)}
+    for name in sorted({name for switches in law.options for name in switches}):
+        switch = declared.get(name)
+        if switch is None or switch.type is not bool or switch.is_array:
+            expected = f"a switch of {law.parameters.__name__}"
+            raise TypeError(f"{label}: options= asks for {name}, expected {expected}")
+        # A node subscribes and publishes once, when it starts: another signal would never come.
+        if not switch.spec.read_only:
+            raise TypeError(
+                f"{label}: options= asks for {name}, which may change in a run, "
+                "declare it read_only=True"
+            )
 
 
 def _wrong_arguments(law: Law) -> str:

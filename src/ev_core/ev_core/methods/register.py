@@ -17,7 +17,7 @@ from typing import Any, TypeVar, get_type_hints
 
 from ev_core.methods.common_parameters import refuse_taken
 from ev_core.methods.hooks import refuse_lacking, refuse_wrong_declaration
-from ev_core.methods.law import Law, declared_law, given_names, signals_in
+from ev_core.methods.law import Law, declared_law, given_names, refuse_wrong_option, signals_in
 from ev_core.methods.method_record import Method
 from ev_core.parameters.data_file import entry_points
 from ev_core.parameters.values import refuse_undeclared
@@ -105,6 +105,7 @@ def method(role: str, name: str, **how: Any) -> Callable[[T], T]:
         reads = _reads(label, role, factory)
         # An option may bring other signals, which the role has to have as well.
         if is_law:
+            refuse_wrong_option(label, factory)
             for changed in factory.options.values():
                 _reads(label, role, replace(factory, **changed))
         try:

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, Protocol, TypeAlias
 
-from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+from rclpy.callback_groups import CallbackGroup
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -170,14 +170,35 @@ class SignalWriter:
         return End(self.publisher.handle.pointer, self._format)
 
 
-class PolledGroup(MutuallyExclusiveCallbackGroup):
-    """Subscriptions that executors leave alone while `spinning.spin` takes their messages with their senders."""
+class PolledGroup(CallbackGroup):
+    """Subscriptions that executors leave alone while `spinning.spin` takes their messages.
+
+    An executor with several threads runs them one at a time, and none beside a callback of the
+    group `beside`: a step and a change of parameters share the part of the node.
+    """
 
     polled = False
 
+    def __init__(self, beside: CallbackGroup) -> None:
+        super().__init__()
+        self._beside = beside
+
+    def add_entity(self, entity: Any) -> None:
+        """Add a subscription to both groups."""
+        super().add_entity(entity)
+        self._beside.add_entity(entity)
+
     def can_execute(self, entity: Any) -> bool:
         """Return whether an executor may take a message that has come."""
-        return not self.polled and super().can_execute(entity)
+        return not self.polled and self._beside.can_execute(entity)
+
+    def beginning_execution(self, entity: Any) -> bool:
+        """Return whether an executor may call back now."""
+        return self._beside.beginning_execution(entity)
+
+    def ending_execution(self, entity: Any) -> None:
+        """Let the next callback begin."""
+        self._beside.ending_execution(entity)
 
 
 class Reader:
@@ -203,7 +224,7 @@ class Reader:
             name,
             self._receive_from_executor,
             self.quality,
-            callback_group=PolledGroup(),
+            callback_group=PolledGroup(node.default_callback_group),
             raw=True,
         )
         self.handle: SubscriptionHandle = self._subscription.handle

@@ -9,6 +9,7 @@ from __future__ import annotations
 import ctypes
 import os
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from functools import cached_property
 from importlib import import_module
 from importlib.util import find_spec
@@ -17,7 +18,7 @@ from typing import Any
 
 from rclpy.node import Node
 
-from ev_core.lockstep.configuration import Configuration, configure
+from ev_core.lockstep.configuration import Configuration, configure, refuse_idle
 from ev_core.lockstep.graph import polling_order
 from ev_core.lockstep.parts import hand_over, is_compiled, part_of
 from ev_core.lockstep.stepper import WRITERS, Answer, Stepper, arrival_place
@@ -80,7 +81,7 @@ class SteppedNode(Spinnable, Node):
         self._waiting = Waiting(self.reports.runner)
         for lacking in ask_for(configuration.common):
             self.reports.note(lacking, lacking)
-        if note := note_on(role, given.get("method")):
+        if note := note_on(role, given):
             self.get_logger().warning(note)
         if configuration.unused:
             names = ", ".join(configuration.unused)
@@ -124,6 +125,7 @@ class SteppedNode(Spinnable, Node):
 
     def _take_over(self, given: dict[str, Any]) -> None:
         """Go on with other parameters."""
+        refuse_idle(given, self.configuration)
         before, after = self.configuration, self.configuration.changed(given)
         part = self.successor(after, given)
         self.configuration = after
@@ -260,9 +262,11 @@ def ask_for(p: CommonParameters) -> Iterator[str]:
     if p.scheduling_priority:
         try:
             for thread in Path("/proc/self/task").iterdir():
-                os.sched_setscheduler(
-                    int(thread.name), os.SCHED_FIFO, os.sched_param(p.scheduling_priority)
-                )
+                # One of the middleware's may end between the look and the request.
+                with suppress(ProcessLookupError):
+                    os.sched_setscheduler(
+                        int(thread.name), os.SCHED_FIFO, os.sched_param(p.scheduling_priority)
+                    )
         except OSError as error:
             yield (
                 f"SCHED_FIFO with priority {p.scheduling_priority} is not granted"

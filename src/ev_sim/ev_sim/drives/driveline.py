@@ -30,6 +30,22 @@ STEEPEST = 18.4858e-3
 
 
 @inlined
+def behind_gear(car: Car, torque: float, speed: float) -> float:
+    """Torque behind a gear [N m] that turns at a speed [rad/s], from that without losses."""
+    efficiency = car.motor.gear_efficiency
+    # A braking wheel has the larger torque of both: the gear's loss helps to brake. Rest counts
+    # as driving.
+    return torque * efficiency if torque * speed >= 0.0 else torque / efficiency
+
+
+@inlined
+def before_gear(car: Car, torque: float, speed: float) -> float:
+    """Torque without losses [N m] that gives a torque behind the gear: undoes `behind_gear`."""
+    efficiency = car.motor.gear_efficiency
+    return torque / efficiency if torque * speed >= 0.0 else torque * efficiency
+
+
+@inlined
 def shaft_speeds(car: Car, wheel_speed: Sequence[float], shaft: MutableSequence[float]) -> None:
     """Speed of each wheel's motor shaft, at the wheel side of the gear [rad/s], into `shaft`.
 

@@ -35,6 +35,7 @@ from ev_core.parameters.declaration import setting
 from ev_msgs_py.contract import signals
 from ev_sim.drives.brushless_motor import DriveState
 from ev_sim.drives.drive import DriveParameters, advance_drive
+from ev_sim.drives.driveline import behind_gear
 from ev_sim.plant.guard import (
     Commanded,
     GuardLimits,
@@ -227,11 +228,11 @@ def kinematic(
     """Point mass on wheels that roll without slip; resistance and brakes are dry friction.
 
     m V' = sum(M_j)/r_k - 0.5 rho c_d A V |V| - (k_r m g + sum(brake torques)/r_k) sgn(V), eq 13
-    with its traction equation; V_j = V R_j/R by eqs 8 to 11. As in the paper V is the speed of the
-    centre of mass along its path; BodyVelocity carries its x and y components. The inertia of
-    wheels, motors and yaw is left out. The road-wheel angle is held over a control period, so the
-    car then moves on a circular arc, which is integrated exactly. Torques and angle are held as the
-    guard accepts them.
+    with its traction equation; V_j = V R_j/R by eqs 8 to 11. Beyond the paper k_r may grow with the
+    speed, and gears may have losses. As in the paper V is the speed of the centre of mass along its
+    path; BodyVelocity carries its x and y components. The inertia of wheels, motors and yaw is left
+    out. The road-wheel angle is held over a control period, so the car then moves on a circular
+    arc, which is integrated exactly. Torques and angle are held as the guard accepts them.
     """
     # Once in a period: command, path and what resists stay while it lasts.
     held = guarded_torques(c, s.guard, commanded.torques)
@@ -241,12 +242,9 @@ def kinematic(
     s.path_curvature = path_curvature(angle, base, behind)
     s.course_offset = course_offset(angle, base, behind)
     ratios = wheel_speed_ratios(angle, base, car.front_track, car.rear_track, behind)
-    rolling_resistance = car.constant_rolling_resistance * car.mass * GRAVITY
     brake, torques = held.brake, held.drive
     # Sums go axle by axle, so that mirrored cars stay mirrored to the last bit.
-    friction = (
-        rolling_resistance + ((brake[0] + brake[1]) + (brake[2] + brake[3])) / car.wheel_radius
-    )
+    brakes = ((brake[0] + brake[1]) + (brake[2] + brake[3])) / car.wheel_radius
     drag = 0.5 * car.air_density * car.drag_coefficient * car.frontal_area + car.road_load.quadratic
     # A period of a whole number of sub-steps gets no more than that by rounding.
     sub_steps = max(1, math.ceil(period / p.sub_step - 1e-9))
@@ -267,6 +265,10 @@ def kinematic(
             - drag * s.speed * abs(s.speed)
             - car.road_load.linear * s.speed
         )
+        rolling = car.constant_rolling_resistance + car.rolling_resistance_growth * (
+            s.speed * s.speed
+        )
+        friction = rolling * car.mass * GRAVITY + brakes
         s.speed, moved = move_with_dry_friction(s.speed, force, friction, car.mass, step)
         distance += moved
     for i in range(4):
@@ -290,7 +292,7 @@ def advance_wheel(
         return 0.0
     speed = car.gear_ratio * s.wheels[i].speed_ratio * s.speed / car.wheel_radius
     advance_drive(s.drives[i], p, torque / car.gear_ratio, speed, p.bus_voltage, step)
-    given = car.gear_ratio * s.drives[i].mean_torque
+    given = behind_gear(car, car.gear_ratio * s.drives[i].mean_torque, speed)
     s.wheels[i].mean_torque += given
     return given
 

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
-from ev_core.lockstep.configuration import Configuration, refuse_unused
+from ev_core.lockstep.configuration import Configuration, refuse_idle
 from ev_core.methods.common_parameters import CommonParameters
 from ev_core.parameters.declaration import entries
 from ev_core.parameters.values import check, entries_by_name, plain
@@ -86,8 +85,7 @@ class Variation:
                 if each not in fixed and each.startswith(_SENSORS) == is_sensor
             ]
             raise unknown_name(f"parameter of {role}", parameter, listed)
-        if configuration.method.is_idle(parameter):
-            refuse_unused([parameter], [replace(configuration, unused=(parameter,))])
+        refuse_idle([parameter], configuration)
         if parameter.startswith(_VEHICLE) and not for_all:
             raise ParameterError(
                 f"{name} is refused: expected {EVERY_ROLE}.{parameter}, one for all roles"

@@ -104,7 +104,7 @@ class SimulationState:
     """All that lasts between steps: number of the instant, its frame, and by role the seed and the states of its parts.
 
     `of` names what it is the state of: control period [ns], numbers of a frame, and by role method,
-    sensors and faults.
+    options, sensors and faults.
     """
 
     instant: int
@@ -303,8 +303,8 @@ class Simulation:
         It may be set to go on from there. The recording goes on.
 
         It may be that of other parameters of the same methods. ParameterError, and nothing changes,
-        if it is of another period, of other roles, methods, sensors or faults of signals, or if its
-        numbers are not as many.
+        if it is of another period, of other roles, methods, options, sensors or faults of signals,
+        or if its numbers are not as many.
         """
         seeds = {role: self.configurations[role].common.seed for role in self.kept}
         parts = {
@@ -365,8 +365,13 @@ class Simulation:
                 quantity.name: each.delay for quantity, each in imperfect(configuration.sensors)
             }
             faults = [fault.text for fault in of_signals(configuration.faults)]
+            method = configuration.method
+            options = [
+                switch for switch in method.switches if getattr(configuration.parameters, switch)
+            ]
             found |= {
-                f"{role}.method": configuration.method.name,
+                f"{role}.method": method.name,
+                f"options of {role}": options,
                 f"{role}.faults of signals": faults,
             }
             found[f"delays of sensors of {role}"] = errors

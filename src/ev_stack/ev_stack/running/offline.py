@@ -9,8 +9,10 @@ from typing import Any
 
 import yaml
 
+from ev_core.lockstep.configuration import Configuration
 from ev_msgs_py.contract.roles import MASTER, RECORDED, RECORDER
 from ev_msgs_py.contract.topics import Topic
+from ev_msgs_py.refusal import ParameterError
 from ev_stack.recording.offline import graph_run, written_topics
 from ev_stack.recording.outcome import Outcome, Progress
 from ev_stack.recording.recording import (
@@ -36,16 +38,13 @@ def node_parameters(
 
     `directory` is where the recorder writes.
 
-    The parameters of roles in `besides` go before their own.
+    The parameters of roles in `besides` go before their own. ParameterError for an empty list that
+    no node would receive.
     """
-    nodes = {
-        # ROS has no type for an empty list.
-        role: (
-            {name: _plain(value) for name, value in configuration.values().items() if value != ()}
-            | dict((besides or {}).get(role, {}))
-        )
-        for role, configuration in run.configurations.items()
-    }
+    nodes: dict[str, dict[str, Any]] = {}
+    for role, configuration in run.configurations.items():
+        further = (besides or {}).get(role, {})
+        nodes[role] = {**_of_a_node(role, configuration), **further}
     # Without it time would begin before the recorder is connected, and run ahead of it.
     nodes[MASTER]["await_recorder"] = True
     common = run.configurations[MASTER].common
@@ -61,8 +60,21 @@ def node_parameters(
     return nodes
 
 
-def _plain(value: Any) -> Any:
-    return list(value) if isinstance(value, tuple) else value
+def _of_a_node(role: str, configuration: Configuration) -> dict[str, Any]:
+    """Names and values of a node's parameters as a ROS parameter file can have them."""
+    found: dict[str, Any] = {}
+    declared = configuration.declared()
+    for name, value in configuration.values().items():
+        if value != ():
+            found[name] = list(value) if isinstance(value, tuple) else value
+        # ROS has no type for an empty list, so what is left out has to be empty by itself.
+        elif declared[name] != ():
+            raise ParameterError(
+                f"{role}: parameter {name}: [] is refused, expected one element at least: "
+                "nodes cannot be given an empty list (--offline can)",
+                name,
+            )
+    return found
 
 
 def write_parameter_file(path: Path, run: Run, nodes: dict[str, dict[str, Any]]) -> None:

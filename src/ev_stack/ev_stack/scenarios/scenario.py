@@ -113,7 +113,7 @@ def load_scenario(
 
 def _former_names(sources: Sequence[Sources]) -> list[str]:
     """A note for each method that is chosen by a former name."""
-    notes = {note_on(role, each.values(role).get("method")) for each in sources for role in ROLES}
+    notes = {note_on(role, each.values(role)) for each in sources for role in ROLES}
     return sorted(notes - {""})
 
 

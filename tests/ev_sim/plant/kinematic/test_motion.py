@@ -1,6 +1,7 @@
 """Shchur's traction model: motion under drive torques, resistance and brakes (eq 13)."""
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import pytest
@@ -23,6 +24,7 @@ from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.signals import (
     BodyPose,
     InertialMeasurement,
+    MotorStates,
     WheelStates,
     WheelTorqueCommand,
 )
@@ -91,6 +93,47 @@ def test_coasting_down_follows_the_closed_solution_of_eq_13():
     fine = Car(initial_speed=20.0, sub_step=0.5e-3).drive(steps=2000).speed - exact
     assert abs(coarse) < 2e-6 * exact
     assert fine == pytest.approx(coarse / 2, rel=0.01)
+
+
+@pytest.mark.parametrize("reading", ["added", "relative"])
+@pytest.mark.parametrize("speed", [20.0, -20.0])
+def test_rolling_resistance_grows_with_the_speed_as_drag_does(reading, speed):
+    """M g k V^2 slows the car as drag 0.5 rho c_d A V^2 of the same factor.
+
+    The relative reading has V in km/h and multiplies f_0. Only where the two are added differs:
+    friction is exact within a sub-step, drag is that of its start, so bits may differ by rounding.
+    """
+    factor = 0.5 * 1.24 * 0.3 * 2.1
+    growth = factor / (1400.0 * 9.81)
+    if reading == "relative":
+        growth /= 0.015 * 3.6**2
+    rolling = replace(
+        WITHOUT_DRAG, rolling_resistance_speed=growth, rolling_resistance_reading=reading
+    )
+    slowed = Car(rolling, initial_speed=speed).drive(steps=1000).speed
+    assert slowed == pytest.approx(Car(AUDI, initial_speed=speed).drive(steps=1000).speed, rel=1e-9)
+    unslowed = Car(WITHOUT_DRAG, initial_speed=speed).drive(steps=1000).speed
+    assert abs(slowed) < 0.97 * abs(unslowed)
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+@pytest.mark.parametrize("drives", [True, False])
+def test_the_gears_take_their_share_of_what_drives_and_of_what_brakes(sense, drives):
+    """A torque M drives by 0.9 M; braking, wheel and road have to turn the motor through the gear.
+
+    So M brakes by M/0.9. Rounding only, for ideal drives have no lag.
+    """
+    car = replace(WITHOUT_DRAG, motor=replace(AUDI.motor, gear_efficiency=0.9))
+    asked = sense * (400.0 if drives else -400.0)
+    behind = asked * 0.9 if drives else asked / 0.9
+    driven = Car(car, initial_speed=sense * 10.0).drive(torque(asked), steps=50)
+    expected = Car(WITHOUT_DRAG, initial_speed=sense * 10.0).drive(torque(behind), steps=50)
+    assert driven.speed == pytest.approx(expected.speed, rel=1e-12)
+    assert driven[WheelStates].effort.front_left == pytest.approx(behind / 2, rel=1e-12)
+    # The motor itself gives what was asked, at its shaft.
+    assert driven[MotorStates].effort.front_left * AUDI.gear_ratio == pytest.approx(
+        asked / 2, rel=1e-12
+    )
 
 
 @pytest.mark.parametrize("drive", DRIVE_MODELS)

@@ -130,7 +130,36 @@ def test_a_former_name_is_the_plant_with_its_option_for_one_release(name, option
     values = [("plant", "method", name), *([asked[name]] if name in asked else [])]
     notes = load_scenario("double_lane_change", Overrides((), values)).notes
     (note,) = (each for each in notes if "old name" in each)
-    assert note.startswith(f"plant method {name} is now planar with {option} true")
+    assert note.startswith(f"plant method {name} is now planar, here with {option} true")
+
+
+@pytest.mark.parametrize(("name", "option"), [*FORMER.items()])
+def test_the_note_on_a_former_name_names_the_value_that_counts(name, option):
+    """That is the one beside the name."""
+    values = [("plant", "method", name), ("plant", option, False)]
+    (note,) = load_scenario("shchur2019_steps", Overrides((), values, 1.0)).notes[-1:]
+    assert note.startswith(f"plant method {name} is now planar, here with {option} false")
+
+
+@pytest.mark.parametrize("option", OPTIONS)
+def test_a_state_is_not_taken_over_by_a_plant_with_other_options(option):
+    """A rear angle would stay for ever where no actuator sets it.
+
+    Nothing changes where a state is refused.
+    """
+    asks = {"rear_steering": ("rear_steering", "method", "zero_sideslip")}
+    asks["speed_mode"] = ("asr", "method", "speed_by_slip")
+    values = [asks.get(option, ("plant", option, True))]
+    # Without what only one of them has, both have the same roles.
+    without = ["rear_steering"] if option == "rear_steering" else []
+    (run,) = load_scenario("double_lane_change", Overrides((), values, 1.0)).runs
+    other = Simulation(run, without=without)
+    plain = Simulation("double_lane_change")
+    plain.step()
+    before = plain.state
+    with pytest.raises(ParameterError, match=rf"{option}|asr\.method"):
+        plain.state = other.state
+    assert plain.state.frame.tobytes() == before.frame.tobytes()
 
 
 @pytest.mark.parametrize(

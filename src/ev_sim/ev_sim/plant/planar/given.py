@@ -173,6 +173,10 @@ class PlanarParameters(DriveParameters):
     faults: tuple[str, ...] = faults_parameter()
     puncture: PunctureParameters = group(PunctureParameters)
 
+    def __post_init__(self) -> None:
+        if len(self.initial_drive_torque) != 4:
+            raise ParameterError("initial_drive_torque needs four elements, one for each wheel")
+
 
 def load_files(parameters: PlanarParameters) -> PlanarParameters:
     """The parameters with the imposed speed from its file, if they name one."""

@@ -32,12 +32,13 @@ from ev_core.vehicle.driveline import has_equal_motors, has_own_motors
 from ev_msgs_py.can.frames import SPEED_MODE, TORQUE_MODE
 from ev_msgs_py.contract.optional_signals import BenchElectrical, BenchShafts, LoadCommand
 from ev_msgs_py.contract.signals import MotorStates
+from ev_sim.drives.driveline import behind_gear
 from ev_sim.plant.guard import Commanded, accepted
 from ev_sim.plant.planar.given import PlanarParameters
 from ev_sim.plant.planar.model import Plant
 from ev_sim.plant.planar.planar import PLANAR, advance
 from ev_sim.plant.planar.planar_state import STEP_MEMORY, VX, WHEEL_SPEED, PlanarState, wheels_from
-from ev_sim.plant.planar.powertrain import behind_gear, discharge
+from ev_sim.plant.planar.powertrain import discharge
 from ev_sim.plant.planar.prepare import PlanarConstants
 from ev_sim.plant.planar.shown import PLANAR_SIGNALS, Seen, begin, seen
 

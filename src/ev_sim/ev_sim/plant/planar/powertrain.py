@@ -14,6 +14,7 @@ from ev_core.law import Car, inlined
 from ev_core.vehicle import losses
 from ev_sim.drives import driveline, electrical_side
 from ev_sim.drives.drive import advance_drive
+from ev_sim.drives.driveline import before_gear, behind_gear
 from ev_sim.drives.synchronous_motor import limited_torque, voltage_limited_torque, weakening_loss
 from ev_sim.plant.planar.given import TORQUE_CONTROLLED, strike_motors
 from ev_sim.plant.planar.model import Plant
@@ -337,22 +338,6 @@ def _limit_motors(plant: Plant) -> None:
             target[i] = limited_torque(car.motor, target[i], speed, heat)
             if modelled:
                 target[i] = within_electrical_limits(s, car, i, target[i], step.voltage, speed)
-
-
-@inlined
-def behind_gear(car: Car, torque: float, speed: float) -> float:
-    """Torque behind a gear [N m] that turns at a speed [rad/s], from that without losses."""
-    efficiency = car.motor.gear_efficiency
-    # A braking wheel has the larger torque of both: the gear's loss helps to brake. Rest counts
-    # as driving.
-    return torque * efficiency if torque * speed >= 0.0 else torque / efficiency
-
-
-@inlined
-def before_gear(car: Car, torque: float, speed: float) -> float:
-    """Torque without losses [N m] that gives a torque behind the gear: undoes `behind_gear`."""
-    efficiency = car.motor.gear_efficiency
-    return torque / efficiency if torque * speed >= 0.0 else torque * efficiency
 
 
 @inlined

@@ -223,8 +223,6 @@ def checked_initial_torque(parameters: PlanarParameters, vehicle: Vehicle) -> tu
     ParameterError for a car that cannot have them.
     """
     torques = parameters.initial_drive_torque
-    if len(torques) != 4:
-        raise ParameterError("initial_drive_torque needs four elements, one for each wheel")
     undriven = [
         n
         for n, torque in zip(WHEEL_NAMES, torques, strict=True)
