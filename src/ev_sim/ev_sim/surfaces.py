@@ -9,15 +9,26 @@ road at the same distance. What a tyre does on a surface is worked out once for 
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from ev_core.law import ParameterError, exp, inlined, parameter, setting
-from ev_core.vehicle.tyre import MF_NAMES, Tyre, mf_tyres
+from ev_core.vehicle.tmeasy import tmeasy_tyre
+from ev_core.vehicle.tyre import MF_NAMES, OF_LOAD, Tyre, mf_tyres
 from ev_msgs_py.refusal import quoted, unknown_name
-from ev_sim.tyres.curve import SCALED_BY_FRICTION, Coefficients, peak
+from ev_sim.tyres import tmeasy
+from ev_sim.tyres.curve import (
+    FRICTION_CURVES,
+    SCALED_BY_FRICTION,
+    SLIP_FLOOR,
+    Coefficients,
+    friction,
+    peak,
+    peak_slip,
+)
 from ev_sim.tyres.mf_tyre import MfTyre, at_load, is_plain
 
 REFERENCE = "dry_asphalt"
@@ -57,7 +68,7 @@ def interpolate(
 class TyreOnRoad(NamedTuple):
     """A tyre on a surface: coefficients of its curve, f_surface [1] and available friction [1].
 
-    Of an mf_tyre c0 scales the friction and c1 the slip stiffness.
+    Of a curve in OF_LOAD c0 scales the friction and c1 the slip stiffness.
     """
 
     c0: float
@@ -109,17 +120,20 @@ def tyre_on_road(
 
     A Burckhardt tyre takes the coefficients of the surface. The friction of every other tyre is
     scaled by the peak of the surface over that of dry asphalt (an assumption, the sources give such
-    tyres for one road only), and an mf_tyre keeps its slip stiffness by that; a linear tyre keeps
-    its slope, and its available friction is that of the surface.
+    tyres for one road only), and a curve in OF_LOAD keeps its slip stiffness by that; a linear tyre
+    keeps its slope, and its available friction is that of the surface.
     """
     of = SURFACES[surface] if isinstance(surface, str) else surface
     scale = of.peak_friction / SURFACES[REFERENCE].peak_friction
     rolling_resistance = rolling_resistance_scale * of.rolling_resistance
     curve = tyre.curve
-    if curve == "mf_tyre":
-        return TyreOnRoad(
-            scale, 1.0, 0.0, 0.0, rolling_resistance, scale * tyre.front_mf[MF_NAMES.index("pdx1")]
-        )
+    if curve in OF_LOAD:
+        if curve == "mf_tyre":
+            largest = tyre.front_mf[MF_NAMES.index("pdx1")]
+        else:
+            front = tmeasy_tyre(tyre.numbers("front"))
+            largest = front.along.fm_pn / front.pn
+        return TyreOnRoad(scale, 1.0, 0.0, 0.0, rolling_resistance, scale * largest)
     coefficients = list(tyre.coefficients)
     # The surfaces are Burckhardt's own coefficients.
     if curve == "burckhardt":
@@ -132,20 +146,26 @@ def tyre_on_road(
     return TyreOnRoad(c0, c1, c2, c3, rolling_resistance, available)
 
 
-def curve_on_road(tyre: Tyre, surface: str | Surface) -> tuple[str, Coefficients]:
-    """Friction curve of a tyre on a surface, by name and coefficients.
+def curve_on_road(tyre: Tyre, surface: str | Surface) -> tuple[Callable[[float], float], float]:
+    """Friction use over the slip along the wheel, and the slip of its peak [1], on a surface.
 
-    That of an mf_tyre is the one of a front tyre at nominal load.
+    Of a curve in OF_LOAD it is that of a front tyre at nominal load.
     """
     of = tyre_on_road(tyre, surface)
-    if tyre.curve != "mf_tyre":
-        return tyre.curve, Coefficients(*of[:4])
-    tyres = mf_tyres(tyre.front_mf, tyre.rear_mf)
-    nominal = tyres.fnomin[0]
-    loaded = at_load(MfTyre(tyres, 0, is_plain(tyres)), nominal, of.c0, of.c1)
-    return "magic_formula", Coefficients(
-        loaded.factor_x, tyres.pcx1[0], loaded.peak_x / nominal, loaded.curvature_x
-    )
+    curve, c = tyre.curve, Coefficients(*of[:4])
+    if curve == "tmeasy":
+        front = tmeasy_tyre(tyre.numbers("front"))
+        along = tmeasy.at_load(front, front.pn, of.c0, of.c1).along
+        return lambda slip: slip * tmeasy.over_slip(along, max(slip, SLIP_FLOOR)), along.peak_slip
+    if curve == "mf_tyre":
+        tyres = mf_tyres(tyre.front_mf, tyre.rear_mf)
+        nominal = tyres.fnomin[0]
+        loaded = at_load(MfTyre(tyres, 0, is_plain(tyres)), nominal, of.c0, of.c1)
+        curve = "magic_formula"
+        c = Coefficients(
+            loaded.factor_x, tyres.pcx1[0], loaded.peak_x / nominal, loaded.curvature_x
+        )
+    return lambda slip: friction(FRICTION_CURVES.index(curve), slip, c), peak_slip(curve, c)
 
 
 def random_segments(

@@ -6,9 +6,12 @@ import math
 
 from ev_core.vehicle.car import GRAVITY
 from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.driveline import AXLES
+from ev_core.vehicle.tmeasy import tmeasy_tyre
 from ev_core.vehicle.tyre import mf_tyres
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.surfaces import REFERENCE, tyre_on_road
+from ev_sim.tyres import tmeasy
 from ev_sim.tyres.contact_patch import sensitivity
 from ev_sim.tyres.curve import FRICTION_CURVES, SLIP_FLOOR, secant
 from ev_sim.tyres.mf_tyre import cornering_stiffness
@@ -33,9 +36,9 @@ def axle_cornering_stiffnesses(
 def tyre_cornering_stiffnesses(vehicle: Vehicle, surface: str = REFERENCE) -> tuple[float, float]:
     """Cornering stiffnesses of the tyres of both axles [N/rad].
 
-    Those of a lateral line, or else the slope at zero slip of an mf_tyre at its static load, or of
-    the friction curve on the surface, stretched by `lateral_ratio`, times the load of the axle,
-    degressive as the tyre is.
+    Those of a lateral line, or else the slope at zero slip of a curve in OF_LOAD at its static
+    load, or of the friction curve on the surface, stretched by `lateral_ratio`, times the load of
+    the axle, degressive as the tyre is.
     """
     tyre = vehicle.tyre
     loads = [mass * GRAVITY for mass in axle_masses(vehicle)]
@@ -46,6 +49,12 @@ def tyre_cornering_stiffnesses(vehicle: Vehicle, surface: str = REFERENCE) -> tu
         tyres, scales = mf_tyres(tyre.front_mf, tyre.rear_mf), on_road[:2]
         front, rear = (
             2 * cornering_stiffness(tyres, 2 * n, load / 2, *scales) for n, load in enumerate(loads)
+        )
+        return front, rear
+    if tyre.curve == "tmeasy":
+        front, rear = (
+            2 * tmeasy.cornering_stiffness(tmeasy_tyre(tyre.numbers(axle)), load / 2, *on_road[:2])
+            for axle, load in zip(AXLES, loads, strict=True)
         )
         return front, rear
     if tyre.curve == "dry_friction":

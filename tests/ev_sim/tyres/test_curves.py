@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from ev_core.methods.law import namespace
 from ev_core.parameters.declaration import number_tree
-from ev_core.vehicle.tyre import Tyre
+from ev_core.vehicle.tyre import OF_LOAD, Tyre
 from ev_sim.plant.planar.planar_state import TyreRecord
 from ev_sim.surfaces import SURFACES, tyre_on_road
 from ev_sim.tyres.contact_patch import force_and_rate, slip_vector, uncoupled
@@ -47,7 +47,7 @@ FUNCTIONS = {
     "linear": linear,
     "dry_friction": dry_friction,
 }
-SIMPLE = [curve for curve in FRICTION_CURVES if curve != "mf_tyre"]
+SIMPLE = [curve for curve in FRICTION_CURVES if curve not in OF_LOAD]
 
 
 @pytest.mark.parametrize(

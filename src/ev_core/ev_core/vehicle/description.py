@@ -7,6 +7,7 @@ from ev_core.parameters.declaration import group, own, parameter, setting
 from ev_core.vehicle.battery import Battery
 from ev_core.vehicle.driveline import Driveline, refuse_drive_train
 from ev_core.vehicle.motor import Engine, Motor
+from ev_core.vehicle.tmeasy import tyre_size
 from ev_core.vehicle.tyre import Tyre
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError
@@ -116,6 +117,8 @@ class RoadLoad:
 
 
 LOAD_TRANSFERS = ("both", "lateral", "none")
+# Share that the rolling radius may be off from that of the tyre's size: rules for it differ by 2 %.
+_RADIUS_OFF = 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -304,6 +307,13 @@ class Vehicle:
                 f"road_load stands in the place of {' and '.join(given)}, expected 0 for both"
             )
         refuse_drive_train(self)
+        if size := self.tyre.estimated_from:
+            rolling = tyre_size(size).rolling_radius
+            if abs(self.wheel_radius / rolling - 1.0) > _RADIUS_OFF:
+                raise ParameterError(
+                    f"wheel_radius is {self.wheel_radius:g} m, expected {rolling:.3f} m within "
+                    f"{100 * _RADIUS_OFF:g} %, of tyre.estimated_from {size}"
+                )
         if self.suspension.has_roll_stiffness:
             if self.centre_of_mass_height <= 0.0:
                 raise ParameterError(

@@ -6,7 +6,7 @@ Efficiency maps (CSV) and tyre property files (.tir).
 import dataclasses
 import math
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from itertools import product
 from typing import Any
 
@@ -16,6 +16,7 @@ from ev_core.parameters.values import build
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.driveline import AXLES
 from ev_core.vehicle.motor import Motor
+from ev_core.vehicle.tmeasy import TMEASY_NAMES
 from ev_core.vehicle.tyre import MF_NAMES, OPTIONAL
 from ev_msgs_py.refusal import ParameterError, quoted
 
@@ -112,27 +113,15 @@ def with_tyres_from_files(vehicle: Vehicle) -> Vehicle:
     or holds no number.
     """
     tyre = vehicle.tyre
+    numbers, array = (tmeasy_numbers, "tmeasy") if tyre.curve == "tmeasy" else (mf_numbers, "mf")
     for axle in AXLES:
         if file := getattr(tyre, f"{axle}_file"):
             read: dict[str, Any] = {
-                f"{axle}_mf": read_tyre(f"vehicle.tyre.{axle}_file", file),
+                f"{axle}_{array}": read_tyre(f"vehicle.tyre.{axle}_file", file, numbers),
                 f"{axle}_file": "",
             }
             tyre = dataclasses.replace(tyre, **read)
     return dataclasses.replace(vehicle, tyre=tyre)
-
-
-def read_tyre(parameter: str, name: str) -> tuple[float, ...]:
-    """The numbers of MfTyres in a tyre property file.
-
-    ParameterError, see `with_tyres_from_files`.
-    """
-    try:
-        return mf_numbers(_entries(read_data(find_file(name), TEXT).decode("latin-1")))
-    except OSError as error:
-        raise ParameterError(f"{parameter}: {name}: {error.strerror or error}") from None
-    except ParameterError as error:
-        raise ParameterError(f"{parameter}: {name}: {error}") from None
 
 
 def mf_numbers(entries: Mapping[str, str]) -> tuple[float, ...]:
@@ -140,20 +129,55 @@ def mf_numbers(entries: Mapping[str, str]) -> tuple[float, ...]:
 
     ParameterError if some lack.
     """
+    _refuse_units(entries)
+    takes_tangent = _takes_tangent(entries)
+    needed = [name for name in MF_NAMES if name != "takes_tangent"]
+    _refuse_lacking(entries, (name for name in needed if name not in OPTIONAL))
+    change = _pressure_change(entries)
+    return (*(_coefficient(entries, name, change) for name in needed), float(takes_tangent))
+
+
+def tmeasy_numbers(entries: Mapping[str, str]) -> tuple[float, ...]:
+    """The numbers in the order of TMEASY_NAMES from the entries of a file of ours.
+
+    ParameterError if some lack. TMeasy has no file format that is common to its programs.
+    """
+    _refuse_units(entries)
+    written = entries.get("PROPERTY_FILE_FORMAT", "")
+    if written != "TMEASY":
+        raise ParameterError(f"PROPERTY_FILE_FORMAT is {quoted(written)}, expected 'TMEASY'")
+    _refuse_lacking(entries, TMEASY_NAMES)
+    return tuple(_number(entries, name.upper(), 0.0) for name in TMEASY_NAMES)
+
+
+def read_tyre(
+    parameter: str,
+    name: str,
+    numbers: Callable[[Mapping[str, str]], tuple[float, ...]] = mf_numbers,
+) -> tuple[float, ...]:
+    """The `numbers` that the entries of a tyre property file give.
+
+    ParameterError, see `with_tyres_from_files`.
+    """
+    try:
+        return numbers(_entries(read_data(find_file(name), TEXT).decode("latin-1")))
+    except OSError as error:
+        raise ParameterError(f"{parameter}: {name}: {error.strerror or error}") from None
+    except ParameterError as error:
+        raise ParameterError(f"{parameter}: {name}: {error}") from None
+
+
+def _refuse_units(entries: Mapping[str, str]) -> None:
     for unit, wanted in _UNITS.items():
         given = entries.get(unit, wanted).lower()
         if given.rstrip("s") != wanted.rstrip("s"):
             raise ParameterError(f"{unit} is {quoted(given)}, expected {quoted(wanted)}")
-    takes_tangent = _takes_tangent(entries)
-    needed = [name for name in MF_NAMES if name != "takes_tangent"]
-    lacking: list[str] = []
-    for name in needed:
-        if name.upper() not in entries and name not in OPTIONAL:
-            lacking.append(name.upper())
+
+
+def _refuse_lacking(entries: Mapping[str, str], needed: Iterable[str]) -> None:
+    lacking = [name.upper() for name in needed if name.upper() not in entries]
     if lacking:
         raise ParameterError(f"lacks {', '.join(lacking)}")
-    change = _pressure_change(entries)
-    return (*(_coefficient(entries, name, change) for name in needed), float(takes_tangent))
 
 
 def _pressure_change(entries: Mapping[str, str]) -> float:

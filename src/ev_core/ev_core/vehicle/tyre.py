@@ -5,6 +5,7 @@ from dataclasses import dataclass, fields
 
 from ev_core.parameters.declaration import own, parameter, setting
 from ev_core.parameters.record import per_wheel
+from ev_core.vehicle.tmeasy import estimated_tmeasy, refuse_tmeasy, tyre_size
 from ev_msgs_py.refusal import ParameterError
 
 # What a file may leave out, and what it then is; the others have to be there.
@@ -122,24 +123,26 @@ POSITIVE_COEFFICIENTS = {
     "linear": 1,
     "mf_tyre": 0,
     "dry_friction": 4,
+    "tmeasy": 0,
 }
+# Curves with load dependence of their own, axle by axle, and the combination of slips of each.
+OF_LOAD = {"mf_tyre": "weighted", "tmeasy": "normalized"}
 
 
 @dataclass(frozen=True, slots=True)
 class Tyre:
     """Friction curve, combined slip and carcass of the tyres.
 
-    All four are alike, but for `mf_tyre`, axle by axle. The carcass values are assumptions: no
-    source gives them, and a passenger-car tyre has about these (relaxation lengths of 0.2 to 0.4
-    m). Steady driving does not depend on them.
+    All four are alike, but for curves in OF_LOAD, axle by axle. The carcass values are assumptions:
+    no source gives them, and a passenger-car tyre has about these (relaxation lengths of 0.2 to
+    0.4 m). Steady driving does not depend on them.
     """
 
     curve: str = own(
         "burckhardt",
         choices=tuple(POSITIVE_COEFFICIENTS),
-        about="friction curve over slip; mf_tyre: tyres front and rear by the Magic Formula with "
-        "load dependence, from "
-        "tyre property files",
+        about="friction curve over slip; with load dependence, tyres front and rear from tyre "
+        "property files: mf_tyre by the Magic Formula, tmeasy by TMeasy",
     )
     coefficients: tuple[float, ...] = setting(
         (0.0, 0.0, 0.0, 0.0),
@@ -153,10 +156,10 @@ class Tyre:
     )
     combined: str = setting(
         "slip_vector",
-        choices=("slip_vector", "uncoupled", "weighted"),
+        choices=("slip_vector", "uncoupled", "weighted", "normalized"),
         about="slip_vector: one curve over the resulting slip; uncoupled: each direction on its "
-        "own; weighted: by the "
-        "weighting functions of mf_tyre, which needs it",
+        "own; weighted: by the weighting functions of mf_tyre, which needs it; normalized: by the "
+        "normalized slips of tmeasy, which needs it",
     )
     lateral_curve: str = parameter(
         "same",
@@ -194,8 +197,7 @@ class Tyre:
         low=0.0,
         high=1.0,
         about="degressive load: friction and slip stiffness over load fall by this share for each "
-        "`nominal_load` more; "
-        "mf_tyre has its own",
+        "`nominal_load` more; mf_tyre and tmeasy have their own",
     )
     nominal_load: float = setting(
         4000.0,
@@ -223,6 +225,25 @@ class Tyre:
         low=-1e6,
         high=1e6,
         about="coefficients of the rear tyres of mf_tyre, in the order of `MfTyres`",
+    )
+    front_tmeasy: tuple[float, ...] = setting(
+        (),
+        unit="1",
+        low=0.0,
+        high=1e7,
+        about="numbers of the front tyres of tmeasy, in the order of `TMEASY_NAMES`",
+    )
+    rear_tmeasy: tuple[float, ...] = setting(
+        (),
+        unit="1",
+        low=0.0,
+        high=1e7,
+        about="numbers of the rear tyres of tmeasy, in the order of `TMEASY_NAMES`",
+    )
+    estimated_from: str = setting(
+        "",
+        about="size and load index, such as 205/55R16 91V, from which rules of thumb give the "
+        "tyres of tmeasy where none are measured; empty for none",
     )
     longitudinal_stiffness: float = setting(
         350e3,
@@ -265,26 +286,50 @@ class Tyre:
                 "needs the first "
                 f"{needed} positive"
             )
-        if (self.combined == "weighted") != (self.curve == "mf_tyre"):
-            raise ParameterError(
-                f"combined is {self.combined} with curve {self.curve}: mf_tyre and weighted go "
-                "together"
-            )
+        for curve, combined in OF_LOAD.items():
+            if (self.combined == combined) != (self.curve == curve):
+                raise ParameterError(
+                    f"combined is {self.combined} with curve {self.curve}: {curve} and {combined} "
+                    "go together"
+                )
         if self.curve == "dry_friction" and (
             self.combined != "slip_vector" or self.coefficients[3] <= self.coefficients[1]
         ):
             raise ParameterError("curve dry_friction needs combined slip_vector, and v_S above v_A")
-        if self.curve == "mf_tyre":
-            for given, allowed in ((self.lateral_ratio, 1.0), (self.load_sensitivity, 0.0)):
-                if given != allowed:
-                    raise ParameterError(
-                        "curve mf_tyre needs lateral_ratio 1 and load_sensitivity 0: it has its own"
-                    )
-            for axle in ("front", "rear"):
-                if not getattr(self, f"{axle}_file"):
-                    refuse_mf_tyre(axle, getattr(self, f"{axle}_mf"))
+        if self.curve in OF_LOAD:
+            self._check_of_load()
+        elif self.estimated_from:
+            raise ParameterError(f"estimated_from needs curve tmeasy, not {self.curve}")
         if self.lateral_curve != "same" and self.combined != "uncoupled":
             raise ParameterError(
                 f"lateral_curve {self.lateral_curve} needs combined uncoupled: a line has no share "
                 "of a slip vector"
             )
+
+    def _check_of_load(self) -> None:
+        for given, needed in ((self.lateral_ratio, 1.0), (self.load_sensitivity, 0.0)):
+            if given != needed:
+                raise ParameterError(
+                    f"curve {self.curve} needs lateral_ratio 1 and load_sensitivity 0: it has its "
+                    "own"
+                )
+        files = [self.front_file, self.rear_file]
+        if self.estimated_from:
+            tyre_size(self.estimated_from)
+            if self.curve == "mf_tyre" or any((*files, self.front_tmeasy, self.rear_tmeasy)):
+                raise ParameterError(
+                    "estimated_from needs curve tmeasy, and neither files nor numbers of its tyres"
+                )
+            return
+        for axle, file in zip(("front", "rear"), files, strict=True):
+            if not file:
+                refuse = refuse_mf_tyre if self.curve == "mf_tyre" else refuse_tmeasy
+                refuse(axle, self.numbers(axle))
+
+    def numbers(self, axle: str) -> tuple[float, ...]:
+        """The numbers of the tyres of an axle, of a curve in OF_LOAD."""
+        if self.estimated_from:
+            return estimated_tmeasy(self.estimated_from)
+        of = "mf" if self.curve == "mf_tyre" else self.curve
+        found: tuple[float, ...] = getattr(self, f"{axle}_{of}")
+        return found

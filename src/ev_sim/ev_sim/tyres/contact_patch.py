@@ -13,11 +13,12 @@ from ev_core.law import inlined, sqrt
 from ev_core.vehicle.tyre import Tyre
 from ev_sim.tyres.curve import DRY_FRICTION, SLIP_FLOOR, Coefficients, dry_friction, secant
 from ev_sim.tyres.mf_tyre import AtLoad, MfTyre, forces
+from ev_sim.tyres.tmeasy import Normalized, over_slip, towards
 
 Pair = tuple[float, float]  # along and across the wheel
 
-COMBINATIONS = ("slip_vector", "uncoupled", "weighted")
-SLIP_VECTOR, UNCOUPLED, WEIGHTED = range(len(COMBINATIONS))
+COMBINATIONS = ("slip_vector", "uncoupled", "weighted", "normalized")
+SLIP_VECTOR, UNCOUPLED, WEIGHTED, NORMALIZED = range(len(COMBINATIONS))
 
 # Transport velocity below which slip loses its meaning; far below any motion, it keeps 0/0 away.
 STILL = 1e-9
@@ -129,25 +130,37 @@ def uncoupled(
 
 
 @inlined
-def weighted(
-    tyre: MfTyre, loaded: AtLoad, slip: Pair, along: float, transport: float, contact: Pair
-) -> Pair:
-    """Force over slip along and across the wheel [N], by the Magic Formula at a load.
+def _counted(
+    slip: Pair, reference: float, transport: float, contact: Pair
+) -> tuple[float, float, float]:
+    """Share of the slip velocities that counts [m/s], and what it and all are over [m^2/s^2].
 
-    Slip velocities [m/s] over the transport velocity [m/s] give slips; those of the formula are
-    over the speed `along` the wheel [m/s]. As with one curve, of the resulting slip counts what is
-    at most `AHEAD` of that of the contact [1].
+    Slip velocities over the transport velocity [m/s] give slips; those of a formula are over the
+    speed `reference` [m/s]. As with one curve, of the resulting slip counts what is at most
+    `AHEAD` of that of the contact [1].
     """
     slip_x, slip_y = slip
     contact_x, contact_y = contact
     slid = max(sqrt(slip_x * slip_x + slip_y * slip_y), AHEAD * transport)
     held = AHEAD + sqrt(contact_x * contact_x + contact_y * contact_y)
     counted = min(slid, held * transport)
-    # What counts of the slip velocities, over what is left of the speed along the wheel, both times
+    # What counts of the slip velocities, over what is left of the reference speed, both times
     # `slid`.
     full = slid * transport
-    left = full - counted * (transport - min(abs(along), transport))
-    rolling = max(left, LEAST_ROLLING * full)
+    left = full - counted * (transport - min(abs(reference), transport))
+    return counted, max(left, LEAST_ROLLING * full), full
+
+
+@inlined
+def weighted(
+    tyre: MfTyre, loaded: AtLoad, slip: Pair, along: float, transport: float, contact: Pair
+) -> Pair:
+    """Force over slip along and across the wheel [N], by the Magic Formula at a load.
+
+    Its slips are over the speed `along` the wheel [m/s] (`_counted`).
+    """
+    slip_x, slip_y = slip
+    counted, rolling, full = _counted(slip, along, transport, contact)
     scale = counted / rolling
     slip_ratio = max(abs(slip_x) * scale, SLIP_FLOOR)
     tangent = max(abs(slip_y) * scale, SLIP_FLOOR)
@@ -157,3 +170,22 @@ def weighted(
     # never pushes, whatever a formula gives far from where it was measured.
     secant = full / (rolling * slip_ratio * tangent)
     return max(force_x, 0.0) * (secant * tangent), max(force_y, 0.0) * (secant * slip_ratio)
+
+
+@inlined
+def normalized(of: Normalized, slip: Pair, rim: float, transport: float, contact: Pair) -> Pair:
+    """Friction per longitudinal and per lateral slip [1], by TMeasy at a load.
+
+    Its slips are over the speed of the `rim` [m/s] (`_counted`), and each over a number of its own
+    the normalized one. One curve over their sum holds in the direction of both. Source: Rill 2012,
+    section on combined forces.
+    """
+    counted, rolling, full = _counted(slip, rim, transport, contact)
+    scale = counted / rolling
+    slip_x = max(abs(slip[0]) * scale / of.along_of, SLIP_FLOOR)
+    slip_y = max(abs(slip[1]) * scale / of.across_of, SLIP_FLOOR)
+    resulting = sqrt(slip_x * slip_x + slip_y * slip_y)
+    common = over_slip(towards(of, slip_x / resulting, slip_y / resulting), resulting)
+    # Over the slip of the plant, which is over the transport velocity.
+    common *= full / rolling
+    return common / of.along_of, common / of.across_of

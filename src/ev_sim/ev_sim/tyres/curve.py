@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 from ev_core.law import atan, compilable, exp, inlined, sin
 from ev_core.vehicle.tyre import POSITIVE_COEFFICIENTS
 
-# One curve over the slip each, but for dry_friction over the slip speed, and mf_tyre
-# (`mf_tyre.forces`).
+# One curve over the slip each, but for dry_friction over the slip speed, and those with load
+# dependence (`mf_tyre.forces`, `tmeasy.over_slip`).
 FRICTION_CURVES = tuple(POSITIVE_COEFFICIENTS)
 BURCKHARDT = FRICTION_CURVES.index("burckhardt")
 RATIONAL = FRICTION_CURVES.index("rational")
@@ -23,8 +23,10 @@ MAGIC_FORMULA = FRICTION_CURVES.index("magic_formula")
 LINEAR_FRICTION = FRICTION_CURVES.index("linear")
 MF_TYRE = FRICTION_CURVES.index("mf_tyre")
 DRY_FRICTION = FRICTION_CURVES.index("dry_friction")
+TMEASY = FRICTION_CURVES.index("tmeasy")
 # Places of the coefficients that are in proportion to the friction of the road. A linear tyre keeps
-# its slope; Burckhardt's coefficients are those of the surface, mf_tyre has a scale of its own.
+# its slope; Burckhardt's coefficients are those of the surface, tyres with load dependence have a
+# scale of their own.
 SCALED_BY_FRICTION = {
     "rational": (0,),
     "two_exponential": (0,),
@@ -207,5 +209,5 @@ def soften(curve: float, tyre: Any, share: float) -> None:
         tyre.c3 /= share
     elif curve in (MAGIC_FORMULA, LINEAR_FRICTION):
         tyre.c0 *= share
-    elif curve == MF_TYRE:
+    elif curve in (MF_TYRE, TMEASY):
         tyre.c1 *= share

@@ -12,7 +12,6 @@ from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_sim.plant.planar.given import wheel_places
 from ev_sim.surfaces import SURFACES, Surface, curve_on_road, tyre_on_road
-from ev_sim.tyres.curve import peak_slip
 from ev_sim.understeer import understeer_gradient
 from ev_stack.measures import motion
 from ev_stack.measures.metric import TYRES, NotMeasured, channel
@@ -291,9 +290,7 @@ def _peak_slips(vehicle: Vehicle, surfaces: Iterable[Surface]) -> Mapping[float,
     """Available friction [1] -> slip of the peak [1], of each surface."""
     _refuse_slip_speed(vehicle)
     return {
-        tyre_on_road(vehicle.tyre, surface).friction: peak_slip(
-            *curve_on_road(vehicle.tyre, surface)
-        )
+        tyre_on_road(vehicle.tyre, surface).friction: curve_on_road(vehicle.tyre, surface)[1]
         for surface in surfaces
     }
 

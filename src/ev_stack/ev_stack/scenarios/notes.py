@@ -20,6 +20,7 @@ def notes_on(runs: Sequence[Run], values: Iterable[tuple[str, str, Any]]) -> lis
         notes += _late_faults(run)
         notes += _uneven_end(run)
     notes += _fast(values, runs)
+    notes += _estimated(runs)
     return notes
 
 
@@ -46,6 +47,18 @@ def _uneven_end(run: Run) -> Iterator[str]:
             f"{run.name} ends at {end:g} s: {run.duration:g} s is no multiple of "
             f"control_period, {period:g} s"
         )
+
+
+def _estimated(runs: Sequence[Run]) -> Iterator[str]:
+    """A line for each car with estimated tyres."""
+    cars = [
+        configuration.common.vehicle
+        for run in runs
+        for configuration in run.configurations.values()
+    ]
+    named = {car.name: car.tyre.estimated_from for car in cars if car.tyre.estimated_from}
+    for car, size in named.items():
+        yield f"{car}: its tyres are an estimate from {size}, by rules of thumb"
 
 
 def _fast(values: Iterable[tuple[str, str, Any]], runs: Sequence[Run]) -> Iterator[str]:

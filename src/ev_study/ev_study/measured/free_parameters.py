@@ -17,11 +17,16 @@ import numpy as np
 from ev_core.lockstep.configuration import Configuration
 from ev_core.parameters.declaration import entries
 from ev_core.vehicle.driveline import AXLES
+from ev_core.vehicle.tmeasy import TMEASY_NAMES
 from ev_core.vehicle.tyre import MF_NAMES
 from ev_msgs_py.refusal import ParameterError, unknown_name
 
-# arrays, of which single elements may be free
+# Arrays, of which single elements may be free, by their names.
 _MF = {name: f"vehicle.tyre.{name}_mf" for name in AXLES}
+_ELEMENTS = {
+    **dict.fromkeys(_MF.values(), MF_NAMES),
+    **{f"vehicle.tyre.{name}_tmeasy": TMEASY_NAMES for name in AXLES},
+}
 
 
 # Both axles: a car with different tyres in front and behind has two sets of coefficients.
@@ -116,13 +121,15 @@ def _free(name: str, known: Mapping[str, Any]) -> FreeParameter:
     place, entry = -1, known.get(name)
     if entry is None and array in known and known[array].is_array:
         entry, values = known[array], known[array].default
-        # An empty array stands for a car with tyres of another curve.
-        if array in _MF.values() and not values:
+        # An empty array stands for a car with tyres of another curve, or estimated ones.
+        if array in _ELEMENTS and not values:
             allowed = "a car with tyres of curve mf_tyre; of others the group curve"
+            if array not in _MF.values():
+                allowed = "a car with tyres of curve tmeasy from files"
             raise ParameterError(
                 f"--free {name} is refused: the car has no {array}, expected {allowed}"
             )
-        names = MF_NAMES if array in _MF.values() else tuple(map(str, range(len(values))))
+        names = _ELEMENTS.get(array, tuple(map(str, range(len(values)))))
         if element not in names[: len(values)]:
             raise unknown_name(
                 f"element of {array}, which has {len(values)} of them,", element, names

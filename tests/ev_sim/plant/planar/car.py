@@ -12,6 +12,7 @@ from ev_core.parameters.values import build
 from ev_core.vehicle.battery import Battery
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.motor import Motor
+from ev_core.vehicle.tyre import Tyre
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_sim.plant.planar.given import body_constants
@@ -37,6 +38,8 @@ STRONG = Motor(
 FULL_BATTERY = Battery(discharge_power=1e6, charge_power=1e6, resistance=0.01)
 CAR = Vehicle(motor=STRONG, battery=FULL_BATTERY)
 FOUR_MOTORS = dataclasses.replace(CAR, driven_wheels=WHEEL_NAMES)
+# Tyres of the size of this car's wheels, of curve tmeasy.
+ESTIMATED = Tyre(curve="tmeasy", combined="normalized", estimated_from="175/60R15 81")
 X, Y = index("x"), index("y")
 
 

@@ -6,11 +6,13 @@ import dataclasses
 
 import numpy as np
 import pytest
-from plant.planar.car import CAR, command, elastic_energy, kinetic_energy, plant, steered
+from plant.planar.car import CAR, ESTIMATED, command, elastic_energy, kinetic_energy, plant, steered
 from plant.planar.manoeuvres import MANOEUVRES
 
 from ev_core.vehicle.tyre import Tyre
 from ev_sim.plant.planar.planar_state import VX, VY, WHEEL_SPEED, YAW_RATE, index
+
+TYRES = (Tyre(combined="slip_vector"), Tyre(combined="uncoupled"), ESTIMATED)
 
 
 def test_energy_never_grows():
@@ -22,7 +24,7 @@ def test_energy_never_grows():
     generator = np.random.default_rng(3)
     surfaces = ("dry_asphalt", "wet_asphalt_1", "packed_snow_2", "ice")
     for n in range(64):
-        tyre = Tyre(combined=("slip_vector", "uncoupled")[n % 2])
+        tyre = TYRES[n % 3]
         road = {"road__left": (surfaces[n % 4],), "road__right": (surfaces[n // 4 % 4],)}
         car = plant(dataclasses.replace(free, tyre=tyre), period=1e-3, **road)
         car.state[[VX, VY, YAW_RATE]] = generator.uniform((-30, -10, -3), (30, 10, 3))

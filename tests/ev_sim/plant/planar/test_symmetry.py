@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 
 import numpy as np
-from plant.planar.car import FOUR_MOTORS, command, plant, steered
+import pytest
+from plant.planar.car import ESTIMATED, FOUR_MOTORS, command, plant, steered
 
 from ev_core.parameters.record import names
 from ev_sim.plant.planar.planar_state import PlanarState
@@ -23,17 +25,19 @@ LATERAL = (
 ODD = (*LATERAL, "y", "road_wheel_angle", "guard.angle")
 
 
-def test_mirrored_input_gives_the_mirrored_trajectory_to_the_bit():
+@pytest.mark.parametrize("tyre", [FOUR_MOTORS.tyre, ESTIMATED], ids=lambda tyre: tyre.curve)
+def test_mirrored_input_gives_the_mirrored_trajectory_to_the_bit(tyre):
     generator = np.random.default_rng(5)
     odd = [n for n, name in enumerate(NAMES) if name.startswith(ODD)]
     place = {name: n for n, name in enumerate(NAMES)}
     mirror = [place[re.sub("left|right", lambda side: SWAPPED[side[0]], name)] for name in NAMES]
     snow, dry = ("packed_snow_1",), ("dry_asphalt",)
+    car = dataclasses.replace(FOUR_MOTORS, tyre=tyre)
     ours = plant(
-        FOUR_MOTORS, initial_speed=12.0, road__left=snow, road__right=dry, road__side_slope=(0.03,)
+        car, initial_speed=12.0, road__left=snow, road__right=dry, road__side_slope=(0.03,)
     )
     other = plant(
-        FOUR_MOTORS, initial_speed=12.0, road__left=dry, road__right=snow, road__side_slope=(-0.03,)
+        car, initial_speed=12.0, road__left=dry, road__right=snow, road__side_slope=(-0.03,)
     )
     for _ in range(500):
         fl, fr, rl, rr = generator.uniform(-500, 800, 4)

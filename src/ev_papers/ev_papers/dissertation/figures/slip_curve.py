@@ -13,7 +13,6 @@ from ev_papers.dissertation.measures.slip_curve import (
     slip_and_road_torque,
 )
 from ev_sim.surfaces import curve_on_road
-from ev_sim.tyres.curve import FRICTION_CURVES, friction
 from ev_stack.figures.panels import Axes, Panel, readable
 from ev_stack.figures.sheets import Sheet
 from ev_stack.figures.strokes import HUES
@@ -91,11 +90,10 @@ def _of_the_road(
     """
     part = curve.window
     surface = str(surfaces_under(run, vehicle, wheel)[part.stop - 1])
-    curve_name, of = curve_on_road(vehicle.tyre, surface)
-    kind = FRICTION_CURVES.index(curve_name)
+    friction_use, _ = curve_on_road(vehicle.tyre, surface)
     nominal = vehicle.motor.nominal_torque * vehicle.gear_ratio
     load = channel(run, f"tire_forces.load.{wheel}")[part].mean()
     force = channel(run, f"tire_forces.longitudinal_force.{wheel}")[part]
     resistance = (y[part] - force * vehicle.wheel_radius / nominal).mean()
-    use = np.array([friction(kind, slip, of) for slip in slips])
+    use = np.array([friction_use(slip) for slip in slips])
     return surface, use * load * vehicle.wheel_radius / nominal + resistance

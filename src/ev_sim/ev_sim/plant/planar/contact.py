@@ -2,9 +2,9 @@
 
 How it works: at each evaluation of the rates `look` finds the velocities of the four contacts and,
 under the loads of the step, the secant of the friction curve along and across each wheel: the
-force over the slip. `tyres.contact_patch` lets the carcass follow them. There are three
-ways to combine slips: one curve over the slip vector, a curve for each direction, and the Magic
-Formula with its weights.
+force over the slip. `tyres.contact_patch` lets the carcass follow them. There are four
+ways to combine slips: one curve over the slip vector, a curve for each direction, the Magic
+Formula with its weights, and the normalized slips of TMeasy.
 """
 
 from __future__ import annotations
@@ -16,10 +16,13 @@ from ev_sim.plant.planar.planar_state import Contacts, Row, Step
 from ev_sim.plant.planar.prepare import RoadTables, Slope, Track
 from ev_sim.profiles.profile import number_until
 from ev_sim.surfaces import TyreOnRoad, interpolate, segment_at
+from ev_sim.tyres import tmeasy
 from ev_sim.tyres.contact_patch import (
+    NORMALIZED,
     SLIP_VECTOR,
     STILL,
     WEIGHTED,
+    normalized,
     sensitivity,
     slip_vector,
     uncoupled,
@@ -125,6 +128,9 @@ def look(y: Row, car: Car, body: BodyConstants, step: Step, starts: bool) -> Non
             _one_curve(y, car, step, i)
     elif car.tyre.combined == WEIGHTED:
         _magic_formulas(y, body, step)
+    elif car.tyre.combined == NORMALIZED:
+        for i in range(4):
+            _tmeasy(y, body, step, i)
     else:
         for i in range(4):
             _two_curves(y, car, body, step, i)
@@ -209,6 +215,21 @@ def _magic_formula(y: Row, step: Step, tyre: MfTyre) -> None:
     at.secant_x[i], at.secant_y[i] = secants
     at.transport_x[i] = at.transport_y[i] = transport
     at.largest_x[i], at.largest_y[i] = loaded.peak_x, loaded.peak_y
+
+
+@compilable  # as `_magic_formulas`
+def _tmeasy(y: Row, body: BodyConstants, step: Step, i: int) -> None:
+    """Set secants and largest forces of wheel i by TMeasy."""
+    at = step.contact
+    load = step.load[i]
+    transport = max(abs(at.rim[i]), at.speed[i], STILL)
+    of = tmeasy.at_load(body.tmeasy[i], load, step.tyre[i].c0, step.tyre[i].c1)
+    slid = (at.slip_x[i], at.slip_y[i])
+    contact = (y[state.SLIP_X + i], y[state.SLIP_Y + i])
+    along, across = normalized(of, slid, at.rim[i], transport, contact)
+    at.secant_x[i], at.secant_y[i] = load * along, load * across
+    at.transport_x[i] = at.transport_y[i] = transport
+    at.largest_x[i], at.largest_y[i] = load * of.along.peak, load * of.across.peak
 
 
 @inlined

@@ -23,8 +23,9 @@ from ev_core.law import (
     parameter,
     setting,
 )
-from ev_core.parameters.record import entry, part, per_wheel
-from ev_core.vehicle.driveline import wheel_inertias
+from ev_core.parameters.record import each_wheel, entry, part, per_wheel
+from ev_core.vehicle.driveline import AXLES, wheel_inertias
+from ev_core.vehicle.tmeasy import TmeasyTyre, tmeasy_tyre
 from ev_core.vehicle.tyre import MfTyres, mf_tyres
 from ev_msgs_py.refusal import quoted
 from ev_sim.drives.brushless_motor import torque_share
@@ -202,6 +203,7 @@ class BodyConstants:
     number_of_wheels: float = entry(4.0, unit="1")
     mf: MfTyres = part(MfTyres)
     mf_is_plain: float = entry(unit="1", about="`is_plain` of the tyres")
+    tmeasy: list[TmeasyTyre] = each_wheel(TmeasyTyre)
     damping_x: float = entry(unit="N s/m", about="of the carcass, along the wheel")
     damping_y: float = entry(unit="N s/m", about="of the carcass, across the wheel")
     drag: float = entry(unit="N s^2/m^2", about="rho c_d A / 2, or C of the road load")
@@ -233,11 +235,13 @@ def body_constants(vehicle: Vehicle) -> BodyConstants:
         rear_stiffness = 2 * rear_stiffness / max(rear_load, 1.0)
     for axle, file in (("front", tyre.front_file), ("rear", tyre.rear_file)):
         if file:
-            raise ParameterError(
-                f"vehicle.tyre.{axle}_file: {file} has not been read into {axle}_mf"
-            )
+            raise ParameterError(f"vehicle.tyre.{axle}_file: {file} has not been read")
     x, y = wheel_places(v)
     mf = mf_tyres(tyre.front_mf, tyre.rear_mf)
+    of_tmeasy = []
+    for axle in AXLES:
+        of_axle = tyre.numbers(axle) if tyre.curve == "tmeasy" else ()
+        of_tmeasy += [tmeasy_tyre(of_axle), tmeasy_tyre(of_axle)]
     return BodyConstants(
         wheel_x=list(x),
         wheel_y=list(y),
@@ -246,6 +250,7 @@ def body_constants(vehicle: Vehicle) -> BodyConstants:
         cornering_stiffness=[front_stiffness, front_stiffness, rear_stiffness, rear_stiffness],
         mf=mf,
         mf_is_plain=float(is_plain(mf)),
+        tmeasy=of_tmeasy,
         damping_x=tyre.longitudinal_stiffness * tyre.longitudinal_damping_time,
         damping_y=tyre.lateral_stiffness * tyre.lateral_damping_time,
         drag=0.5 * v.air_density * v.drag_coefficient * v.frontal_area + v.road_load.quadratic,

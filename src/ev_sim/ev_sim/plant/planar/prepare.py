@@ -14,6 +14,7 @@ from typing import NamedTuple
 from ev_core.law import WHEEL_NAMES, ParameterError, Vehicle, exp, expm1, sqrt
 from ev_core.vehicle.driveline import has_equal_motors, has_own_motors
 from ev_core.vehicle.losses import NO_MAP, EfficiencyMap, efficiency_map
+from ev_core.vehicle.tyre import OF_LOAD
 from ev_sim.drives.brushless_motor import torque_constant
 from ev_sim.drives.drive import DRIVE_MODELS
 from ev_sim.plant.guard import GuardLimits, guard_limits
@@ -234,8 +235,8 @@ def checked_initial_torque(parameters: PlanarParameters, vehicle: Vehicle) -> tu
         (not has_own_motors(vehicle), "vehicle.driveline.coupling individual"),
         (
             # `begin_driven` looks for the slip on one curve over slip.
-            vehicle.tyre.curve in ("mf_tyre", "dry_friction"),
-            "a vehicle.tyre.curve over slip, not mf_tyre",
+            vehicle.tyre.curve in (*OF_LOAD, "dry_friction"),
+            "a vehicle.tyre.curve over slip, without load dependence of its own",
         ),
         (undriven, f"a motor at {', '.join(undriven)}"),
     ):
