@@ -266,3 +266,13 @@ def test_what_is_wrong_in_a_board_is_one_line(tmp_path: Path, old: str, new: str
     assert line in str(refused.value)
     assert str(refused.value).startswith(f"{path}: ")
     assert "\n" not in str(refused.value)
+
+
+def test_a_car_without_steering_angles_of_its_own_is_no_cell():
+    """Angles of another car would be another test for this one than for the others."""
+    step = SMALL.manoeuvres["step_steer"]
+    at_rest = replace(step, values={"plant.initial_speed": 0.0})
+    board = replace(SMALL, manoeuvres={**SMALL.manoeuvres, "step_steer": at_rest})
+    cell = next(cell for cell in board.cells() if cell.manoeuvre == "step_steer")
+    with pytest.raises(ParameterError, match="a slow ramp gives none: the run begins at rest"):
+        run_of(board, cell, values_of(board, cell))

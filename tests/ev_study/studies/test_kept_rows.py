@@ -324,3 +324,13 @@ def test_a_file_that_changes_while_it_is_driven_ends_the_study(tmp_path):
     with pytest.raises(RunFailed, match=expected):
         rows.keep("first", CaseResult("first", {}))
     assert not store
+
+
+def test_a_case_that_was_refused_and_is_mended_while_the_others_are_driven_ends_the_study():
+    """It has no key: nothing is known of the files with which it has been driven."""
+    good = Case("good", "shchur2019", duration=0.1)
+    store: dict[str, bytes] = {}
+    rows = kept(store, good)
+    with pytest.raises(RunFailed, match="^mended was refused when the runs began"):
+        rows.keep("mended", CaseResult("mended", {}))
+    assert not store

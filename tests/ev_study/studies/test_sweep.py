@@ -379,3 +379,15 @@ def test_tables_keep_all_digits_for_machines_and_mask_what_latex_knows(tmp_path)
     assert r"{peak\_slip [\%]} & {name} \\" in (tmp_path / "table.tex").read_text()
     assert r"0.3333 & a\_b \\" in (tmp_path / "table.tex").read_text()
     assert (tmp_path / "table.md").read_text().endswith("| - | c&#124;d |\n")
+
+
+def test_steering_angles_of_another_car_are_noted(tmp_path, capsys):
+    """At rest no ramp gives angles; two other speeds have angles of their own, in one line."""
+    words = ["--vary", "plant.initial_speed=0,10,12", "--duration", "0.1", "--workers", "1"]
+    out = ["--no-report", "--out", str(tmp_path)]
+    main(["sweep", "step_steer", *words, *out])
+    notes = [line for line in capsys.readouterr().out.splitlines() if line.startswith("note: ")]
+    angles = "left: steering angles are those of the scenario's own car, a slow ramp gives none"
+    assert sum(f"plant.initial_speed=0: {angles}" in line for line in notes) == 1
+    own = "note: plant.initial_speed=10 and 1 more: left: steering_column.scale is"
+    assert sum(line.startswith(own) for line in notes) == 1

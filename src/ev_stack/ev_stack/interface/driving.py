@@ -17,7 +17,7 @@ from ev_stack.report.reports import known_metrics
 from ev_stack.report.result import Result
 from ev_stack.running.beforehand import compile_for
 from ev_stack.running.offline import drive_offline
-from ev_stack.running.steering_angles import with_own_angles
+from ev_stack.running.steering_angles import run_with_own_angles, with_own_angles
 from ev_stack.scenarios.records import Overrides, Run
 from ev_stack.scenarios.scenario import load_scenario
 
@@ -104,4 +104,4 @@ def only_run(scenario: Name, run: str, changed: Overrides) -> Run:
     loaded = load_scenario(fspath(scenario), changed, only=(run,) if run else ())
     if len(loaded.runs) > 1:
         raise unknown_name(f"run of {loaded.name}", run, [each.name for each in loaded.runs])
-    return with_own_angles(loaded).runs[0]
+    return run_with_own_angles(loaded.runs[0])

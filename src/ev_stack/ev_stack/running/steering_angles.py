@@ -8,6 +8,7 @@ one of the car, not of its control: it is driven with equal torques and without 
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 from typing import Any
 
@@ -42,12 +43,23 @@ LARGEST = 2.5  # times the angle of the linear car: so far the ramp goes on
 FIT_RANGE = (1 / 3, 1.25)
 
 
+class NoOwnAngles(ParameterError):
+    """A slow ramp gives no angles of a car; the message names the run and the reason."""
+
+
 def with_own_angles(scenario: Scenario) -> Scenario:
-    """Drive the slow ramps that runs need; each turns the wheel by angles of its own car then."""
+    """Drive the slow ramps that runs need; each turns the wheel by angles of its own car then.
+
+    Where a ramp gives none, a run keeps the angles of the file, and a note gives the reason.
+    """
     found: dict[str, float] = {}  # runs with the same car share one ramp
     runs, notes = [], []
     for run in scenario.runs:
-        run, note = _on_its_own_angles(run, found)
+        try:
+            run, note = on_its_own_angles(run, found)
+        except NoOwnAngles as why:
+            # Nothing tries again.
+            run, note = replace(run, slow_ramp=None), str(why)
         runs.append(run)
         if note:
             notes.append(note)
@@ -55,17 +67,23 @@ def with_own_angles(scenario: Scenario) -> Scenario:
 
 
 def run_with_own_angles(run: Run) -> Run:
-    """Drive the slow ramp that a run needs, if any, as for the runs of a scenario."""
-    return _on_its_own_angles(run, {})[0]
+    """Drive the slow ramp that a run needs, if any; a warning where it gives none."""
+    try:
+        return on_its_own_angles(run, {})[0]
+    except NoOwnAngles as why:
+        # Of the caller's caller, which has named the scenario.
+        warnings.warn(str(why), stacklevel=3)
+        return replace(run, slow_ramp=None)
 
 
-def _on_its_own_angles(run: Run, found: dict[str, float]) -> tuple[Run, str]:
-    """A run with the angles of its car and the note on it; `found` are those of cars so far."""
+def on_its_own_angles(run: Run, found: dict[str, float]) -> tuple[Run, str]:
+    """A run with the angles of its car and the note on it; `found` are those of cars so far.
+
+    Raises NoOwnAngles if the ramp gives none.
+    """
     ramp = run.slow_ramp
     if ramp is None:
         return run, ""
-    # Also where the ramp gives nothing: the note gives the reason, and nothing tries again.
-    run = replace(run, slow_ramp=None)
     # A text of all that angles depend on, as a key: lists in it have no hash.
     column, car = run.configurations[COLUMN], repr(car_of(run.configurations))
     try:
@@ -74,16 +92,17 @@ def _on_its_own_angles(run: Run, found: dict[str, float]) -> tuple[Run, str]:
             found[car] = angle_at(driven, ramp.lateral_acceleration, ramp.read)
         changed = column.changed({SCALE: found[car] / ramp.reference_angle})
     except (NotMeasured, ParameterError, SignalError) as why:
-        return run, (
+        raise NoOwnAngles(
             f"{run.name}: steering angles are those of the scenario's own car, "
             f"a slow ramp gives none: {why}"
-        )
+        ) from None
     note = (
         f"{run.name}: {COLUMN}.{SCALE} is {changed.parameters.scale:.4g}: on a slow ramp to "
         f"{ramp.lateral_acceleration:g} m/s^2 this car takes {found[car]:.4g} rad, that of the "
         f"file {ramp.reference_angle:g} rad"
     )
-    return replace(run, configurations={**run.configurations, COLUMN: changed}), note
+    configurations = {**run.configurations, COLUMN: changed}
+    return replace(run, configurations=configurations, slow_ramp=None), note
 
 
 def angle_at(run: Recording, acceleration: float, read: str = FITTED_LINE) -> float:

@@ -18,7 +18,7 @@ from ev_sim.understeer import axle_cornering_stiffnesses
 from ev_stack.batches.variation import EVERY_ROLE
 from ev_stack.measures.metric import NotMeasured
 from ev_stack.measures.own_metrics import named_metrics
-from ev_stack.running.steering_angles import angle_at, driven_slowly, with_own_angles
+from ev_stack.running.steering_angles import angle_at, driven_slowly, on_its_own_angles
 from ev_stack.scenarios.records import Overrides, Run, Scenario
 from ev_stack.scenarios.scenario import load_scenario
 from ev_stack.scenarios.slow_ramp import COLUMN, SCALE
@@ -137,8 +137,11 @@ def surfaces_of(board: Board, cell: Cell, factor: float) -> dict[str, list[float
 
 
 def run_of(board: Board, cell: Cell, values: Mapping[str, Any]) -> Run:
-    """The run of a cell with the law of the scenario's file."""
-    return with_own_angles(_scenario(board, cell, values)).runs[0]
+    """The run of a cell with the law of the scenario's file.
+
+    ParameterError if a slow ramp gives no angles of its car: those of another one are no test of it.
+    """
+    return on_its_own_angles(_scenario(board, cell, values).runs[0], {})[0]
 
 
 def _scenario(board: Board, cell: Cell, values: Mapping[str, Any]) -> Scenario:

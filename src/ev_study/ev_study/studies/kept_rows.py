@@ -145,6 +145,9 @@ class KeptRows(Generic[Row]):
 
     def keep(self, name: Hashable, row: Row) -> None:
         """Write a row, at once; RunFailed if the files that it depends on are others by now."""
+        if name not in self._keys:
+            # A row without a key was refused then, and a file has been mended since.
+            raise RunFailed(f"{name} was refused when the runs began: start them again")
         key = self._keys[name]
         key.refuse_changed()
         self._results[key.name] = as_json(row)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import hashlib
 import math
+import re
 import shutil
 import time
 from collections.abc import Iterable, Mapping, Sequence
@@ -347,14 +348,15 @@ def _print(found: SummedUp, results: Iterable[CaseResult]) -> None:
 
 
 def _print_notes(results: Sequence[CaseResult]) -> None:
-    """Print each note once, with the first case that has it."""
-    cases: dict[str, list[str]] = {}
+    """Print each note once, with the first case that has it, whatever its numbers are."""
+    cases: dict[str, list[tuple[str, str]]] = {}
     for result in results:
         for note in result.notes:
-            cases.setdefault(note, []).append(result.name)
-    for note, names in cases.items():
-        more = f" and {len(names) - 1} more" if len(names) > 1 else ""
-        print(f"note: {names[0]}{more}: {shown(note, LINE)}")
+            cases.setdefault(re.sub(r"[\d.]+", "", note), []).append((result.name, note))
+    for noted in cases.values():
+        name, note = noted[0]
+        more = f" and {len(noted) - 1} more" if len(noted) > 1 else ""
+        print(f"note: {name}{more}: {shown(note, LINE)}")
 
 
 def _summary(

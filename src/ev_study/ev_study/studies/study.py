@@ -81,10 +81,13 @@ def drive_case(case: Case, measure: Measure) -> CaseResult:
     if its signals cannot be written.
     """
     try:
+        scenario = scenario_of(case)
+        own = with_own_angles(scenario)
         # Exactly one run: `scenario_of` refuses more.
-        (run,) = with_own_angles(scenario_of(case)).runs
+        (run,) = own.runs
+        # Which values of a file a case leaves unused is no news; which angles it drives is.
+        notes = list(own.notes[len(scenario.notes) :])
         start = time.monotonic()
-        notes: list[str] = []
         recording = run_offline(
             run.configurations,
             run.duration,

@@ -221,3 +221,16 @@ def test_a_law_may_require_an_option_by_its_former_name():
     graph["plant"] = graph["plant"].changed({option: False})
     with pytest.raises(ParameterError, match=f"requires plant.{option} true, but false is chosen"):
         check_graph(graph)
+
+
+def test_a_simulation_without_angles_of_its_own_car_warns():
+    """No angle gives a lateral acceleration at rest: those of the file are driven."""
+    at_rest = {"plant.initial_speed": 0.0}
+    with pytest.warns(UserWarning, match="a slow ramp gives none: the run begins at rest"):
+        Simulation("step_steer", run="left", set=at_rest)
+    loaded = load_scenario(
+        "step_steer", Overrides(values=[("plant", "initial_speed", 0.0)]), only=["left"]
+    )
+    with pytest.warns(UserWarning, match="a slow ramp gives none"):
+        car = Simulation(loaded.runs[0])
+    assert car.configurations["steering_column"].parameters.scale == 1.0
