@@ -189,6 +189,19 @@ def test_as_recorded_every_role_says_the_same_bits(tmp_path: Path):
         assert in_words(found).startswith("bit-identical"), role
 
 
+def test_every_role_of_a_run_in_speed_mode_can_be_replayed(tmp_path: Path):
+    """The plant reads the speeds that the traction control offers beside its torques."""
+    words = ["launch_split_mu", "--method", "asr=speed_by_slip", "--offline", "--no-report"]
+    main([*words, "--duration", "2", "--run", "steered", "--out", str(tmp_path / "run")])
+    recorded = find_recorded(tmp_path / "run" / "signals.npz")
+    wanted = "speed_command.speed.front_left"
+    assert np.ptp(recorded.recording.channels[wanted]) > 0.0
+    for role in ("plant", "steering_column", "driver", "electronic_differential", "asr"):
+        found = differences(recorded, tmp_path / "out" / role, role)
+        assert in_words(found).startswith("bit-identical"), role
+        assert (wanted in {each.channel for each in found}) == (role == "asr")
+
+
 @pytest.mark.slow
 @pytest.mark.weekly
 def test_node_of_ones_own_takes_part_in_lockstep(

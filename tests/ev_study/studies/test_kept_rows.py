@@ -331,6 +331,6 @@ def test_a_case_that_was_refused_and_is_mended_while_the_others_are_driven_ends_
     good = Case("good", "shchur2019", duration=0.1)
     store: dict[str, bytes] = {}
     rows = kept(store, good)
-    with pytest.raises(RunFailed, match="^mended was refused when the runs began"):
+    with pytest.raises(RunFailed, match=r"^mended was refused when the runs began"):
         rows.keep("mended", CaseResult("mended", {}))
     assert not store

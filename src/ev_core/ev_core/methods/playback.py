@@ -77,7 +77,7 @@ class RecordedRole:
         self.__doc__ = f"Replay the recorded output of {name}."
         self._names = frozenset(arrays)
         self.role, self.name = role, name
-        self.writes = tuple(signal for signal in ROLES[role].writes if self.has(signal))
+        self.writes = tuple(signal for signal in ROLES[role].may_write if self.has(signal))
         if TIME not in arrays or not self.writes:
             topics = ", ".join(TOPICS[signal].name for signal in ROLES[role].writes)
             raise ParameterError(

@@ -139,7 +139,7 @@ def surfaces_of(board: Board, cell: Cell, factor: float) -> dict[str, list[float
 def run_of(board: Board, cell: Cell, values: Mapping[str, Any]) -> Run:
     """The run of a cell with the law of the scenario's file.
 
-    ParameterError if a slow ramp gives no angles of its car: those of another one are no test of it.
+    ParameterError if a slow ramp gives no angles of its car: those of another are no test of it.
     """
     return on_its_own_angles(_scenario(board, cell, values).runs[0], {})[0]
 
