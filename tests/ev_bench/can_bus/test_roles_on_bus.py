@@ -25,7 +25,7 @@ from ev_bench.inverter_gateway.station import GatewayOnBus
 from ev_bench.machines.bench_on_bus import BenchOnBus, meters_of
 from ev_bench.runs import can as can_of_runs
 from ev_core.parameters.values import build
-from ev_msgs_py.can.payload import joined
+from ev_msgs_py.can.payload import NO_FRAME, joined
 from ev_msgs_py.contract.optional_signals import LoadCommand
 from ev_msgs_py.contract.signals import BatteryCondition, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
@@ -165,6 +165,24 @@ def test_buttons_and_faults_count_from_the_first_instant(waits):
     assert gateway.drive_12.enable == 0.0
     ends.instants(0.01)
     assert (gateway.waits, gateway.drive_12.enable) != (0.0, 0.0)
+
+
+def test_a_frame_behind_the_first_instant_meets_no_fault_of_later():
+    """The time before the first instant counts for no fault, in the cycle of that instant, too."""
+    begin, end = 0.2, 0.3  # [s]
+    fault = (
+        ("test_bench", "inject.kind", "wrong_counter"),
+        ("test_bench", "inject.begin", begin),
+        ("test_bench", "inject.end", end),
+    )
+    ends = Ends(waits=round(1e3 * (begin + end) / 2), values=(*VALUES, *fault))
+    _, *_, feedback, _ = ends.bench.outputs()
+    asked = ends.gateway.step(COMMAND, LOAD, feedback, ends.bench.outputs()[0])
+    ends.bench.advance(asked, BATTERY)
+    for circuit, frame in ends.gateway.cycle(1):
+        ends.bench.receive(circuit, frame)
+    # A frame that the fault would repeat is kept in its state.
+    assert ends.bench.given["s"].line_11.fault.low == NO_FRAME
 
 
 def test_a_station_with_the_state_of_another_goes_on():

@@ -20,6 +20,7 @@ from ev_core.lockstep.parts import part_of
 from ev_doors.bridges import vehicle
 from ev_msgs_py.contract.roles import MASTER, REQUIRED
 from ev_stack.commands.program import perform
+from ev_stack.interface.simulation import SteppedLaw
 
 CONTROL, GEAR = "/control/command/control_cmd", "/control/command/gear_cmd"
 GEARS = KINDS["autoware_vehicle_msgs/msg/GearCommand"]
@@ -175,6 +176,29 @@ def test_ackermann_drives_backwards_by_a_negative_speed_and_steers_at_a_rate(sta
     drive(started, 20.0)
     assert state[places["longitudinal"]] == pytest.approx(-3.0, abs=0.05)
     assert state[places["road_wheel_angle"]] == pytest.approx(0.2, rel=0.02)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_an_angle_beyond_the_stop_comes_back_at_once(side):
+    """The commanded angle ends at the stop of the wheels: nothing winds up beyond it."""
+    configuration = configure("driver", {"method": vehicle._LAW})
+    law = SteppedLaw(configuration)
+    place = {name: n for n, name in enumerate(configuration.method.law.names())}
+
+    def angle_after(wanted: float, steps: int) -> float:
+        command = {"wanted_angle": wanted, "angle_rate": 1.0, "left": 100.0, "highest_speed": 1.0}
+        state = [*law.state]
+        for name, value in command.items():
+            state[place[name]] = value
+        law.state = state
+        for _ in range(steps):
+            law.answer(0.0, {})
+        return law.state[place["angle"]]
+
+    stop = configuration.common.vehicle.maximum_road_wheel_angle
+    assert angle_after(side * 100.0, 1000) == side * stop
+    # 1 rad/s for ten steps of 10 ms.
+    assert angle_after(0.0, 10) == pytest.approx(side * (stop - 0.1))
 
 
 @pytest.mark.parametrize("faults", [(), ("delayed driver/command.drive_torque 0.1",)])

@@ -86,6 +86,16 @@ def test_what_an_export_lets_change_is_part_of_nothing_that_is_made_beforehand(d
     assert _made_beforehand(changed) == _made_beforehand(configuration), tunable.name
 
 
+def test_what_does_nothing_without_an_option_is_fixed_in_an_export():
+    """The speed control of the drives is used in speed mode alone."""
+    gain = "plant.speed_control.gain"
+    without = Content(only_run("double_lane_change", "", overrides()), only=["plant"])
+    assert gain not in [each.name for part in without.parts for each in part.tunables]
+    with_it = overrides(method={"asr": "speed_by_slip"})
+    content = Content(only_run("double_lane_change", "", with_it), only=["plant"])
+    assert gain in [each.name for part in content.parts for each in part.tunables]
+
+
 def test_a_group_that_is_handed_on_whole_is_fixed_in_an_export():
     """The tested machine's DC link is among the constants of the bench, the load's is not."""
     names = [tunable.name for tunable in tunables("test_bench", "circuits_on_can")]

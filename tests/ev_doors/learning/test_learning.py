@@ -11,6 +11,7 @@ import pickle
 import runpy
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import gymnasium
@@ -22,8 +23,11 @@ import ev_doors.learning
 import ev_stack
 from ev_core.methods.register import methods_of
 from ev_core.parameters.data_file import files_in_config
+from ev_core.vehicle.description import Vehicle
 from ev_doors.learning.environment import ACTIONS, Environment
 from ev_doors.learning.limits import limits
+from ev_doors.learning.rewards import CalmYaw
+from ev_doors.learning.view import picture
 from ev_msgs_py.contract import frame
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.interface.simulation import Simulation
@@ -119,6 +123,51 @@ def test_what_lies_beyond_a_limit_is_observed_as_the_limit():
     seen, *_, info = environment.step(np.zeros(2))
     assert info["frame"]["imu.yaw_rate"] == -1000.0 and seen.tolist() == [-10.0]
     assert seen in environment.observation_space
+
+
+def _rear_wheels(car: Vehicle, here: dict[str, float]) -> np.ndarray:
+    """Places of the black pixels behind the centre of mass, in a picture of a car that heads right."""
+    pixels = picture(car, here, 0.0, [])
+    # Away from letters and axes.
+    black = np.argwhere((pixels[150:330, 150:330] < 40).all(axis=2))
+    return black[black[:, 1] < np.mean(black[:, 1])]
+
+
+@pytest.mark.parametrize(
+    ("ratio", "angle"), [(-0.5, 0.0), (0.0, -0.2)], ids=["ratio", "rear steering"]
+)
+def test_a_picture_turns_the_rear_wheels(ratio, angle):
+    """By the share of the front angle that the car gives them, and by the angle of a law alike."""
+    car = vehicle_of("compact_ev")
+    here = {
+        "pose.x": 0.0,
+        "pose.y": 0.0,
+        "pose.orientation_z": 0.0,
+        "pose.orientation_w": 1.0,
+        "twist.longitudinal": 0.0,
+        "twist.lateral": 0.0,
+        "steering_column.state.road_wheel_angle": 0.4,
+    }
+    straight = _rear_wheels(car, here)
+    steered = replace(car, rear_steering_ratio=ratio)
+    turned = _rear_wheels(steered, {**here, "rear_steering.state.angle": angle})
+    # A turned wheel is longer across the picture.
+    assert len(np.unique(turned[:, 0])) > len(np.unique(straight[:, 0])) + 2
+
+
+def test_a_neutral_car_turns_by_the_angle_between_its_axles():
+    """Rear wheels that turn along with the front ones leave nothing to turn by: V (d_f - d_r)/L."""
+    frame = {
+        "twist.longitudinal": 10.0,
+        "steering_column.state.angle": 1.6,
+        "imu.yaw_rate": 0.0,
+    }
+    nothing = np.zeros(0)
+    along = {**frame, "rear_steering.state.angle": 0.1}
+    assert CalmYaw(2.5, 16.0)(along, nothing, nothing) == 0.0
+    assert CalmYaw(2.5, 16.0, 1.0)(frame, nothing, nothing) == 0.0
+    # 10 m/s times 10/2.5 0.1 rad/s, squared.
+    assert CalmYaw(2.5, 16.0)(frame, nothing, nothing) == pytest.approx(-16.0)
 
 
 def test_a_picture_shows_the_car_where_it_is():

@@ -70,7 +70,7 @@ class BenchStation(ChannelStation):
         self._motions = tuple(deque[int](maxlen=MOST_TICKS) for _ in own)
         self._tick = 0.0
         self._made = 0  # cycles since the last instant; those that were lost show nothing
-        self.has_begun = False  # whether ticks count from the first instant, as those of faults do
+        self._has_begun = False
 
     def receive(self, frame: Frame) -> None:
         """Take a frame of the channel; on the way to the drive a fault may be."""
@@ -96,7 +96,9 @@ class BenchStation(ChannelStation):
 
     def _fault(self, tick: float) -> int:
         """The kind that is there in a tick; none before the first instant."""
-        return present(self._p.inject, tick, self._number) if self.has_begun else int(BusFault.NONE)
+        return (
+            present(self._p.inject, tick, self._number) if self._has_begun else int(BusFault.NONE)
+        )
 
     def cycle(self, before: float, ticks: int) -> list[Frame]:
         """Advance by some cycles; what is to be sent, which is kept for `end_period`, too."""
@@ -135,9 +137,14 @@ class BenchStation(ChannelStation):
         self._tick = other._tick
         self._made = other._made
         self._motions = other._motions
-        self.has_begun = other.has_begun
+        self._has_begun = other._has_begun
         for inverter, before in zip(self.inverters, other.inverters, strict=True):
             inverter.lost = before.lost
+
+    def begin(self) -> None:
+        """Count ticks from here on, the first instant, as those of faults do."""
+        self._has_begun = True
+        self._tick = 0.0
 
     def begin_period(self) -> None:
         """Restart means and counts."""
@@ -198,7 +205,6 @@ class BenchOnBus(LawObject):
         for circuit in self._circuits.values():
             circuit.end_period(ticks, self.given["p"].bus.bit_rate)
         if not self._has_begun:
-            self._tick = 0.0
             self._begin()
         s.periods, self._last_tick = self._tick / c.ticks, self._tick
         self._last_outputs = super().outputs()
@@ -213,9 +219,11 @@ class BenchOnBus(LawObject):
             circuit.go_on_from(other._circuits[name])
 
     def _begin(self) -> None:
+        """Let time begin for faults, here and in the stations, which judge what comes meanwhile."""
         self._has_begun = True
+        self._tick = 0.0
         for circuit in self._circuits.values():
-            circuit.has_begun = True
+            circuit.begin()
 
     def outputs(self) -> tuple[Any, ...]:
         """Outputs of the last instant."""

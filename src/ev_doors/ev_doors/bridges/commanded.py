@@ -89,8 +89,11 @@ def commanded(
         wanted = min(max(s.wanted_speed, s.lowest_speed), s.highest_speed)
         most, rate = s.acceleration, s.angle_rate
     s.speed = towards(s.speed, wanted, most * period)
+    # An angle beyond the stop of the wheels would have to come back before they turn.
+    most_angle = car.maximum_road_wheel_angle
+    wanted_angle = min(max(s.wanted_angle, -most_angle), most_angle)
     # Without a command the rate is 0, so the angle stays.
-    s.angle = towards(s.angle, s.wanted_angle, rate * period)
+    s.angle = towards(s.angle, wanted_angle, rate * period)
     drive, brake = follow_speed(p.speed_control, car, s.feet, period, s.speed, speed)
     # The integral is cleared, or the car would jerk when the gear is put in again.
     if holds == 1.0 and s.in_neutral == 1.0:

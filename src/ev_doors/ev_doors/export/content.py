@@ -197,9 +197,11 @@ def _parts(configuration: Configuration, required: Collection[str], bare: bool) 
 def _tunables(configuration: Configuration, given: Given) -> list[Tunable]:
     """Parameters that may change live.
 
-    They are numbers that set nothing up and that no rule ties to others.
+    They are numbers that set nothing up, that no rule ties to others, and that do something without
+    another option.
     """
-    law, used = law_of(configuration.method), set[str]()
+    method = configuration.method
+    law, used = law_of(method), set[str]()
     # What is read while the law is set up is fixed: a change later would not reach it.
     parameters, common = _watched(configuration.given, used), configuration.common
     if law.prepare:
@@ -223,6 +225,7 @@ def _tunables(configuration: Configuration, given: Given) -> list[Tunable]:
         and not each.is_array
         and not each.spec.read_only
         and each.name not in used
+        and not method.is_idle(each.name)
     ]
 
 

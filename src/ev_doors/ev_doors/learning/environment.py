@@ -188,7 +188,7 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
             -self._largest, self._largest, dtype=np.float64
         )
         defaults: dict[str, Reward] = {
-            "torque_split": CalmYaw(car.wheelbase, car.steering_ratio),
+            "torque_split": CalmYaw(car.wheelbase, car.steering_ratio, car.rear_steering_ratio),
             "traction_control": quick_without_slip,
             "steering": like_the_driver,
         }

@@ -25,18 +25,21 @@ LARGE_DIFFERENCE = 1.0  # [N m], of hand torques
 class CalmYaw:
     """Minus the squared yaw rate error against a neutral car, times speed, and the squared slip.
 
-    A neutral car turns by V/L tan(delta) = V delta/L for the angles of driving.
+    A neutral car turns by V/L tan(delta) = V delta/L for the angles of driving, where delta is that
+    of the front wheels less that of the rear ones.
     """
 
     wheelbase: float
     steering_ratio: float
+    rear_steering_ratio: float = 0.0
 
     def __call__(self, frame: Mapping[str, float], action: np.ndarray, own: np.ndarray) -> float:
         """The reward."""
         speed = frame["twist.longitudinal"]
-        neutral = (
-            speed * frame["steering_column.state.angle"] / (self.steering_ratio * self.wheelbase)
-        )
+        front = frame["steering_column.state.angle"] / self.steering_ratio
+        # A rear axle that is steered by a law of its own adds to what follows the front wheels.
+        rear = self.rear_steering_ratio * front + frame.get("rear_steering.state.angle", 0.0)
+        neutral = speed * (front - rear) / self.wheelbase
         # V times a yaw rate is a lateral acceleration, which weighs the error by what it does to
         # the path.
         error = speed * (frame["imu.yaw_rate"] - neutral) / LARGE_YAW_ACCELERATION

@@ -11,6 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.contract.wheels import WHEEL_NAMES
+from ev_stack.recording.recording import Recording
+from ev_stack.views.car import PREFIX, view_channels, wheels_of
 
 SIZE = 480  # pixels, either way
 _DPI = 100
@@ -30,23 +33,15 @@ def picture(
     heading = 2.0 * math.atan2(here["pose.orientation_z"], here["pose.orientation_w"])
     if way:
         axes.plot(*zip(*way, strict=True), color="tab:blue", linewidth=1.0)
-    rear, width = (
-        -car.centre_of_mass_to_rear_axle,
-        max(car.front_track, car.rear_track) + _TYRE_WIDTH,
-    )
-    front = rear + car.wheelbase
-    middle, length = (front + rear) / 2.0, car.wheelbase + 2.0 * _OVERHANG
+    middle = car.wheelbase / 2.0 - car.centre_of_mass_to_rear_axle
+    length = car.wheelbase + 2.0 * _OVERHANG
+    width = max(car.front_track, car.rear_track) + _TYRE_WIDTH
     shapes = [(middle, -car.centre_of_mass_offset, 0.0, length, width, "lightgrey")]
-    angles = {
-        front: here["steering_column.state.road_wheel_angle"],
-        rear: here.get("rear_steering.state.angle", 0.0),
-    }
-    for axle, track in ((front, car.front_track), (rear, car.rear_track)):
-        for side in (0.5, -0.5):
-            beside = side * track - car.centre_of_mass_offset
-            shapes.append(
-                (axle, beside, angles[axle], 2.0 * car.wheel_radius, _TYRE_WIDTH, "black")
-            )
+    angles = _wheel_angles(car, here)
+    for wheel in wheels_of(car):
+        shapes.append(
+            (wheel.x, wheel.y, angles[wheel.name], 2.0 * wheel.radius, _TYRE_WIDTH, "black")
+        )
     for along, across, angle, long, wide, color in shapes:
         corners = np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)]) * (long / 2.0, wide / 2.0)
         # Turned about its own centre first, then put to its place, then turned with the car.
@@ -64,6 +59,13 @@ def picture(
     figure.savefig(pixels, format="rgba")
     # A copy, since what a buffer of bytes holds cannot be written to.
     return np.frombuffer(pixels.getvalue(), np.uint8).reshape(SIZE, SIZE, 4)[..., :3].copy()
+
+
+def _wheel_angles(car: Vehicle, here: Mapping[str, float]) -> dict[str, float]:
+    """Angle of each wheel against the car [rad], as live page and report show it."""
+    instant = Recording(np.zeros(1), {name: np.array([value]) for name, value in here.items()})
+    shown = view_channels(instant, car)
+    return {wheel: float(shown[f"{PREFIX}wheel_angle.{wheel}"][0]) for wheel in WHEEL_NAMES}
 
 
 def _turned(angle: float) -> np.ndarray:
