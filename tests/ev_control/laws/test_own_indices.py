@@ -13,6 +13,7 @@ from ev_core.check.stepping import Subject, outputs
 from ev_core.compiled import part_source
 from ev_core.compiled.part import CompiledPart
 from ev_core.lockstep.configuration import Configuration, configure
+from ev_core.lockstep.finding import find_method
 from ev_msgs_py.contract.roles import ROLES
 
 STEPS = 400  # of random numbers and launches
@@ -25,6 +26,7 @@ VALUES = {"circuits_on_can": FRONT, "can": FRONT | {"gear_ratio": 2.65}}
 VALUES |= {"slip_target": REAR, "wheel_speed": REAR, "axle_redistribution": ALL}
 SOME = [("asr", "off"), ("asr", "pi_slip")]  # of which each takes seconds to compile
 METHODS = [(role, name) for role in ROLES for name in own_methods(role)]
+WITH_OPTIONS = [each for each in METHODS if find_method(*each).switches]
 
 
 def stepped(configuration: Configuration) -> np.ndarray:
@@ -36,12 +38,15 @@ def stepped(configuration: Configuration) -> np.ndarray:
     return outputs(part, subject.frames(SEED))
 
 
-def assert_same_with_checks(role: str, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def assert_same_with_checks(
+    role: str, name: str, monkeypatch: pytest.MonkeyPatch, switches: tuple[str, ...] = ()
+) -> None:
     """The same bits in each step.
 
     An index out of range is a LawError, and a negative brake torque a SignalError.
     """
-    configuration = configure(role, {"method": name, **VALUES.get(name, {})})
+    values = {"method": name, **VALUES.get(name, {}), **dict.fromkeys(switches, True)}
+    configuration = configure(role, values)
     if configuration.method.law is None or not configuration.method.law.is_compilable:
         pytest.skip("it is not compiled")
     before = stepped(configuration)
@@ -65,3 +70,13 @@ def test_some_laws_of_ours_keep_to_their_rows(
 def test_all_laws_of_ours_keep_to_their_rows(role: str, name: str, monkeypatch: pytest.MonkeyPatch):
     """Compiled with checks, laws with thousands of numbers in their state take minutes."""
     assert_same_with_checks(role, name, monkeypatch)
+
+
+@pytest.mark.slow
+@pytest.mark.weekly
+@pytest.mark.parametrize(("role", "name"), WITH_OPTIONS)
+def test_laws_of_ours_with_all_their_options_keep_to_their_rows(
+    role: str, name: str, monkeypatch: pytest.MonkeyPatch
+):
+    """An option is another function on a longer state, with further signals."""
+    assert_same_with_checks(role, name, monkeypatch, find_method(role, name).switches)

@@ -15,6 +15,7 @@ from ev_core.parameters.data_file import files_in_config
 from ev_core.parameters.declaration import parameter
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.recording.outcome import RunFailed
+from ev_stack.scenarios.scenario import load_scenario
 from ev_study.benchmark.board import ROLE, read_board
 from ev_study.benchmark.cell_runs import law_of, run_of, values_of
 from ev_study.benchmark.driving import drive_cell
@@ -73,6 +74,13 @@ def test_bounds_are_those_of_the_declaration_and_two_decades():
         free_parameters("pi", configurations("pi"), ["x*"])
     with pytest.raises(ParameterError, match="of law pi mean 1, expected two or more"):
         free_parameters("pi", configurations("pi"), ["wanted.lag"])
+
+
+def test_a_number_that_does_nothing_without_an_option_is_no_number_to_search():
+    """Gains of the speed control do without speed mode what they do at any value."""
+    (run,) = load_scenario("double_lane_change").runs
+    with pytest.raises(ParameterError, match=r"unknown number of law off 'plant\.speed_control"):
+        free_parameters("off", run.configurations, ["plant.speed_control.*"])
 
 
 def test_a_number_without_bounds_is_searched_around_a_positive_start_and_else_refused():

@@ -176,7 +176,9 @@ class Configuration:
         # The same law is kept, even if its file was edited since.
         is_same = values.get(_METHOD, self.method.name) == self.method.name
         method = self.method if is_same else None
-        return configure(self.role, {**self.values(), **values}, extra, method)
+        # An option that a former name stands for counts before the present value of its switch.
+        given = with_present_name(self.role, values)
+        return configure(self.role, {**self.values(), **given}, extra, method)
 
 
 def _of_same_text(

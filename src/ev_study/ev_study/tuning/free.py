@@ -64,6 +64,7 @@ def free_parameters(
             if (
                 each.type is float
                 and not (each.is_array or each.spec.read_only)
+                and not configuration.method.is_idle(each.name)
                 # What a law believes of the friction is drawn by the board.
                 and each.name not in BELIEF
             ):

@@ -122,6 +122,7 @@ def test_a_former_name_is_the_plant_with_its_option_for_one_release(name, option
     """A value beside it counts before what the name stands for; a line names the present way."""
     now = configure("plant", {"method": "planar", option: True})
     assert configure("plant", {"method": name}) == now
+    assert configure("plant", {"method": "planar"}).changed({"method": name}) == now
     assert configure("plant", {"method": name, option: False}).method.reads == (
         find_method("plant", "planar").reads
     )
