@@ -314,6 +314,26 @@ def test_a_bus_of_the_bench_alone_is_refused(name, value, tmp_path):
         pass
 
 
+def test_a_second_run_of_a_domain_does_not_share_the_bus(monkeypatch, tmp_path):
+    """In another namespace it would take the set-points of the first one, and send its own."""
+    monkeypatch.setattr(can_of_runs, "_works", lambda channel: True)
+    run = _run_on(BusParameters(), BusModelParameters())
+    line = "^ROS domain 2 has a run with a bus in real time already"
+    with can_of_runs.real_bus(run, 2, tmp_path) as first:
+        with can_of_runs.real_bus(run, 3, tmp_path) as other:
+            assert first["test_bench"]["bus.channel_11"] != other["test_bench"]["bus.channel_11"]
+        with pytest.raises(RunFailed, match=line), can_of_runs.real_bus(run, 2, tmp_path):
+            pass
+        named = _run_on(
+            build(BusParameters, {"channel_11": "239.1.1.1:2000", "channel_12": "239.1.1.2:2000"}),
+            BusModelParameters(),
+        )
+        with can_of_runs.real_bus(named, 2, tmp_path):
+            pass
+    with can_of_runs.real_bus(run, 2, tmp_path):
+        pass
+
+
 @pytest.mark.slow
 def test_without_multicast_a_run_has_a_hub_of_its_own(monkeypatch, tmp_path: Path):
     """Socketcand's protocol over TCP on 127.0.0.1; the hub ends with the run."""

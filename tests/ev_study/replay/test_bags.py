@@ -87,6 +87,16 @@ def test_a_part_of_a_graph_is_replayed_from_any_namespace_and_start(turn: Path, 
         replay_of(recorded, "asr", "pi_slip", Overrides(vehicle="audi_a2"))
 
 
+def test_parameters_of_another_namespace_are_refused(turn: Path, tmp_path: Path):
+    """The role would be played by its default method with its default parameters."""
+    folder = foreign_bag(load(turn / "signals.npz"), tmp_path, STEPS, PART)
+    shutil.copy(turn / "parameters.yaml", folder)
+    recorded = find_recorded(folder)
+    line = r"parameters.yaml has parameters for /ev\S*/asr, expected for /a/asr, as the topics of "
+    with pytest.raises(ParameterError, match=line):
+        replay_of(recorded, "asr", "", Overrides())
+
+
 @pytest.mark.parametrize(
     ("stamps", "message"),
     [

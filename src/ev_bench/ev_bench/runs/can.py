@@ -22,6 +22,7 @@ from ev_bench.runs.frame_log import FrameLog
 from ev_msgs_py.refusal import quoted
 from ev_stack.recording.outcome import RunFailed, announce
 from ev_stack.running.children import ends_with_us
+from ev_stack.running.domain import own_bus
 from ev_stack.scenarios.records import Run
 
 _ENDS = ("inverter_gateway", "test_bench")
@@ -80,9 +81,11 @@ def _channels(bus: BusInterface, domain: int) -> Iterator[tuple[str, list[str]]]
             f"{name.partition(':')[0]}:{_FIRST_CAN_PORT + 2 * domain + n}"
             for n, name in enumerate(named)
         ]
-        if bus.address != LOOPBACK or _works(free[0]):
-            yield bus.interface, free
-            return
+        # Before anything is sent there: all runs of a domain would have one bus.
+        with own_bus(domain):
+            if bus.address != LOOPBACK or _works(free[0]):
+                yield bus.interface, free
+                return
     with _hub() as place:
         yield "socketcand", [f"can{circuit}@{place}" for circuit in CIRCUITS]
 

@@ -114,6 +114,18 @@ def own_namespace(domain: int, namespace: str) -> Iterator[None]:
         yield
 
 
+@contextmanager
+def own_bus(domain: int) -> Iterator[None]:
+    """Reserve the bus that belongs to a domain; RunFailed if another run of this user has it."""
+    with _reservation(f"bus_{domain}_{os.getuid()}") as reserved:
+        if not reserved:
+            raise RunFailed(
+                f"ROS domain {domain} has a run with a bus in real time already, which would take"
+                " the frames of this one: wait, take another domain, or name other channels"
+            )
+        yield
+
+
 def reserved_domains() -> list[int]:
     """The domains in which runs of this kind are under way."""
     domains = []

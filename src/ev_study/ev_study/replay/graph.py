@@ -154,6 +154,7 @@ def replay_of(recorded: Recorded, role: str, method: str, overrides: Overrides) 
             raise ParameterError(
                 f"{node}.{key} is refused: {node} says what was recorded, expected {role}.{key}"
             )
+    _refuse_other_namespace(recorded, role)
     files = [*_car(recorded, overrides.vehicle), *map(ParameterFile, overrides.files)]
     sources = Sources(recorded.namespace, files, overrides)
     values = sources.values(role)
@@ -174,6 +175,22 @@ def replay_of(recorded: Recorded, role: str, method: str, overrides: Overrides) 
     _refuse_not_finite(recorded, configuration)
     refuse_unused([key for _, key, _ in overrides.values], [configuration])
     return Replay(recorded, role, values, duration, configuration)
+
+
+def _refuse_other_namespace(recorded: Recorded, role: str) -> None:
+    """ParameterError if the parameters beside a bag are those of nodes in another namespace.
+
+    Else the role would be played by its default method with its default parameters.
+    """
+    given, node = recorded.parameters, f"{recorded.namespace}/{role}"
+    if given is None or given.values_for(node):
+        return
+    sections = [name for name in given.sections if name.endswith(f"/{role}")]
+    if sections:
+        raise ParameterError(
+            f"{given.path} has parameters for {', '.join(sections)}, expected for {node}, as the"
+            f" topics of {recorded.source} are named"
+        )
 
 
 def _car(recorded: Recorded, vehicle: str | None) -> Sequence[ParameterFile]:
