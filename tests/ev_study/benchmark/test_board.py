@@ -18,6 +18,7 @@ from ev_stack.commands.run_scenario import main
 from ev_stack.measures.named import driven_run
 from ev_stack.measures.own_metrics import named_metrics
 from ev_stack.recording.offline import run_offline, true_motion
+from ev_stack.recording.recording import signal_hash
 from ev_stack.scenarios.scenario import load_scenario
 from ev_study.benchmark.board import read_board
 from ev_study.benchmark.cell_runs import run_of, values_of
@@ -276,3 +277,17 @@ def test_a_car_without_steering_angles_of_its_own_is_no_cell():
     cell = next(cell for cell in board.cells() if cell.manoeuvre == "step_steer")
     with pytest.raises(ParameterError, match="a slow ramp gives none: the run begins at rest"):
         run_of(board, cell, values_of(board, cell))
+
+
+def test_a_law_in_speed_mode_drives_a_cell_as_the_run_alone():
+    """Its traction control requires an option of the plant, which a scenario sets as well."""
+    law = {"method": "equal_torque", "asr.method": "speed_by_slip"}
+    board = replace(SMALL, draws=1, laws={**SMALL.laws, "fast": law})
+    cell = SMALL.cells(STEP)[0]
+    driven = drive_cell(board, cell, ["fast"], threads=1).laws["fast"]
+    words = shlex.split(driven.commands[0])
+    given = arguments([*words[1:], "--offline"])
+    run = load_scenario(given.scenario, overrides(given), given.run).runs[0]
+    assert run.configurations["plant"].parameters.speed_mode
+    alone = run_offline(run.configurations, run.duration)
+    assert driven.hashes == [signal_hash(alone)]

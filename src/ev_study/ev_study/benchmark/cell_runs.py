@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ev_core.lockstep.configuration import Configuration, configure
+from ev_core.methods.hooks import SAME
 from ev_core.parameters.declaration import flatten
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError
@@ -178,3 +179,15 @@ def law_of(board: Board, law: str, base: Run) -> dict[str, Configuration]:
         return {role: configure(role, {**common[role], **values}) for role, values in found.items()}
     except ParameterError as error:
         raise ParameterError(f"law {law}: {error}") from None
+
+
+def with_law(run: Run, law: Mapping[str, Configuration]) -> Run:
+    """A run with the nodes of a law, and with the options of other nodes that these require."""
+    configurations = {**run.configurations, **law}
+    for node in law.values():
+        for what, needed in node.method.requires.items():
+            role, _, parameter = what.partition(".")
+            # An option, such as speed mode of the plant: other methods are the manoeuvre's matter.
+            if parameter and needed != SAME and role not in law and role in configurations:
+                configurations[role] = configurations[role].changed({parameter: needed})
+    return replace(run, configurations=configurations)

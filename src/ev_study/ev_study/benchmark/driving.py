@@ -14,7 +14,7 @@ import numpy as np
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.scenarios.records import Run
 from ev_study.benchmark.board import Board, Cell
-from ev_study.benchmark.cell_runs import law_of, law_values, run_of, values_of
+from ev_study.benchmark.cell_runs import law_of, law_values, run_of, values_of, with_law
 from ev_study.benchmark.draws import drawn, own_draws
 from ev_study.benchmark.entry_speed import CLEAN, END, HASH, Driven, at_highest_clean
 
@@ -122,7 +122,7 @@ def laws_in_cell(board: Board, cell: Cell, laws: Sequence[str]) -> dict[str, Law
         of_law = {}
         for role, values in law_values(board, law, base).items():
             of_law |= {f"{role}.{name}": value for name, value in values.items()}
-        run = replace(base, configurations={**base.configurations, **playing})
+        run = with_law(base, playing)
         # The configuration of the law takes the place of that of the scenario, and what the
         # manoeuvre sets in it would be lost.
         for name in sorted(fixed.keys() - of_law.keys()):

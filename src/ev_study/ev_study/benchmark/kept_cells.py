@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from ev_core.lockstep.configuration import Configuration
 from ev_stack.recording.outcome import RunFailed
 from ev_stack.scenarios.records import Run
 from ev_study.benchmark.added import refuse_variations
 from ev_study.benchmark.board import Board, Cell
-from ev_study.benchmark.cell_runs import law_of, run_of, values_of
+from ev_study.benchmark.cell_runs import law_of, run_of, values_of, with_law
 from ev_study.benchmark.driving import DrivenCell, DrivenLaw
 from ev_study.studies.digests import short_digest
 from ev_study.studies.kept_rows import KeptRows, Key, run_key
@@ -92,7 +91,7 @@ def keys_of_cells(
             base = of_runs[at][1]
             # With the first law alone: it shows what the scenario has, for the variations to be
             # held against.
-            runs.append(_playing(base, law_of(board, laws[0], base)))
+            runs.append(with_law(base, law_of(board, laws[0], base)))
         # The run without a law gives the car for the laws.
         of_run, base = of_runs[at]
         for law in laws:
@@ -102,14 +101,10 @@ def keys_of_cells(
                     lambda law=law, base=base: Run(law, "", law_of(board, law, base), 0.0)
                 )
                 of_laws[cell.car, law] = of_law
-                runs.append(_playing(base, nodes.configurations))
+                runs.append(with_law(base, nodes.configurations))
             of_law = of_laws[cell.car, law]
             # Only its own law and manoeuvre: an edit of another one leaves this row.
             manoeuvres = {cell.manoeuvre: board.manoeuvres[cell.manoeuvre]}
             declared = replace(others, laws={law: board.laws[law]}, manoeuvres=manoeuvres)
             content = declared, replace(cell, board=""), of_run.digest, of_law.digest
             yield (cell, law), Key(short_digest(content), {**of_run.files, **of_law.files})
-
-
-def _playing(run: Run, nodes: Mapping[str, Configuration]) -> Run:
-    return replace(run, configurations={**run.configurations, **nodes})

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from ev_core.lockstep.run import GraphRun
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.roles import MASTER
 from ev_study.benchmark.board import Board, Cell, by_role
-from ev_study.benchmark.cell_runs import law_of, run_of, values_of
+from ev_study.benchmark.cell_runs import law_of, run_of, values_of, with_law
 
 REPETITIONS = 9
 
@@ -28,7 +27,7 @@ def step_times(board: Board, cell: Cell, laws: Sequence[str]) -> dict[str, float
     """
     base, found = run_of(board, cell, values_of(board, cell)), {}
     for law in laws:
-        run = replace(base, configurations={**base.configurations, **law_of(board, law, base)})
+        run = with_law(base, law_of(board, law, base))
         period = run.configurations[MASTER].period
         graph = GraphRun(run.configurations, stamps.from_seconds(run.duration) // period + 1)
         # Fills the series with the inputs that each role had.
