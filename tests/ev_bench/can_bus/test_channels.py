@@ -24,7 +24,7 @@ from hypothesis import strategies as st
 
 from ev_bench.bus import channel as channel_module
 from ev_bench.bus import socketcand_hub
-from ev_bench.bus.channel import BusMeter, Channel, bus_log
+from ev_bench.bus.channel import BusMeter, Channel, Channels, bus_log
 from ev_bench.bus.opening import BusError, open_channel
 from ev_bench.bus.parameters import DEFAULT_CHANNELS, INTERFACES, BusParameters
 from ev_bench.bus.socketcand_hub import HOST, SocketcandHub
@@ -483,6 +483,21 @@ def test_logs_that_cannot_be_written_are_refused(tmp_path: Path):
         with pytest.raises(ValueError, match=r"is refused, expected a file that is not there yet"):
             bus_log(str(tmp_path / name))
     assert (tmp_path / "victim.log").read_text() == "precious"
+
+
+@pytest.mark.parametrize("suffix", [".log", ".blf"])
+def test_no_log_is_left_of_a_bus_that_cannot_be_had(tmp_path: Path, suffix: str):
+    """It would be refused as one that is there at the next try; a file of the user's stays."""
+    file = tmp_path / f"bus{suffix}"
+    nowhere = BusParameters(interface="socketcand", channel_11="can1", channel_12="can2")
+    for _ in range(2):
+        with pytest.raises(BusError, match="is not of the form"):
+            Channels(nowhere, str(file))
+        assert not file.exists()
+    file.write_text("precious")
+    with pytest.raises(ValueError, match="expected a file that is not there yet"):
+        Channels(nowhere, str(file))
+    assert file.read_text() == "precious"
 
 
 def test_mf4_says_what_it_needs(tmp_path: Path):

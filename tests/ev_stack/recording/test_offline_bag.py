@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import errno
+import os
+import re
 import signal
 from pathlib import Path
 
@@ -42,3 +45,18 @@ def test_ctrl_c_leaves_a_bag_that_counts_what_it_holds(
     with AnyReader([tmp_path / "bag"]) as reader:
         assert reader.message_count == sum(1 for _ in reader.messages()) == len(written)
     assert strikes <= len(written) < strikes + len(topics)
+
+
+def test_a_full_disk_names_the_bag(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """The system gives no name where a write fails; the user has several files in the folder."""
+    run = shchur(0.1)
+    topics = recorded_topics(run)
+    recording = run_offline(run.configurations, run.duration)
+
+    def full(_bag: BagWriter, *_message) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(BagWriter, "write", full)
+    bag = tmp_path / "bag"
+    with pytest.raises(OSError, match=re.escape(f"No space left on device: '{bag}'")):
+        write_bag(recording, topics, [topic.name for topic in topics], run.period, bag)

@@ -212,6 +212,9 @@ class Channels:
                 )
         except BaseException:
             self.close()
+            # It is empty, and would be in the way at the next try.
+            if log:
+                Path(log).unlink(missing_ok=True)
             raise
 
     def send(self, circuit: str, frame: Frame) -> None:

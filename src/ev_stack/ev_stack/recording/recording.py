@@ -34,17 +34,23 @@ def atomic_file(path: Path | str, replaces: bool = False) -> Iterator[IO[bytes]]
     path = Path(path)
     # In the same folder, for only within a file system is renaming one step.
     unfinished = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
+    with naming(path), unfinished.open("xb") as file:
+        try:
+            yield file
+            # Before it gets its name: a full disk may show only when the file is closed.
+            file.close()
+            if replaces or not _linked(unfinished, path):
+                unfinished.replace(path)
+        finally:
+            unfinished.unlink(missing_ok=True)
+
+
+@contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """Let an OSError of the block name the file that is written: a full disk gives no name."""
     try:
-        with unfinished.open("xb") as file:
-            try:
-                yield file
-                # Before it gets its name: a full disk may show only when the file is closed.
-                file.close()
-                if replaces or not _linked(unfinished, path):
-                    unfinished.replace(path)
-            finally:
-                unfinished.unlink(missing_ok=True)
-    except OSError as error:  # a full disk gives no file name
+        yield
+    except OSError as error:
         if error.errno is None or error.filename is not None:
             raise
         raise OSError(error.errno, error.strerror, str(path)) from None

@@ -27,7 +27,14 @@ from ev_msgs_py.wire import MessageError, stamp_of
 from ev_nodes.master.real_time import LONGEST
 from ev_nodes.stepping.stop_request import StopRequest
 from ev_stack.recording.bag_writer import BagWriter
-from ev_stack.recording.recording import BAG, SIGNALS, Recording, free_path, write_signals
+from ev_stack.recording.recording import (
+    BAG,
+    SIGNALS,
+    Recording,
+    free_path,
+    naming,
+    write_signals,
+)
 from ev_stack.recording.shown import Shown, ViewsInBag
 from ev_stack.recording.spool import BLOCK, MessageTable, Spool, SpooledTopic
 
@@ -357,9 +364,10 @@ def write_bag(
     """The bag of a run that had no messages: the same bytes that the nodes would have sent.
 
     KeyboardInterrupt, when the message that is being written is there as a whole, if Ctrl-C or
-    SIGTERM came.
+    SIGTERM came. OSError names the bag.
     """
     with (
+        naming(bag),
         StopRequest(patient=True) as stop,
         BagWriter(bag, flush_period=float("inf")) as written,
     ):
