@@ -55,6 +55,7 @@ from ev_core.vehicle.car import (
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.compilable import compilable, inlined
 from ev_msgs_py.contract.optional_signals import (
+    BatteryCoolant,
     BenchCoolant,
     BenchElectrical,
     BenchEnergy,

@@ -55,7 +55,7 @@ def test_the_sensors_change_nothing_else():
     with_flow = driven().runs["constant_speed"].channels
     without = driven(method="circuits").runs["constant_speed"].channels
     assert set(with_flow) - set(without) == {
-        name for name in with_flow if name.startswith("bench.coolant.")
+        name for name in with_flow if name.startswith(("bench.coolant.", "bench.battery_coolant."))
     }
     assert all(np.array_equal(values, with_flow[name]) for name, values in without.items())
 

@@ -14,6 +14,7 @@ from typing import Any
 from ev_bench.inverter.device import InverterParameters, Machine
 from ev_bench.inverter.power_stage import coolant_outlet, share_of_lag, winding_temperature
 from ev_bench.machines import circuit
+from ev_bench.machines.battery_loop import advance_battery, coolant_of_battery
 from ev_bench.machines.described import (
     BOTH,
     KEPT_SET_POINTS,
@@ -21,8 +22,11 @@ from ev_bench.machines.described import (
     RIGHT,
     CircuitsParameters,
     CircuitsState,
+    FlowCircuitsParameters,
+    FlowCircuitsState,
 )
 from ev_core.law import (
+    BatteryCoolant,
     BenchCoolant,
     BenchElectrical,
     BenchEnergy,
@@ -216,9 +220,11 @@ def circuits(
 
 @compilable
 def outputs_with_flow(
-    p: CircuitsParameters, car: Car, c: circuit.CircuitsConstants, s: CircuitsState
-) -> tuple[BenchShafts, BenchElectrical, BenchTemperatures, BenchEnergy, BenchCoolant]:
-    """Channels of `circuits`, and the flow in the coolant loops [l/min], zero without cooling."""
+    p: FlowCircuitsParameters, car: Car, c: circuit.CircuitsConstants, s: FlowCircuitsState
+) -> tuple[
+    BenchShafts, BenchElectrical, BenchTemperatures, BenchEnergy, BenchCoolant, BatteryCoolant
+]:
+    """Channels of `circuits`, and those of the coolant loops: no flow without cooling."""
     shafts, electrical, temperatures, energy = outputs(p, car, c, s)
     flow, load_flow = (
         p.cooling * c.machine.thermal.coolant_flow,
@@ -229,26 +235,32 @@ def outputs_with_flow(
         Wheels(n[0] * flow, n[1] * flow, n[2] * flow, n[3] * flow),
         Wheels(n[0] * load_flow, n[1] * load_flow, n[2] * load_flow, n[3] * load_flow),
     )
-    return shafts, electrical, temperatures, energy, coolant
+    of_battery = coolant_of_battery(p.battery_loop, car, s.battery_loop, p.cooling)
+    return shafts, electrical, temperatures, energy, coolant, of_battery
 
 
 @method(
     "test_bench",
     "circuits_with_flow",
     outputs=outputs_with_flow,
-    writes=(*CHANNELS, BenchCoolant),
-    **CIRCUITS,
+    writes=(*CHANNELS, BenchCoolant, BatteryCoolant),
+    **{**CIRCUITS, "state": FlowCircuitsState},
 )
 @compilable
 def circuits_with_flow(
-    p: CircuitsParameters,
+    p: FlowCircuitsParameters,
     car: Car,
     c: circuit.CircuitsConstants,
-    s: CircuitsState,
+    s: FlowCircuitsState,
     period: float,
     command: WheelTorqueCommand,
     load: LoadCommand,
     battery: BatteryCondition,
 ) -> None:
-    """Circuits with the flow sensors of their coolant loops (section 4.2) among the channels."""
+    """Circuits with the sensors of their coolant loops and of the battery's (section 4.2)."""
     circuits(p, car, c, s, period, command, load, battery)
+    power = 0.0
+    for i in range(4):
+        power += s.circuits[i].power
+    current = power / max(s.voltage, _LEAST_VOLTAGE)
+    advance_battery(p.battery_loop, car, s.battery_loop, p.cooling, current, period)

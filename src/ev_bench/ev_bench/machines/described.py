@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from ev_bench.bus.model import BusModelParameters
 from ev_bench.inverter.device import DcLinkParameters, Inverter, LoadInverter
+from ev_bench.machines.battery_loop import BatteryLoopParameters, BatteryLoopState
 from ev_bench.machines.bus_faults import BusFaultParameters
 from ev_core.law import each_wheel, entry, group, parameter, part, series, setting
 
@@ -106,6 +107,13 @@ class CircuitsParameters:
 
 
 @dataclass(frozen=True, slots=True)
+class FlowCircuitsParameters(CircuitsParameters):
+    """The same devices, and the coolant loop of the battery."""
+
+    battery_loop: BatteryLoopParameters = group(BatteryLoopParameters)
+
+
+@dataclass(frozen=True, slots=True)
 class CanCircuitsParameters(CircuitsParameters):
     """The same devices; set-points and feedback of the machines under test go over a bus."""
 
@@ -168,3 +176,10 @@ class CircuitsState:
     circuits: list[CircuitState] = each_wheel(CircuitState)
     periods: float = entry(unit="1", about="number of periods so far")
     voltage: float = entry(unit="V", about="of the battery, over the last period")
+
+
+@dataclass(slots=True)
+class FlowCircuitsState(CircuitsState):
+    """All circuits, and the battery's loop."""
+
+    battery_loop: BatteryLoopState = part(BatteryLoopState)

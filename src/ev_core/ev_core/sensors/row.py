@@ -24,6 +24,7 @@ _OF_CIRCUITS = (
     optional.BenchElectrical,
     optional.BenchTemperatures,
     optional.BenchCoolant,
+    optional.BatteryCoolant,
 )
 
 _MEASURED = (

@@ -280,8 +280,11 @@ class BenchTemperatures(NamedTuple):
     rotor: Annotated[Wheels, _temperature("of the machine under test", "{wheel}_rotor.effort")]
 
 
-def _flow(about: str, place: str) -> Field:
-    return Field("l/min", about, place, sensor="bench_coolant_flow", largest=100.0)
+def _flow(about: str, place: str, sensor: str = "bench_coolant_flow") -> Field:
+    return Field("l/min", about, place, sensor, largest=100.0)
+
+
+_WARM = "battery_coolant_temperature"
 
 
 class BenchCoolant(NamedTuple):
@@ -289,6 +292,21 @@ class BenchCoolant(NamedTuple):
 
     flow: Annotated[Wheels, _flow("of the machine under test", "{wheel}_coolant.velocity")]
     load_flow: Annotated[Wheels, _flow("of the load machine", "{wheel}_load_coolant.velocity")]
+
+
+class BatteryCoolant(NamedTuple):
+    """Sensors of the coolant loop of a test bench's battery."""
+
+    flow: Annotated[
+        float,
+        _flow("through the battery", "battery_coolant_in.velocity", "battery_coolant_flow"),
+    ]
+    coolant_in: Annotated[
+        float, _temperature("into the battery", "battery_coolant_in.effort", _WARM)
+    ]
+    coolant_out: Annotated[
+        float, _temperature("out of the battery", "battery_coolant_out.effort", _WARM)
+    ]
 
 
 class BenchEnergy(NamedTuple):

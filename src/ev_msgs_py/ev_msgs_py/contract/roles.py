@@ -125,6 +125,7 @@ ROLES = {
                 optional.FeedbackFrames,
                 optional.BusStates,
                 optional.BenchCoolant,
+                optional.BatteryCoolant,
             ),
             default_method="circuits",
             optional=True,

@@ -63,6 +63,7 @@ TOPICS = {
         Topic("bench/temperatures", optional.BenchTemperatures, JOINT_STATE),
         Topic("bench/energy", optional.BenchEnergy, JOINT_STATE),
         Topic("bench/coolant", optional.BenchCoolant, JOINT_STATE),
+        Topic("bench/battery_coolant", optional.BatteryCoolant, JOINT_STATE),
         Topic("can/set_points", optional.SetPointFrames, JOINT_STATE),
         Topic("can/feedback", optional.FeedbackFrames, JOINT_STATE),
         Topic("can/bus", optional.BusStates, JOINT_STATE),

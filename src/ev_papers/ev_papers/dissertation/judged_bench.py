@@ -123,5 +123,5 @@ def load_machine(driven: ScenarioRuns, run: str, quantity: str, side: str) -> fl
 def loops_with_flow(driven: ScenarioRuns) -> float:
     """Number of coolant loops with a measured flow [1]."""
     channels = run_named(driven.runs, "constant_speed").channels
-    loops = [name for name in channels if name.startswith("bench.coolant.")]
+    loops = [name for name in channels if name.startswith("bench.") and "flow" in name]
     return float(sum(channels[name][-1] > 0.0 for name in loops))

@@ -22,7 +22,7 @@ from ev_core.vehicle.battery import Battery
 from ev_core.vehicle.motor import ThermalParameters
 
 # K per W at 1 l/min: water with glycol, 3.5 kJ/(kg K), 1.06 kg/l, in l/min
-_COOLANT = 60.0e3 / (3.5e3 * 1.06e3)
+COOLANT = 60.0e3 / (3.5e3 * 1.06e3)
 
 
 @inlined
@@ -122,7 +122,7 @@ def coolant_outlet_temperature(
     It is warmer than at the inlet by the heat that both give off.
     """
     heat = winding_rise / p.winding_resistance + inverter_rise / p.inverter_resistance
-    return p.coolant + heat * _COOLANT / p.coolant_flow
+    return p.coolant + heat * COOLANT / p.coolant_flow
 
 
 @inlined
