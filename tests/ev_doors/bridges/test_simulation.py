@@ -168,6 +168,33 @@ def test_steps_are_taken_when_it_answers(simulator):
     assert simulator.steps(2) == ("abort", Result.RESULT_OPERATION_FAILED, [])
 
 
+def test_steps_of_two_clients_are_taken_one_after_the_other(simulator):
+    """A step of the one is none of the other: together they have no more than the clock has."""
+    simulator.set(State.STATE_PAUSED)
+    made, count = simulator.made, 5
+    before, done, goals = made._ticks, [], []
+
+    def goal() -> SimpleNamespace:
+        def feedback(_: object) -> None:
+            done.append(made._ticks - before)
+
+        found = SimpleNamespace(
+            request=KINDS[ACTION].Goal(steps=count),
+            is_cancel_requested=False,
+            publish_feedback=feedback,
+        )
+        for end in ("abort", "succeed", "canceled"):
+            setattr(found, end, lambda end=end: goals.append(end))
+        return found
+
+    tasks = [simulator._executor.create_task(made.simulate_steps, goal()) for _ in range(2)]
+    simulator.until(lambda: all(task.done() for task in tasks))
+    assert goals == ["succeed", "succeed"]
+    # At the n-th of all feedbacks the clock has ticked n times at least.
+    assert all(ticks >= n for n, ticks in enumerate(done, start=1)), done
+    assert len(done) == 2 * count
+
+
 def test_time_and_state_are_reset_together(simulator):
     simulator.set(State.STATE_PAUSED)
     simulator.call("step_simulation")

@@ -70,6 +70,7 @@ class SimulationInterfaces:
         self._ticks, self._ticked = 0, -float("inf")
         self._stamp = (-1, 0)
         self._waiting: list[tuple[float, Future, float]] = []
+        self._turn: Future | None = None  # of the client whose steps are being taken
         self._master = f"{namespace.rstrip('/')}/{MASTER}"
         self._callers = {
             name: node.create_client(Trigger, f"{self._master}/{name}") for name in TIME_SERVICES
@@ -209,6 +210,17 @@ class SimulationInterfaces:
         return state
 
     async def _take_steps(self, count: int) -> tuple[int, str]:
+        """Take the steps of one client: ticks of the clock do not show whose step it was."""
+        while self._turn is not None:
+            await self._turn
+        self._turn = turn = Future(executor=self._node.executor)
+        try:
+            return await self._take_steps_alone(count)
+        finally:
+            self._turn = None
+            turn.set_result(True)
+
+    async def _take_steps_alone(self, count: int) -> tuple[int, str]:
         if self._state() == self._states.STATE_PLAYING:
             return self._result.RESULT_OPERATION_FAILED, "the simulation is not paused"
         try:
