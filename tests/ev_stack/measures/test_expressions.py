@@ -91,7 +91,8 @@ def test_an_expression_is_what_it_says(expression, value):
         ("maximum(battery.current)", "battery.current is not finite at 0.5 s"),
         ("maximum(battery.voltage)", "battery.voltage was not recorded"),
         ("mean(pose.x[1:3])", "the run lasts from 0 s to 2 s, the window from 1 s to 3 s"),
-        ("at(pose.x, 2.5)", "the run ends at 2 s, before 2.5 s"),
+        ("at(pose.x, 2.5)", "the run lasts from 0 s to 2 s, without 2.5 s"),
+        ("at(pose.x, -1)", "the run lasts from 0 s to 2 s, without -1 s"),
         ("vehicle.tyre.coefficients[4]", "vehicle.tyre.coefficients of this car has 4 numbers"),
     ],
 )
@@ -134,6 +135,8 @@ def test_what_has_no_value_says_why(expression, why):
         ),
         ("x [1] = vehicle.mass[0]", "vehicle.mass is refused, expected a number"),
         ("x [1] = vehicle.name", "vehicle.name is refused, expected a number"),
+        ("x [1] = vehicle.driven_wheels", "vehicle.driven_wheels is refused, expected a number"),
+        ("x [1] = vehicle.driven_wheels[0]", "vehicle.driven_wheels is refused, expected a number"),
         ("x [1] = mean(pose.x[time > 1] * pose.y[time > 1])", "expected (A * B)[condition]"),
         ("x [1] = mean(pose.x & pose.y)", "join conditions"),
         ("x [1] = mean(where(pose.x, 1, 0))", "where is where(condition, A, B)"),

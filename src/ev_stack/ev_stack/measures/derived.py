@@ -72,11 +72,13 @@ def of_vehicle(name: str, place: int | None) -> Callable[[DrivenRun], float]:
     if name not in known:
         raise unknown_name("vehicle parameter", name, known)
     is_list = isinstance(known[name], tuple)
-    if is_list and place is None:
+    values = known[name] if is_list else (known[name],)
+    is_text = any(isinstance(each, str) for each in values)
+    if is_list and place is None and not is_text:
         raise ParameterError(
             f"{VEHICLE}{name} is a list, expected one of its numbers, such as {VEHICLE}{name}[0]"
         )
-    if isinstance(known[name], str) or (place is not None and not is_list):
+    if is_text or (place is not None and not is_list):
         raise ParameterError(
             f"{VEHICLE}{name} is refused, expected a number, or a list with the place of one,"
             " as [0]"

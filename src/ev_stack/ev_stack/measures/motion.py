@@ -223,10 +223,11 @@ def crossing_time(time: np.ndarray, values: np.ndarray, level: float, what: str)
 
 
 def value_at(run: Recording, values: np.ndarray, time: float) -> float:
-    """Value at a time [s], linear between samples; NotMeasured if the run ends before."""
+    """Value at a time [s], linear between samples; NotMeasured if the run does not have it."""
     # Rounding of an instant must not make the last sample one that is missing.
     if not run.time[0] <= time <= run.time[-1] + 1e-9:
-        raise NotMeasured(f"the run ends at {run.time[-1]:g} s, before {time:g} s")
+        ends = f"{run.time[0]:g} s to {run.time[-1]:g} s"
+        raise NotMeasured(f"the run lasts from {ends}, without {time:g} s")
     return float(np.interp(time, run.time, values))
 
 
