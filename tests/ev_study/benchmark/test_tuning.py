@@ -94,7 +94,8 @@ def test_a_number_without_bounds_is_searched_around_a_positive_start_and_else_re
         bounded: float = parameter(0.0, low=-1.0, high=1.0, about="bounded offset")
         fixed: float = parameter(1.0, low=1.0, high=1.0, about="that cannot change")
 
-    own = {ROLE: SimpleNamespace(parameters=Parameters())}
+    without_options = SimpleNamespace(is_idle=lambda name: False)
+    own = {ROLE: SimpleNamespace(parameters=Parameters(), method=without_options)}
     gain, lag, bounded = free_parameters("own", own, ["gain", "lag", "bounded"])
     assert (gain.low, gain.high, lag.low, lag.high) == (0.04, 400.0, 0.1, 20.0)
     assert (bounded.low, bounded.high, bounded.share) == (-1.0, 1.0, 0.5)
