@@ -213,6 +213,13 @@ def test_a_value_for_an_option_that_one_case_has_is_taken(order):
     assert len(study_cases(sweep, given)) == 2
 
 
+def test_what_varies_is_a_parameter_of_a_node():
+    """A duration is the scenario's own, for --duration: no method plays it."""
+    words = ["sweep", "double_lane_change", "--vary", "scenario.duration=1,2"]
+    with pytest.raises(SystemExit, match=r"^error: unknown node 'scenario'"):
+        main(words)
+
+
 def test_runs_too_short_for_any_metric_have_a_line():
     """The line has the reason: a coast-down takes 10 s to be one."""
     given = arguments("sweep", ["coast_down", "--vary", "plant.initial_speed=15.00001,15.00002"])

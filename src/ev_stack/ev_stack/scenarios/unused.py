@@ -6,8 +6,8 @@ from collections.abc import Collection, Iterable, Sequence
 from typing import Any
 
 from ev_core.lockstep.configuration import refuse_unused
-from ev_msgs_py.contract.roles import MASTER
-from ev_msgs_py.refusal import ParameterError
+from ev_msgs_py.contract.roles import MASTER, ROLES
+from ev_msgs_py.refusal import ParameterError, unknown_name
 from ev_stack.scenarios.records import Run
 from ev_stack.scenarios.sources import Sources
 
@@ -18,6 +18,9 @@ _PROFILE = "speed_profile."
 def refuse_unused_values(values: Iterable[tuple[str, str, Any]], runs: Sequence[Run]) -> None:
     """ParameterError for (node, parameter, value) that nothing in these runs takes."""
     for node, key, _ in values:
+        # No method can play what is no node of the graph.
+        if node != "*" and node not in ROLES:
+            raise unknown_name("node", node, ROLES)
         played = [
             each for run in runs for each in run.configurations.values() if node in ("*", each.role)
         ]
