@@ -9,10 +9,11 @@ set -euo pipefail
 root="$(readlink -f "${BASH_SOURCE[0]}")" && root="${root%/*/*}"
 cd "$root"
 if [[ "$root" == *[[:space:]]* ]]; then
-    echo "colcon cannot build in a folder with a blank in its path: $root" >&2
+    echo "programs cannot be started from a folder with a blank in its path: $root" >&2
     exit 1
 fi
 unset CDPATH # by which `cd` would lead elsewhere
+unset PYTHONDONTWRITEBYTECODE # one step would compile for the next in vain
 export LC_ALL=C.UTF-8 PIP_DISABLE_PIP_VERSION_CHECK=1
 exec {terminal}>&2 # past the log of a step
 to_run=("$@")
@@ -46,7 +47,7 @@ environment_fingerprint() {
 }
 
 build_fingerprint() {
-    cat .venv/.complete scripts/prepare.sh src/*/{package.xml,setup.py,setup.cfg} | sha256sum
+    cat .venv/.complete scripts/{prepare.sh,link_packages.py} src/*/{package.xml,setup.py,setup.cfg} | sha256sum
 }
 
 is_environment_ready() {
@@ -233,19 +234,24 @@ print("import sys; sys.path +=", ascii(sys.argv[1:]))' \
 compile_ahead() {
     local sources
     sources="$(printf '%s:' "$root"/src/*)"
-    env -u PYTHONDONTWRITEBYTECODE PYTHONPATH="${sources%:}${PYTHONPATH:+:$PYTHONPATH}" \
-        .venv/bin/python scripts/compile_ahead.py "$@" >>log/compile_ahead.log 2>&1 {lock}<&- &
+    PYTHONPATH="${sources%:}${PYTHONPATH:+:$PYTHONPATH}" .venv/bin/python scripts/compile_ahead.py "$@" >>log/compile_ahead.log 2>&1 {lock}<&- &
     ahead+=($!)
 }
 
-# colcon builds one package after the other: what runs need is compiled meanwhile.
+# colcon builds for the `ros2` of a distribution, which finds only what is built so, one package after the other.
+# Elsewhere the packages are linked, which takes no time. What runs need is compiled meanwhile.
 build() {
     [[ "${#ahead[@]}" -gt 0 ]] || compile_ahead code "${to_run[@]}"
+    if [[ -z "$distribution" ]]; then
+        .venv/bin/python scripts/link_packages.py && compile_ahead imports
+        return
+    fi
     compile_ahead imports
-    .venv/bin/python -m colcon build --symlink-install --base-paths src
+    [[ ! -d install/python ]] || rm -rf install # of link_packages.py
+    .venv/bin/python -m colcon build --symlink-install --base-paths src && record_environment && record_paths
 }
 
-# The planar plant takes longer than colcon; what cannot be compiled says so when it is used.
+# Code takes longest; what cannot be compiled says so when it is used.
 wait_for_ahead() {
     local counted="" shown=""
     while [[ -n "$(jobs -rp)" ]]; do
@@ -262,8 +268,6 @@ build_workspace() {
     rm -f install/.complete
     step "building the workspace" build
     wait_for_ahead
-    record_environment
-    record_paths
     ln -sf "$root/scripts/ev-stack" .venv/bin/ev-stack
     build_fingerprint >install/.complete
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Set up the workspace on first use and enter its environment.
 #
-#     source scripts/setup.sh    then python, colcon and ros2 (if there is one) know the workspace
+#     source scripts/setup.sh    then python, the shell and ros2 (if there is one) know the workspace
 #     scripts/setup.sh           only set up
 #
 # All other scripts begin with this one; when everything is up to date it takes less than 0.1 s.

@@ -34,10 +34,19 @@ def main():
     python, words = sys.argv[4], sys.argv[5:]
     sys.exit(os.environ.get("UV_FAILS") or subprocess.call([python, "-m", "pip", "install", "--no-compile", *words]))
 """
+# As the real one it compiles while the rest is set up, which takes longest.
+AHEAD = """
+import os, time
+print(os.getpid(), flush=True)
+time.sleep(float(os.environ["AHEAD_TIME"]))
+"""
+SETUP = """
+from setuptools import find_packages, setup
+program = "ev-stack = ev_stack:main"
+setup(name="ev_stack", version="1.0", packages=find_packages(), entry_points={"console_scripts": [program]})
+"""
 COLCON = """
-import os, pathlib, time
-pathlib.Path("building").touch()
-time.sleep(float(os.environ.get("BUILD_TIME", "0")))
+import pathlib
 folder = pathlib.Path("install/ev_stack/lib/ev_stack")
 folder.mkdir(parents=True, exist_ok=True)
 (folder / "ev-stack").write_text("#!/bin/sh\\necho the command\\n")
@@ -73,9 +82,11 @@ class Checkout:
         )
         self.wheels.mkdir()
         shutil.copytree(ROOT / "scripts", self.root / "scripts")
-        package = self.root / "src" / "ev_sim"
-        package.mkdir(parents=True)
-        for name in ("package.xml", "setup.py", "setup.cfg"):
+        package = self.root / "src" / "ev_stack"
+        (package / "ev_stack").mkdir(parents=True)
+        (package / "ev_stack" / "__init__.py").write_text("def main(): print('the command')\n")
+        (package / "setup.py").write_text(SETUP)
+        for name in ("package.xml", "setup.cfg"):
             (package / name).touch()
         entry = "uv-1.0.dist-info/entry_points.txt"
         uv = wheel(
@@ -116,6 +127,16 @@ class Checkout:
         out, output = process.communicate()
         assert out == ""
         return process.returncode, output
+
+    def compile_for(self, seconds: float) -> dict[str, str]:
+        """The environment in which what compiles ahead takes this time."""
+        (self.root / "scripts" / "compile_ahead.py").write_text(AHEAD)
+        return {"AHEAD_TIME": str(seconds)}
+
+    def compiling(self) -> list[str]:
+        """The numbers of the processes that have begun to compile ahead."""
+        log = self.root / "log" / "compile_ahead.log"
+        return log.read_text().split() if log.exists() else []
 
     @property
     def is_complete(self) -> bool:
@@ -207,24 +228,53 @@ def test_what_was_interrupted_is_repaired_by_the_next_call(kind, checkout):
 
     What was installed is not installed again; code and imports that compile meanwhile end with it.
     """
-    ahead = checkout.root / "scripts" / "compile_ahead.py"
-    ahead.write_text("import os, time\nprint(os.getpid(), flush=True)\ntime.sleep(600)\n")
-    process = checkout.start(BUILD_TIME="600")
-    log = checkout.root / "log" / "compile_ahead.log"
-    while not ((checkout.root / "building").exists() and log.read_text().count("\n") == 2):
+    process = checkout.start(**checkout.compile_for(600))
+    while len(checkout.compiling()) < 2:
         assert process.poll() is None
         time.sleep(0.05)
     os.killpg(process.pid, kind)
     process.communicate()
     assert process.returncode != 0
     assert not (checkout.root / "install" / ".complete").exists()
-    wait_until(
-        lambda: not any(Path("/proc", number).exists() for number in log.read_text().split())
-    )
-    ahead.unlink()
+    numbers = checkout.compiling()
+    wait_until(lambda: not any(Path("/proc", number).exists() for number in numbers))
+    (checkout.root / "scripts" / "compile_ahead.py").unlink()
     status, output = checkout.set_up()
     assert (status, steps_of(output)) == (0, ["building the workspace ..."])
     assert checkout.is_complete
+
+
+@pytest.mark.slow
+def test_a_package_that_comes_or_goes_is_known_after_the_next_call(checkout):
+    """Its description and programs are those of its setup.py, and modules are those of src."""
+    assert checkout.set_up()[0] == 0
+    (more := checkout.root / "src" / "more").mkdir()
+    shutil.move(checkout.root / "src" / "ev_stack" / "package.xml", more)
+    shutil.move(checkout.root / "src" / "ev_stack" / "setup.cfg", more)
+    shutil.rmtree(checkout.root / "src" / "ev_stack")
+    points = {"console_scripts": ["more = more.nodes:main"], "ev_stack.nodes": ["m = more:make"]}
+    given = {"name": "more", "version": "2.0", "entry_points": points}
+    given["extras_require"] = {"x": ["y>1"]}
+    (more / "setup.py").write_text(f"from setuptools import setup\nsetup(**{given})\n")
+    (more / "more").mkdir()
+    (more / "more" / "nodes.py").touch()
+    assert checkout.set_up()[0] == 0
+    asked = (
+        "from importlib.metadata import distribution, entry_points, packages_distributions\n"
+        "of = distribution('more')\n"
+        "print(of.version, of.requires, entry_points(group='ev_stack.nodes'))\n"
+        "assert not entry_points(name='ev-stack')"
+    )
+    python = checkout.root / ".venv" / "bin" / "python"
+    found = subprocess.check_output([python, "-c", asked], text=True)
+    assert found.startswith("2.0 ['y>1; extra == \"x\"'] ")
+    assert "EntryPoint(name='m', value='more:make', group='ev_stack.nodes')" in found
+    program = checkout.root / "install" / "more" / "lib" / "more" / "more"
+    edited = "import sys\ndef main(): return print(sys.argv[1:]) or 4\n"
+    (more / "more" / "nodes.py").write_text(edited)
+    done = subprocess.run([program, "word"], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (4, "['word']\n")
+    assert not (checkout.root / "install" / "ev_stack").exists()
 
 
 @pytest.mark.slow
@@ -256,8 +306,8 @@ def test_one_variable_takes_the_wheels_of_kilted(checkout):
 def test_two_calls_at_once_set_up_once(checkout, tmp_path):
     """The second call waits, also under a Python without ensurepip, and finds all done."""
     (tmp_path / "ensurepip.py").write_text("raise ImportError\n")
-    first = checkout.start(BUILD_TIME="2", PYTHONPATH=str(tmp_path))
-    while not (checkout.root / "building").exists():
+    first = checkout.start(PYTHONPATH=str(tmp_path), **checkout.compile_for(2))
+    while not checkout.compiling():
         assert first.poll() is None
         time.sleep(0.05)
     assert checkout.set_up() == (0, "waiting for another set-up to finish ...\n")
@@ -271,8 +321,12 @@ def test_two_calls_at_once_set_up_once(checkout, tmp_path):
 def test_beside_a_distribution_only_what_it_lacks_is_installed(distribution, checkout, tmp_path):
     """ROS is left out, and numpy stays that of the distribution.
 
-    It is pip that installs, for uv does not see the packages of the distribution.
+    It is pip that installs, for uv does not see the packages of the distribution. colcon builds, for
+    `ros2` finds only what is built so; what was linked before goes.
     """
+    assert checkout.set_up()[0] == 0
+    assert (linked := checkout.root / "install" / "python").exists()
+    by_uv = checkout.calls.read_text()
     (tmp_path / "ros2").write_text("#!/bin/sh\n")
     (tmp_path / "ros2").chmod(0o755)
     (tmp_path / "numpy.py").write_text("__version__ = '1.26.4'\n")
@@ -289,9 +343,10 @@ def test_beside_a_distribution_only_what_it_lacks_is_installed(distribution, che
     venv = checkout.root / ".venv"
     assert (venv / "missing.txt").read_text() == "colcon\n"
     assert (venv / "constraints.txt").read_text() == "numpy==1.26.4\n"
-    assert not checkout.calls.exists()
+    assert checkout.calls.read_text() == by_uv
     assert "include-system-site-packages = true" in (venv / "pyvenv.cfg").read_text()
-    assert checkout.is_complete
+    assert checkout.is_complete and not linked.exists()
+    assert "nothing" in (checkout.root / "install" / "environment.bash").read_text()
 
 
 def middleware_of(checkout: Checkout, before: str = "", **environment: str) -> dict[str, str]:
@@ -428,4 +483,4 @@ def test_a_checkout_with_umlauts_in_its_path_is_set_up_twice(tmp_path: Path):
     ]
     environment = checkout.environment | {"LC_ALL": "C"}
     paths = subprocess.run(words, env=environment, check=True, capture_output=True, text=True)
-    assert ascii(str(checkout.root / "build" / "ev_sim")) in paths.stdout
+    assert ascii(str(checkout.root / "src" / "ev_stack")) in paths.stdout

@@ -97,7 +97,9 @@ def _here(units: Sequence[Unit], progress: Callable[[], object]) -> list[str]:
 
 
 def _on_workers(units: Sequence[Unit], count: int, progress: Callable[[], object]) -> list[str]:
-    import numba  # noqa: F401, once for all workers that are forked from this process
+    from ev_core.compiling.machine_code import register_functions
+
+    register_functions()  # once for all workers that are forked from this process
 
     # Reversed, so that `pop` takes the first, which take longest, first.
     waiting, found = list(reversed(range(len(units)))), []

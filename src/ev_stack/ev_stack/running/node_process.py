@@ -54,8 +54,8 @@ def command(name: str) -> list[str]:
         if path.exists():
             return [str(path)]
     raise RunFailed(
-        f"executable {package} {name} is not found: source install/local_setup.bash of the"
-        " workspace"
+        f"executable {package} {name} is not found: source scripts/setup.sh, or"
+        " install/local_setup.bash of a workspace of your own"
     )
 
 
