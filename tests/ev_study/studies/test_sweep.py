@@ -389,7 +389,7 @@ def test_tables_keep_all_digits_for_machines_and_mask_what_latex_knows(tmp_path)
 
 
 def test_steering_angles_of_another_car_are_noted(tmp_path, capsys):
-    """At rest no ramp gives angles; two other speeds have angles of their own, in one line."""
+    """No ramp gives angles at rest; two other speeds have angles of their own, in one line."""
     words = ["--vary", "plant.initial_speed=0,10,12", "--duration", "0.1", "--workers", "1"]
     out = ["--no-report", "--out", str(tmp_path)]
     main(["sweep", "step_steer", *words, *out])
