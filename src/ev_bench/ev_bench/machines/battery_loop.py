@@ -4,7 +4,7 @@ The dissertation names these parts, and a loop of its own with sensors of temper
 (section 4.2). It prints no number of them and no rule for the fan, so all of these are assumptions.
 
 How it works: the cells warm by the loss of the battery's resistance. The pump takes their heat to
-the radiator, whose fan runs between two temperatures of the coolant. The coolant has no heat
+the radiator; its fan runs between two temperatures of the coolant. The coolant has no heat
 capacity of its own (that of 206 cells is 515 kJ/K, of 5 l of water with glycol 19 kJ/K), so its
 temperatures follow from those of cells and air at once.
 """

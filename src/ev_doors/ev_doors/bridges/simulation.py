@@ -70,7 +70,7 @@ class SimulationInterfaces:
         self._ticks, self._ticked = 0, -float("inf")
         self._stamp = (-1, 0)
         self._waiting: list[tuple[float, Future, float]] = []
-        self._turn: Future | None = None  # of the client whose steps are being taken
+        self._turn: Future | None = None  # of the client that is being stepped
         self._master = f"{namespace.rstrip('/')}/{MASTER}"
         self._callers = {
             name: node.create_client(Trigger, f"{self._master}/{name}") for name in TIME_SERVICES
@@ -210,7 +210,7 @@ class SimulationInterfaces:
         return state
 
     async def _take_steps(self, count: int) -> tuple[int, str]:
-        """Take the steps of one client: ticks of the clock do not show whose step it was."""
+        """Take the steps of one client: ticks of the clock do not show which one asked."""
         while self._turn is not None:
             await self._turn
         self._turn = turn = Future(executor=self._node.executor)
