@@ -315,7 +315,7 @@ def test_a_bus_of_the_bench_alone_is_refused(name, value, tmp_path):
 
 
 def test_a_second_run_of_a_domain_does_not_share_the_bus(monkeypatch, tmp_path):
-    """In another namespace it would take the set-points of the first one, and send its own."""
+    """A run in another namespace would take the set-points of the first one, and send its own."""
     monkeypatch.setattr(can_of_runs, "_works", lambda channel: True)
     run = _run_on(BusParameters(), BusModelParameters())
     line = "^ROS domain 2 has a run with a bus in real time already"

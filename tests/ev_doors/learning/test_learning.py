@@ -137,7 +137,7 @@ def _rear_wheels(car: Vehicle, here: dict[str, float]) -> np.ndarray:
     ("ratio", "angle"), [(-0.5, 0.0), (0.0, -0.2)], ids=["ratio", "rear steering"]
 )
 def test_a_picture_turns_the_rear_wheels(ratio, angle):
-    """By the share of the front angle that the car gives them, and by the angle of a law alike."""
+    """A share of the front angle turns them, and the angle of a law does alike."""
     car = vehicle_of("compact_ev")
     here = {
         "pose.x": 0.0,
