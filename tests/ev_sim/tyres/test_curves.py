@@ -130,7 +130,7 @@ def test_a_name_leads_to_the_function_of_its_curve(curve):
 
 @pytest.mark.parametrize("curve", SIMPLE)
 def test_available_friction_follows_the_road(curve):
-    """From dry asphalt to ice it falls as the peaks of the surfaces do, whatever the curve."""
+    """Friction falls from dry asphalt to ice as the peaks of the surfaces do, whatever the curve."""
     available = {
         name: tyre_on_road(Tyre(curve=curve, coefficients=TYRES.get(curve, (0.0,) * 4)), name)
         for name in ("dry_asphalt", "ice")
