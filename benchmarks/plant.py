@@ -71,7 +71,7 @@ class PlanarPlant:
 
     def __init__(self, period: float, electrical: bool = False, vehicle: Vehicle = AUDI) -> None:
         parameters = PlanarPlantParameters(initial_speed=SPEED, electrical=electrical)
-        self._method = find_method("plant", "planar").with_options(parameters)
+        self._method = find_method("plant", "planar").with_options(parameters, vehicle)
         self.part = CompiledPart(self._method, parameters, vehicle, period)
         self._here, self._there = Frame(), Frame()
         for signal in (COMMAND, COLUMN):

@@ -20,7 +20,11 @@ def writing_methods(role: str, signal: type) -> list[str]:
         if signal in method.writes:
             found.append(name)
             continue
+        enough: list[set[str]] = []
         for switches, changed in method.law.options.items() if method.law else ():
-            if signal in changed.get("writes", ()):
+            # What one switch brings, a second beside it does not bring anew.
+            is_more = any(each <= {*switches} for each in enough)
+            if signal in changed.get("writes", ()) and not is_more:
+                enough.append({*switches})
                 found.append(f"{name} with {' and '.join(switches)}")
     return found

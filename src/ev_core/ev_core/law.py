@@ -61,6 +61,7 @@ from ev_msgs_py.contract.optional_signals import (
     BenchEnergy,
     BenchShafts,
     BenchTemperatures,
+    BodyRoll,
     CellCondition,
     LoadCommand,
     MotorElectrics,

@@ -73,7 +73,8 @@ def empty_message(topic: Topic, message_class: type) -> Any:
         message.name = names
         for kind in _used_arrays(topic):
             setattr(message, kind, array("d", bytes(8 * len(names))))
-    if hasattr(message, "orientation_covariance"):
+    places = _in_message(topic.shape)
+    if hasattr(message, "orientation_covariance") and "orientation.w" not in places:
         message.orientation_covariance[0] = -1.0  # an Imu that measures no orientation
     return message
 

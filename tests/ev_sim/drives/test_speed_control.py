@@ -55,7 +55,7 @@ def test_the_integral_holds_where_the_torque_is_limited(error, limit):
 def plant(speed_mode: bool = True, **values) -> CompiledObject:
     found = find_method("plant", "planar")
     parameters = build(found.parameters, {"speed_mode": speed_mode, **values})
-    return CompiledObject(found.with_options(parameters), parameters, CAR, PERIOD)
+    return CompiledObject(found.with_options(parameters, CAR), parameters, CAR, PERIOD)
 
 
 def signals(car: CompiledObject) -> dict[type, tuple]:

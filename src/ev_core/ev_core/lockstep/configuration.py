@@ -149,7 +149,7 @@ class Configuration:
         if self.extra is not None:
             extra = _replaced(rest, self.extra)
         # Another method, or another option of this one, has other signals and sensors.
-        if rest or self.method.with_options(parameters) != self.method:
+        if rest or self.method.with_options(parameters, common.vehicle) != self.method:
             return self._anew(values)
         if extra is not None:
             extra.refuse_beside(common)
@@ -238,7 +238,7 @@ def configure(
         refuse_taken(f"{role} method {method.name}", method.parameters, entries_by_name(extra))
     parameters: Any = _take(rest, method.parameters)
     # Options decide which signals the method writes, and so which sensors there are.
-    method = method.with_options(parameters)
+    method = method.with_options(parameters, common.vehicle)
     sensors: Any = _take(rest, sensors_for(method.writes), _SENSORS)
     own_faults = None if hasattr(parameters, "faults") else _take(rest, FaultParameters)
     # A default does nothing either, and `values` has it for every parameter.
@@ -303,7 +303,8 @@ def _methods_with(role: str, name: str) -> list[str]:
     for method in methods_of(role).values():
         ways = {method.name: method}
         for switch in method.switches:
-            ways[f"{method.name} and {role}.{switch} true"] = method.with_switches_on([switch])
+            on = f"{switch} above 0" if switch.startswith(_VEHICLE) else f"{role}.{switch} true"
+            ways[f"{method.name} and {on}"] = method.with_switches_on([switch])
         with_it = [way for way, each in ways.items() if _uses(each, name)]
         # What it uses without an option it uses with each.
         found += with_it[:1]

@@ -9,9 +9,11 @@ made of the same functions (`compiled.part_source`).
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass, replace
 from functools import cache, lru_cache, partial, wraps
+from itertools import chain
+from operator import attrgetter
 from types import MappingProxyType, SimpleNamespace
 from typing import Any, TypeVar, get_type_hints
 
@@ -33,6 +35,8 @@ GIVEN = ("p", "car", "c", "s", "period")
 
 # Fields of a law that other ones replace, by the switches that have to be on.
 Options = Mapping[tuple[str, ...], Mapping[str, Any]]
+# A number of the vehicle is a switch as well: it is on where it is not 0.
+OF_VEHICLE = "vehicle."
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,9 +67,9 @@ class Law:
     `in_real_time` has defaults of others there, by ROLE.PARAMETER. `notes` gives texts about the
     run so far. `mirrored` claims that left and right are alike to it (`check.mirror`).
 
-    `options` has fields that replace those of the law where switches among its parameters are on:
-    so a switch can add signals that are read or written. `idle` names groups of parameters that do
-    nothing; the option that uses them replaces it.
+    `options` has fields that replace those of the law where switches among its parameters, or
+    numbers of the vehicle, are on: so a switch can add signals that are read or written. `idle`
+    names groups of parameters that do nothing; the option that uses them replaces it.
     """
 
     function: Callable[..., Any]
@@ -90,11 +94,25 @@ class Law:
         """True if its functions are marked as `compilable`."""
         return self.function in FUNCTIONS and (self.outputs is None or self.outputs in FUNCTIONS)
 
-    def with_options(self, parameters: Any) -> Law:
-        """The law with the options that these parameters switch on."""
+    @property
+    def switches(self) -> tuple[str, ...]:
+        """Names of what puts options on."""
+        return tuple(dict.fromkeys(chain.from_iterable(self.options)))
+
+    def switched_on(self, parameters: Any, vehicle: Vehicle) -> list[str]:
+        """The switches that these parameters and this vehicle put on."""
+        found: list[str] = []
+        for name in self.switches:
+            owner = vehicle if name.startswith(OF_VEHICLE) else parameters
+            if attrgetter(name.removeprefix(OF_VEHICLE))(owner):
+                found.append(name)
+        return found
+
+    def with_options(self, on: Collection[str]) -> Law:
+        """The law with the options that take no other switches than these."""
         changes: dict[str, Any] = {}
         for switches, changed in self.options.items():
-            if all(getattr(parameters, switch) for switch in switches):
+            if all(switch in on for switch in switches):
                 changes |= changed
         return replace(self, **changes) if changes else self
 
@@ -232,7 +250,9 @@ def _wrong_state(state: Any) -> str:
 def refuse_wrong_option(label: str, law: Law) -> None:
     """TypeError, in one line that begins with `label`, for switches that cannot have options."""
     declared = {each.name: each for each in entries(law.parameters)}
-    for name in sorted({name for switches in law.options for name in switches}):
+    for name in sorted(law.switches):
+        if name.startswith(OF_VEHICLE):
+            continue  # numbers of the vehicle never change in a run
         switch = declared.get(name)
         if switch is None or switch.type is not bool or switch.is_array:
             expected = f"a switch of {law.parameters.__name__}"

@@ -36,12 +36,17 @@ class Method:
     declared: Method | None = None
     """The method without its options, where a configuration has put some of them on."""
 
-    def with_options(self, parameters: Any) -> Method:
-        """The method with the options of its law that are on in these parameters."""
+    def with_options(self, parameters: Any, vehicle: Any) -> Method:
+        """The method with the options of its law that parameters and vehicle put on."""
+        law = (self.declared or self).law
+        return self.with_switches_on(law.switched_on(parameters, vehicle) if law else ())
+
+    def with_switches_on(self, switches: Iterable[str]) -> Method:
+        """The method with the options of its law that take no other switches."""
         declared = self.declared or self
         if declared.law is None or not declared.law.options:
             return declared
-        law = declared.law.with_options(parameters)
+        law = declared.law.with_options({*switches})
         if law is declared.law:
             return declared
         return replace(declared, factory=law, reads=signals_read(law.function), declared=declared)
@@ -79,14 +84,8 @@ class Method:
 
     @property
     def switches(self) -> tuple[str, ...]:
-        """Names of the parameters that put options of its law on."""
-        options = self.law.options if self.law else ()
-        return tuple(dict.fromkeys(name for switches in options for name in switches))
-
-    def with_switches_on(self, switches: Iterable[str]) -> Method:
-        """The method with the options of its law that take no other switches."""
-        parameters = self.parameters()
-        return self.with_options(replace(parameters, **dict.fromkeys(switches, True)))
+        """Names of the parameters that put options of its law on, among them the vehicle's."""
+        return self.law.switches if self.law else ()
 
     def is_idle(self, name: str) -> bool:
         """True for a parameter that does nothing without another option."""

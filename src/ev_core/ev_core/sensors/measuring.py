@@ -141,8 +141,8 @@ def sensor_parameters(unit: str, largest: float) -> type:
     return SensorParameters
 
 
-# How the frame carries what is measured: as numbers one after the other; as z and w of a quaternion
-# about the vertical axis; as a share and the amount that it is of the whole.
+# How the frame carries what is measured: as numbers one after the other; as two numbers of a
+# quaternion about one axis; as a share and the amount that it is of the whole.
 NUMBERS, HEADING, SHARE = range(3)
 
 # The settings of a sensor. Three places: of the first number, or of z and w, or of share, amount

@@ -35,6 +35,7 @@ _MEASURED = (
     signals.BodyPose,
     signals.BatteryCondition,
     signals.TireForces,
+    optional.BodyRoll,
     optional.MotorElectrics,
     optional.MotorTemperatures,
     optional.CellCondition,
@@ -43,9 +44,10 @@ _MEASURED = (
     *_OF_CIRCUITS,
 )
 
-# A heading is carried by two numbers of a quaternion, a charge is a share of the capacity: how, and
+# An angle is carried by two numbers of a quaternion, a charge is a share of the capacity: how, and
 # in which order.
 _SPECIAL = {
+    "body_roll": (measuring.HEADING, ("orientation_x", "orientation_w"), ""),
     "body_heading": (measuring.HEADING, ("orientation_z", "orientation_w"), ""),
     "battery_state_of_charge": (measuring.SHARE, ("state_of_charge", "charge"), "capacity"),
 }
@@ -56,7 +58,7 @@ class Quantity:
     """Fields of a signal that one sensor measures.
 
     Its parameters accept errors up to `largest`, in `unit`. `kind` is the form of what is measured
-    in the fields: its numbers; z and w of a quaternion; or a share and the amount that this is of a
+    in the fields: its numbers; two of a quaternion; or a share and the amount that this is of a
     further field, `whole`.
     """
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from ev_core.elementary import copysign, hypot
 from ev_core.parameters.declaration import number_tree
+from ev_core.vehicle.description import GRAVITY as GRAVITY
 from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.driveline import (
     couplings,
@@ -20,8 +21,6 @@ from ev_core.vehicle.driveline import (
 from ev_msgs_py.compilable import compilable, inlined
 from ev_msgs_py.contract.signals import BodyVelocity
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
-
-GRAVITY = 9.81  # [m/s^2], as in all sources
 
 
 class Car(Vehicle):
@@ -60,12 +59,13 @@ def car_numbers(vehicle: Vehicle) -> dict[str, Any]:
     - `rolling_resistance_growth`: of the rolling resistance coefficient over V^2 [s^2/m^2],
     - `front_roll_share`: of the front axle in the lateral load transfer [1], by roll stiffness
       where that is given,
-    - `pitch_height`, `roll_height`: height of the centre of mass [m] by which longitudinal and
-      lateral acceleration move the wheel loads, 0 for what `load_transfer` leaves out,
+    - `pitch_height`, `roll_height`: height [m] by which longitudinal and steady lateral
+      acceleration move the wheel loads, 0 for what `load_transfer` leaves out; that of the centre
+      of mass, for roll with the moment of the weight of a body that leans,
     - those of its drives, `driveline.drive_train_numbers`.
     """
     driven = [float(name in vehicle.driven_wheels) for name in WHEEL_NAMES]
-    height = vehicle.centre_of_mass_height
+    moved_by = vehicle.load_transfer
     # The road load of a dynamometer has the resistance as a force, laws count with a coefficient.
     of_road_load = vehicle.road_load.constant / (vehicle.mass * GRAVITY)
     return {
@@ -76,9 +76,11 @@ def car_numbers(vehicle: Vehicle) -> dict[str, Any]:
         "constant_rolling_resistance": vehicle.rolling_resistance + of_road_load,
         "rolling_resistance_growth": vehicle.rolling_resistance_growth,
         "front_roll_share": vehicle.front_share_of_roll,
-        "pitch_height": height if vehicle.load_transfer == "both" else 0.0,
+        "pitch_height": (
+            vehicle.centre_of_mass_height if moved_by in ("both", "longitudinal") else 0.0
+        ),
         **drive_train_numbers(vehicle),
-        "roll_height": 0.0 if vehicle.load_transfer == "none" else height,
+        "roll_height": vehicle.height_of_roll if moved_by in ("both", "lateral") else 0.0,
     }
 
 

@@ -1,4 +1,4 @@
-"""The vehicle description, and springs, links and bushes of its axles."""
+"""The vehicle description."""
 
 import math
 from dataclasses import dataclass
@@ -7,94 +7,11 @@ from ev_core.parameters.declaration import group, own, parameter, setting
 from ev_core.vehicle.battery import Battery
 from ev_core.vehicle.driveline import Driveline, refuse_drive_train
 from ev_core.vehicle.motor import Engine, Motor
+from ev_core.vehicle.suspension import RollingBody, Suspension, rolling_body
 from ev_core.vehicle.tmeasy import tyre_size
 from ev_core.vehicle.tyre import Tyre
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError
-
-
-@dataclass(frozen=True, slots=True)
-class Suspension:
-    """Roll stiffness, roll centres and compliance steer.
-
-    The defaults are an axle without any of them.
-    """
-
-    front_roll_stiffness: float = setting(
-        0.0,
-        unit="N m/rad",
-        low=0.0,
-        high=1e7,
-        about="of springs and stabiliser in front; 0 for `front_roll_share`",
-    )
-    rear_roll_stiffness: float = setting(
-        0.0,
-        unit="N m/rad",
-        low=0.0,
-        high=1e7,
-        about="of springs and stabiliser behind; 0 for `front_roll_share`",
-    )
-    front_roll_centre_height: float = setting(
-        0.0, unit="m", low=-1.0, high=3.0, about="of the front axle, above the road"
-    )
-    rear_roll_centre_height: float = setting(
-        0.0, unit="m", low=-1.0, high=3.0, about="of the rear axle, above the road"
-    )
-    roll_lag: float = setting(
-        0.0,
-        unit="s",
-        low=0.0,
-        high=1.0,
-        about="time in which the loads follow a lateral acceleration; 0 for the plant's "
-        "`load_transfer_lag`",
-    )
-    front_compliance_steer: float = setting(
-        0.0,
-        unit="rad/N",
-        low=-1e-4,
-        high=1e-4,
-        about="angle by which a side force on the front axle turns its wheels out of the bend: "
-        "understeer",
-    )
-    rear_compliance_steer: float = setting(
-        0.0,
-        unit="rad/N",
-        low=-1e-4,
-        high=1e-4,
-        about="angle by which a side force on the rear axle turns its wheels into the bend: "
-        "understeer",
-    )
-
-    def __post_init__(self) -> None:
-        if (self.front_roll_stiffness > 0.0) != (self.rear_roll_stiffness > 0.0):
-            raise ParameterError(
-                "front_roll_stiffness and rear_roll_stiffness are given both or neither"
-            )
-        if 0.0 < self.roll_lag < 0.002:
-            raise ParameterError(f"roll_lag is {self.roll_lag:g} s, expected 0 or 0.002 to 1 s")
-
-    @property
-    def has_roll_stiffness(self) -> bool:
-        """True if stiffness and roll centres give the shares of the lateral load transfer."""
-        return self.front_roll_stiffness > 0.0
-
-    def front_roll_share(self, height: float, front_load_share: float) -> float:
-        """Share of the front axle in the lateral load transfer [1].
-
-        The body rolls about its roll axis. A side force acts in the roll centres without rolling
-        the body, the rest of its moment by the arm of the centre of mass (`height` [m], share of
-        the front axle in the weight [1]) over the roll axis is shared by stiffness. Source:
-        Milliken & Milliken, Race Car Vehicle Dynamics, 1995, chapter 18; the moment of the weight
-        that moves out with the roll angle is left out.
-        """
-        axis = (
-            front_load_share * self.front_roll_centre_height
-            + (1.0 - front_load_share) * self.rear_roll_centre_height
-        )
-        elastic = self.front_roll_stiffness / (self.front_roll_stiffness + self.rear_roll_stiffness)
-        return (
-            front_load_share * self.front_roll_centre_height + (height - axis) * elastic
-        ) / height
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +33,8 @@ class RoadLoad:
     )
 
 
-LOAD_TRANSFERS = ("both", "lateral", "none")
+LOAD_TRANSFERS = ("both", "longitudinal", "lateral", "none")
+GRAVITY = 9.81  # [m/s^2], as in all sources
 # Share that the rolling radius may be off from that of the tyre's size: rules for it differ by 2 %.
 _RADIUS_OFF = 0.05
 
@@ -224,8 +142,8 @@ class Vehicle:
     load_transfer: str = parameter(
         "both",
         choices=LOAD_TRANSFERS,
-        about="accelerations that move the wheel loads; a source may leave out the longitudinal "
-        "one, or both",
+        about="accelerations that move the wheel loads; a source may leave out one of them, or "
+        "both",
         source="lateral: Ge & Ni 2005; none: Tatar & Chudzik",
     )
     wheel_inertia: float = own(1.0, unit="kg m^2", low=1e-3, high=1e4, about="of each wheel, J_w")
@@ -319,6 +237,8 @@ class Vehicle:
                 raise ParameterError(
                     "suspension.front_roll_stiffness needs centre_of_mass_height above 0"
                 )
+            if self.suspension.rolls:
+                self._refuse_body_that_falls()
             if not 0.0 <= self.front_share_of_roll <= 1.0:
                 raise ParameterError(
                     f"suspension gives the front axle {self.front_share_of_roll:.3g} of the "
@@ -326,13 +246,51 @@ class Vehicle:
                     "expected 0 to 1"
                 )
 
+    def _refuse_body_that_falls(self) -> None:
+        """Refuse a body that is heavier than the car, or that its springs do not hold upright."""
+        sprung = self.suspension.sprung_mass
+        if sprung > self.mass:
+            raise ParameterError(
+                f"suspension.sprung_mass is {sprung:g} kg, expected at most mass, {self.mass:g} kg"
+            )
+        overturning = self.rolling_body.weight * GRAVITY
+        if self.suspension.stiffness <= overturning:
+            raise ParameterError(
+                f"suspension.front_roll_stiffness and rear_roll_stiffness are "
+                f"{self.suspension.stiffness:g} N m/rad together, expected more than the weight "
+                f"of the body turns it over with, {overturning:.5g} N m/rad"
+            )
+
+    @property
+    def front_load_share(self) -> float:
+        """Share of the front axle in the weight [1]."""
+        return self.centre_of_mass_to_rear_axle / self.wheelbase
+
+    @property
+    def rolling_body(self) -> RollingBody:
+        """Constants of the body that rolls on its suspension."""
+        heights = (self.centre_of_mass_height, self.wheel_radius)
+        return rolling_body(self.suspension, self.mass, heights, self.front_load_share)
+
     @property
     def front_share_of_roll(self) -> float:
-        """Share of the lateral load transfer that the front axle takes [1]."""
+        """Share of the front axle in the lateral load transfer, steady where the body rolls [1]."""
         if not self.suspension.has_roll_stiffness:
             return self.front_roll_share
-        front = self.centre_of_mass_to_rear_axle / self.wheelbase
-        return self.suspension.front_roll_share(self.centre_of_mass_height, front)
+        if self.suspension.rolls:
+            front, rear = self.rolling_body.front_and_rear_moment(self.suspension, GRAVITY)
+            return front / (front + rear)
+        return self.suspension.front_roll_share(self.centre_of_mass_height, self.front_load_share)
+
+    @property
+    def height_of_roll(self) -> float:
+        """Height by which a lateral acceleration moves loads, where a body rolls steady [m].
+
+        The weight of a body that rolls moves outwards, so that it is above the centre of mass.
+        """
+        if not self.suspension.rolls:
+            return self.centre_of_mass_height
+        return sum(self.rolling_body.front_and_rear_moment(self.suspension, GRAVITY)) / self.mass
 
     @property
     def rolling_resistance_growth(self) -> float:

@@ -273,6 +273,15 @@ class Tyre:
         about="rolled distance in which the slip of the contact patch settles, about half of its "
         "length",
     )
+    radius_over_load: float = setting(
+        0.0,
+        unit="m/N",
+        low=0.0,
+        high=1e-5,
+        about="by how much the rolling radius shrinks for each newton above the static load: "
+        "(1 - lambda) over the vertical stiffness, with lambda about 2/3 in r_D = lambda r_0 + "
+        "(1 - lambda) r_S (Rill, Road Vehicle Dynamics, 2012, chapter 3)",
+    )
 
     def __post_init__(self) -> None:
         if len(self.coefficients) != 4:

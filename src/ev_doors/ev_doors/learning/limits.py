@@ -107,6 +107,8 @@ _OF_CHANNELS: _Rules = (
         lambda of: of.spin,
     ),
     ("pose.orientation_*", "a sine or cosine", lambda of: 1.0),
+    ("imu.roll.orientation_*", "a sine or cosine", lambda of: 1.0),
+    ("imu.roll.rate", "1.6 turns in a second", lambda of: LARGEST_YAW_RATE),
     ("battery.state_of_charge", "a full battery", lambda of: 1.0),
     ("tire_forces.slip_ratio.*", "a wheel that turns against the way of the car", lambda of: 2.0),
     (

@@ -5,6 +5,7 @@ period has a place for each tick of 1 ms, of which the first ones are used; what
 has one place.
 """
 
+import math
 from itertools import chain
 from typing import Annotated, Any, NamedTuple
 
@@ -134,6 +135,26 @@ class RearSteeringState(NamedTuple):
             "W", "from the supply, mean over the last period", "supply.effort", "supply_power", 1e5
         ),
     ]
+
+
+class BodyRoll(NamedTuple):
+    """Roll of the body on its suspension against the road: x and w of the quaternion, and rate."""
+
+    orientation_x: Annotated[
+        float,
+        leftward("1", "sine of half the angle, to the right", "orientation.x", "body_roll", 10.0),
+    ]
+    orientation_w: Annotated[
+        float, Field("1", "cosine of half the angle", "orientation.w", "body_roll", 10.0)
+    ]
+    rate: Annotated[
+        float, leftward("rad/s", "to the right", "angular_velocity.x", "body_roll_rate", 10.0)
+    ]
+
+    @property
+    def angle(self) -> float:
+        """Roll angle [rad], to the right, as in a bend to the left."""
+        return 2 * math.atan2(self.orientation_x, self.orientation_w)
 
 
 class MotorElectrics(NamedTuple):

@@ -85,7 +85,13 @@ ROLES = {
                 optional.BenchShafts,
                 optional.BenchElectrical,
             ),
-            writes=(*_BODY, signals.TireForces, *_ELECTRICAL, optional.LoadCommand),
+            writes=(
+                *_BODY,
+                signals.TireForces,
+                *_ELECTRICAL,
+                optional.BodyRoll,
+                optional.LoadCommand,
+            ),
             default_method="kinematic",
         ),
         Role(

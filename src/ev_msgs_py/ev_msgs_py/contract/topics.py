@@ -53,6 +53,7 @@ TOPICS = {
         Topic("pose", signals.BodyPose, "geometry_msgs/msg/PoseStamped", frame="odom"),
         Topic("battery", signals.BatteryCondition, "sensor_msgs/msg/BatteryState"),
         Topic("tire_forces", signals.TireForces, JOINT_STATE),
+        Topic("imu/roll", optional.BodyRoll, "sensor_msgs/msg/Imu"),
         Topic("motor_electrics", optional.MotorElectrics, JOINT_STATE),
         Topic("motor_temperatures", optional.MotorTemperatures, JOINT_STATE),
         Topic("battery/cell", optional.CellCondition, "sensor_msgs/msg/BatteryState"),

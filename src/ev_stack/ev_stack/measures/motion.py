@@ -12,6 +12,7 @@ from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_stack.measures.metric import Metric, NotMeasured, Runs, channel, mean_between
 from ev_stack.recording.recording import Recording
 
+ROLL = "imu.roll.orientation_w"  # of cars with a body that rolls
 ROAD_WHEEL_ANGLE = "steering_column.state.road_wheel_angle"
 HAND_TORQUE = "steering_column.state.hand_torque"
 DRIVER_HAND_TORQUE = "driver.command.hand_torque"
@@ -102,6 +103,11 @@ def heading(run: Recording) -> np.ndarray:
         # The quaternion of a rotation about the vertical alone: (cos psi/2, 0, 0, sin psi/2).
         2 * np.arctan2(channel(run, "pose.orientation_z"), channel(run, "pose.orientation_w"))
     )
+
+
+def roll_angle(run: Recording) -> np.ndarray:
+    """Roll angle of the body on its suspension, to the right positive, (n,) [rad]."""
+    return 2 * np.arctan2(channel(run, "imu.roll.orientation_x"), channel(run, ROLL))
 
 
 def speed(run: Recording) -> np.ndarray:

@@ -105,6 +105,14 @@ _OF_ANY_RUN = (
         (_TWIST, *_ACCELERATION),
     ),
     NamedMetric(
+        "maximum_roll_angle",
+        "rad",
+        "max |phi| of a body that rolls on its suspension",
+        lambda run: _largest(motion.roll_angle(run.signals)),
+        ("imu.roll.",),
+        LOWER,
+    ),
+    NamedMetric(
         "maximum_road_wheel_angle",
         "rad",
         "max |delta|",

@@ -104,7 +104,13 @@ def _panels(run: Recording) -> list[Panel]:
         *motion_panels({"": run}, "speed", "road_wheel_angle"),
         panel("Drive torques", "torque [N m]", lambda: wheels("wheel_states.effort")),
         panel("Wheel speeds", "wheel speed [rad/s]", lambda: wheels("wheel_states.velocity")),
+        *(_roll_panel(run) if motion.ROLL in run.channels else ()),
     ]
+
+
+def _roll_panel(run: Recording) -> list[Panel]:
+    angle = motion.roll_angle(run)
+    return [Panel("Roll", "roll angle [deg]", [Curve(run.time, np.degrees(angle))])]
 
 
 def measured_metrics(signals: Recording, run: Run) -> dict[str, Metric]:

@@ -14,7 +14,7 @@ from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_stack.measures.handling import wheel_directions
 from ev_stack.measures.metric import NotMeasured
-from ev_stack.measures.motion import heading
+from ev_stack.measures.motion import heading, roll_angle
 from ev_stack.recording.recording import Recording
 
 PREFIX = "view."
@@ -72,7 +72,7 @@ def mean_load(vehicle: Vehicle) -> float:
 
 
 def view_channels(run: Recording, vehicle: Vehicle) -> dict[str, np.ndarray]:
-    """Heading, and angle of each wheel against the car, (n,) [rad], as far as recorded."""
+    """Heading, roll, and angle of each wheel against the car, (n,) [rad], as far as recorded."""
 
     def angles() -> dict[str, np.ndarray]:
         directions = wheel_directions(run, vehicle)
@@ -82,7 +82,11 @@ def view_channels(run: Recording, vehicle: Vehicle) -> dict[str, np.ndarray]:
         }
 
     # Each on its own: a run without steering still has a heading.
-    return {**_if_recorded(lambda: {f"{PREFIX}heading": heading(run)}), **_if_recorded(angles)}
+    return {
+        **_if_recorded(lambda: {f"{PREFIX}heading": heading(run)}),
+        **_if_recorded(lambda: {f"{PREFIX}roll": roll_angle(run)}),
+        **_if_recorded(angles),
+    }
 
 
 def _if_recorded(measure: Callable[[], dict[str, np.ndarray]]) -> dict[str, np.ndarray]:

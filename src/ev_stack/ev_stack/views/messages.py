@@ -24,7 +24,7 @@ from ev_stack.recording.recording import Recording
 from ev_stack.recording.shown import Message, View
 from ev_stack.recording.spool import put, put_stamps
 from ev_stack.views.car import PREFIX, mean_load, vehicle_in, view_channels, wheels_of
-from ev_stack.views.urdf import BASE, BODY, steering_of, urdf, wheel_link
+from ev_stack.views.urdf import BASE, BODY, body_height, steering_of, urdf, wheel_link
 
 ODOM = "odom"
 TF = View("/tf", "tf2_msgs/msg/TFMessage")
@@ -118,9 +118,9 @@ class CarViews:
         """Once, at the beginning."""
         text = urdf(self.car, self.rear_is_steered)
         yield self._named(DESCRIPTION, message(DESCRIPTION.message_type, data=text))
-        height = self.car.centre_of_mass_height
-        fixed = _transform(message("builtin_interfaces/msg/Time"), BASE, BODY, (0.0, 0.0, height))
-        yield self._named(TF_STATIC, message(TF_STATIC.message_type, transforms=[fixed]))
+        if not self.car.suspension.rolls:
+            still = self._body_transform(message("builtin_interfaces/msg/Time"))
+            yield self._named(TF_STATIC, message(TF_STATIC.message_type, transforms=[still]))
         for node, values in self.parameters.items():
             # ROS has no type for an empty list.
             declared = [
@@ -158,9 +158,11 @@ class CarViews:
             ]
             return [scale * at[f"{way}.{name}"] for way, name in ways]
 
-        transforms = Template(TF, self._transforms, 4 + 4 * len(WHEEL_NAMES))
+        count = 4 + 4 * len(WHEEL_NAMES)
+        rolls = self.car.suspension.rolls
+        transforms = Template(TF, self._transforms, count + 2 if rolls else count)
         return {
-            TF: _Moving(transforms, _frames),
+            TF: _Moving(transforms, _frames_with_roll if rolls else _frames),
             ODOMETRY: _Moving(Template(ODOMETRY, _odometry, 7), _pose_and_twist),
             FORCES: _Moving(Template(FORCES, _arrows, 2 * len(WHEEL_NAMES)), forces),
         }
@@ -174,7 +176,12 @@ class CarViews:
             steered, place = steering_of(wheel.name), (wheel.x, wheel.y, wheel.radius)
             found.append(_transform(stamp, BASE, steered, place, z=steer_z, w=steer_w))
             found.append(_transform(stamp, steered, wheel_link(wheel.name), y=roll_y, w=roll_w))
+        if rest:
+            found.append(self._body_transform(stamp, x=rest[0], w=rest[1]))
         return message(TF.message_type, transforms=found)
+
+    def _body_transform(self, stamp: Any, **rotation: float) -> Any:
+        return _transform(stamp, BASE, BODY, (0.0, 0.0, body_height(self.car)), **rotation)
 
 
 def views_of_nodes(namespace: str, parameters: Mapping[str, Mapping[str, Any]]) -> CarViews:
@@ -207,6 +214,10 @@ def _frames(at: Mapping[str, np.ndarray]) -> list[np.ndarray]:
             # The quaternion of a rotation about one axis.
             found += [np.sin(angle / 2), np.cos(angle / 2)]
     return found
+
+
+def _frames_with_roll(at: Mapping[str, np.ndarray]) -> list[np.ndarray]:
+    return [*_frames(at), *(at[f"imu.roll.orientation_{axis}"] for axis in "xw")]
 
 
 def _odometry(stamp: Any, numbers: Sequence[float]) -> Any:

@@ -10,6 +10,8 @@ from ev_core.vehicle.description import Vehicle
 from ev_stack.views.car import Wheel, wheels_of
 
 BASE, BODY = "base_link", "body"  # on the road below the centre of mass, and what is no wheel
+ROLL = "body_roll"  # the joint of a body that rolls
+_LARGEST_ROLL = 1.0  # rad, far beyond what springs allow
 # m, of the body that is drawn; the vehicle file has nothing about its looks
 _HEIGHT, _OVERHANG = 1.0, 1.35
 _WIDTH = 0.64  # of a wheel that is drawn, over its radius
@@ -29,6 +31,13 @@ def steering_of(wheel: str) -> str:
     return f"{wheel}_steering"
 
 
+def body_height(car: Vehicle) -> float:
+    """Height of the frame of the body [m]: of the centre of mass, or of the axis of a roll."""
+    if car.suspension.rolls:
+        return car.suspension.axis_height(car.front_load_share)
+    return car.centre_of_mass_height
+
+
 def wheel_link(wheel: str) -> str:
     """The link that rolls; its joint has the name of the wheel, as in `wheel_states`."""
     return f"{wheel}_wheel"
@@ -46,18 +55,24 @@ def urdf(car: Vehicle, rear_is_steered: bool = False) -> str:
     """The text of the file.
 
     Mass, centre of mass, yaw inertia and spin inertias of the whole are those of the vehicle file.
+    A body that rolls turns on a joint at the height of the roll axis, where wheels and axles stay.
     What it does not have is assumed: a wheel is a solid cylinder of its spin inertia, with a limit
-    to its mass; the pitch inertia of the body is its yaw inertia; its roll inertia is that of the
-    box that is drawn.
+    to its mass; the pitch inertia of the body is its yaw inertia; its roll inertia, where the
+    vehicle file has none, is that of the box that is drawn.
     """
     robot = Element("robot", name=car.name)
     SubElement(robot, "link", name=BASE)
     wheels = wheels_of(car)
     rolling = [_rolling(car, wheel) for wheel in wheels]
     carriers = [_Mass(each.at, _CARRIER * each.mass, _scaled(each.inertia)) for each in rolling]
-    height = car.centre_of_mass_height
     _body(robot, car, wheels, [*rolling, *carriers])
-    _joint(robot, f"{BASE}_to_{BODY}", "fixed", (BASE, BODY), (0.0, 0.0, height))
+    place = (0.0, 0.0, body_height(car))
+    if car.suspension.rolls:
+        roll = _joint(robot, ROLL, "revolute", (BASE, BODY), place, "1 0 0")
+        limit = f"{_LARGEST_ROLL:g}"
+        SubElement(roll, "limit", lower=f"-{limit}", upper=limit, effort="1e9", velocity="1e9")
+    else:
+        _joint(robot, f"{BASE}_to_{BODY}", "fixed", (BASE, BODY), place)
     largest = car.maximum_road_wheel_angle
     rear = largest if rear_is_steered or car.rear_steering_ratio else 0.0
     for wheel, of_wheel, of_carrier in zip(wheels, rolling, carriers, strict=True):
@@ -97,12 +112,12 @@ def _scaled(inertia: _Numbers) -> tuple[float, float, float]:
 
 
 def _body(robot: Element, car: Vehicle, wheels: Sequence[Wheel], others: Sequence[_Mass]) -> None:
-    """The car without its other parts, in a frame at the centre of mass of the whole."""
-    height = car.centre_of_mass_height
+    """The car without its other parts, in a frame at `body_height`."""
+    height = body_height(car)
     mass = car.mass - sum(each.mass for each in others)
     # The body has its centre of mass where all parts together have that of the car.
     x, y, z = (-sum(each.mass * each.at[axis] for each in others) / mass for axis in range(3))
-    z += car.mass * height / mass
+    z += car.mass * car.centre_of_mass_height / mass
     # Parallel axes: each part adds m d^2 and its own inertia, and the body has what is left.
     far = [(each.mass * (each.at[0] ** 2 + each.at[1] ** 2), each.inertia[2]) for each in others]
     yaw = car.yaw_inertia - sum(map(sum, far)) - mass * (x**2 + y**2)
@@ -110,7 +125,8 @@ def _body(robot: Element, car: Vehicle, wheels: Sequence[Wheel], others: Sequenc
     yaw = max(yaw, _LEAST_YAW * car.yaw_inertia)
     xs, ys = [wheel.x for wheel in wheels], [wheel.y for wheel in wheels]
     length, width = max(xs) - min(xs) + _OVERHANG, max(ys) - min(ys)
-    roll = min(mass * (width**2 + _HEIGHT**2) / 12.0, 2.0 * yaw)  # no body has more
+    roll = car.suspension.roll_inertia or mass * (width**2 + _HEIGHT**2) / 12.0
+    roll = min(roll, 2.0 * yaw)  # no body has more
     link = SubElement(robot, "link", name=BODY)
     _inertial(link, _Mass(_HERE, mass, (roll, yaw, yaw)), (x, y, z - height))
     middle = (

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.description import GRAVITY, Vehicle
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
 from ev_msgs_py.refusal import ParameterError
 from ev_sim.surfaces import REFERENCE, SURFACES
@@ -131,6 +131,12 @@ def rows(
         ("critical speed", critical_speed(vehicle, surface), "m/s"),
         ("tangent speed: no sideslip", tangent_speed(vehicle, surface), "m/s"),
     ]
+    of_roll = [
+        ("share of the front axle in the lateral load transfer", vehicle.front_share_of_roll, "1")
+    ]
+    if vehicle.suspension.rolls:
+        gradient = vehicle.rolling_body.gradient(vehicle.suspension, GRAVITY)
+        of_roll.append(("roll angle over lateral acceleration", gradient, "rad s^2/m"))
     side_slip = [
         ("acceleration", plant.acceleration, "m/s^2"),
         ("W12 of Zhileykin (2018), eq 3: damping D", model.damping, "1/s"),
@@ -148,6 +154,7 @@ def rows(
         ("cornering stiffness of the front axle", front_stiffness, "N/rad"),
         ("cornering stiffness of the rear axle", rear_stiffness, "N/rad"),
         ("understeer gradient", understeer_gradient(vehicle, surface), "rad s^2/m"),
+        *of_roll,
         # An oversteering car has no characteristic speed, an understeering one no critical speed.
         *(row for row in speeds if math.isfinite(row[1])),
         ("speed of what follows", model.speed, "m/s"),

@@ -8,9 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import StateSpace, ZerosPolesGain
 
-from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.description import GRAVITY, Vehicle
 from ev_sim.surfaces import REFERENCE
 from ev_sim.understeer import axle_cornering_stiffnesses, axle_masses, tyre_cornering_stiffnesses
+
+_ROLL_ANGLE, _ROLL_RATE = 4, 5  # places in the state of a single track with roll
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,10 +30,11 @@ class Axle:
 def single_track(vehicle: Vehicle, speed: float, surface: str = REFERENCE) -> StateSpace:
     """X' = A x + B delta, y = C x + D delta with x = lateral velocity, yaw rate, deflection of both axles' carcasses.
 
-    Outputs are lateral velocity [m/s] and yaw rate [rad/s], speed [m/s] is constant and above zero.
-    A tyre of first order (Rill 2006): u' = (C v_s - V k u)/(C + V d), F = k u + d u', with v_s
-    across the wheel, which compliance steer turns. No rolling resistance, no drag, no load
-    transfer, which do not act to first order.
+    A body that rolls adds roll angle and rate (ev_core/vehicle/suspension.py) and sways over the
+    wheels: their velocity across is v + e phi'. Outputs are lateral velocity [m/s] and yaw rate
+    [rad/s], speed [m/s] is constant and above zero. A tyre of first order (Rill 2006): u' = (C v_s
+    - V k u)/(C + V d), F = k u + d u', with v_s across the wheel, which compliance steer turns. No
+    rolling resistance, no drag, no load transfer, which do not act to first order.
     """
     rear = vehicle.centre_of_mass_to_rear_axle
     front_stiffness, rear_stiffness = tyre_cornering_stiffnesses(vehicle, surface)
@@ -50,13 +53,17 @@ def single_track(vehicle: Vehicle, speed: float, surface: str = REFERENCE) -> St
         Axle(vehicle.wheelbase - rear, 1.0, front_stiffness, carcass, damping, front_turning),
         Axle(-rear, vehicle.rear_steering_ratio, rear_stiffness, carcass, damping, rear_turning),
     )
-    a, b = np.zeros((4, 4)), np.zeros((4, 1))
+    size = 6 if suspension.rolls else 4
+    body = vehicle.rolling_body
+    a, b = np.zeros((size, size)), np.zeros((size, 1))
     # v' = sum(F)/m - V r, in axes that turn with the car.
     a[0, 1] = -speed
     for n, axle in enumerate(axles):
         # v_s as a row of the state, and by the road-wheel angle
-        slip, by_angle = np.zeros(4), speed * axle.steered
+        slip, by_angle = np.zeros(size), speed * axle.steered
         slip[0], slip[1], slip[2 + n] = -1.0, -axle.place, speed * axle.turning * axle.carcass
+        if suspension.rolls:
+            slip[_ROLL_RATE] = -body.lever
         # The denominator C + V d of the carcass.
         renewal = axle.stiffness + speed * axle.damping
         a[2 + n] = axle.stiffness / renewal * slip
@@ -65,10 +72,20 @@ def single_track(vehicle: Vehicle, speed: float, surface: str = REFERENCE) -> St
         # F = k u + d u', as a row of the state.
         force = axle.damping * a[2 + n]
         force[2 + n] += axle.carcass
-        for state, inertia in ((0, vehicle.mass), (1, vehicle.yaw_inertia / axle.place)):
+        inertias = [(0, vehicle.mass), (1, vehicle.yaw_inertia / axle.place)]
+        if body.lever != 0.0:
+            # A side force rolls the body by e, as it turns the car by its place.
+            inertias.append((_ROLL_RATE, body.inertia / body.lever))
+        for state, inertia in inertias:
             a[state] += force / inertia
             b[state, 0] += axle.damping * b[2 + n, 0] / inertia
-    return StateSpace(a, b, np.eye(2, 4), np.zeros((2, 1)))
+    if suspension.rolls:
+        held = suspension.stiffness - body.weight * GRAVITY
+        damping = suspension.front_roll_damping + suspension.rear_roll_damping
+        a[_ROLL_ANGLE, _ROLL_RATE] = 1.0
+        a[_ROLL_RATE, _ROLL_ANGLE] -= held / body.inertia
+        a[_ROLL_RATE, _ROLL_RATE] -= damping / body.inertia
+    return StateSpace(a, b, np.eye(2, size), np.zeros((2, 1)))
 
 
 def yaw_gain(system: StateSpace) -> float:

@@ -51,6 +51,7 @@ _STATES = (
     "longitudinal_slip",
     "lateral_slip",
 )
+_STATES_OF_ROLL = ("roll_angle", "roll_rate")
 _DRIVE = slice(index("mean_drive"), index("mean_drive") + 4)
 _PERIOD = 0.01  # [s]
 _SETTLING = 10.0  # [s], long against every motion of a car but its acceleration
@@ -126,8 +127,10 @@ def linearised(vehicle: Vehicle, point: OperatingPoint) -> LinearisedPlant:
     middle, drive = state[:INTEGRATED_SIZE], state[_DRIVE]
     equations = Equations(_parameters(point, point.speed), vehicle)
     equations.look(middle)
+    # A rigid body has a roll that stays 0, which is no motion.
+    moving = (*_STATES, *_STATES_OF_ROLL) if vehicle.suspension.rolls else _STATES
     places = [
-        n for n, place in enumerate(INTEGRATED_PLACES) if place.name.partition(".")[0] in _STATES
+        n for n, place in enumerate(INTEGRATED_PLACES) if place.name.partition(".")[0] in moving
     ]
 
     # The drive torques are those at the point, whatever the angle is.

@@ -52,7 +52,7 @@ def parameters_of(**values) -> PlanarPlantParameters:
 
 def plant(car: Vehicle = CAR, period: float = 0.01, **parameters) -> CompiledObject:
     found = parameters_of(**parameters)
-    return CompiledObject(PLANAR.with_options(found), found, car, period)
+    return CompiledObject(PLANAR.with_options(found, car), found, car, period)
 
 
 def outputs(car: CompiledObject) -> dict[type, tuple]:

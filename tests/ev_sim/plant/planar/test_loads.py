@@ -37,10 +37,15 @@ def numbers_of(**values) -> Car:
     return namespace(car_numbers(Vehicle(**values)))
 
 
+def shared(front: float, moment: float) -> tuple[float, float]:
+    """Roll moments of front and rear axle [N m], of which the front one takes a share [1]."""
+    return front * moment, (1.0 - front) * moment
+
+
 def test_lateral_transfer_of_ge_and_ni():
     """N_1,2 = b/(2L) (m g -+ 2 h F_c/B), N_3,4 with a for b, the left wheels inside."""
     moment = 0.6 * 2500.0 * 2.0
-    loads = wheel_loads(numbers_of(**GE_NI, front_roll_share=0.82 / 1.72), NORMAL, 0.0, moment)
+    loads = wheel_loads(numbers_of(**GE_NI), NORMAL, 0.0, shared(0.82 / 1.72, moment))
     front, rear = 0.82 / (2 * 1.72), 0.90 / (2 * 1.72)
     left, right = NORMAL - 2 * moment / 1.12, NORMAL + 2 * moment / 1.12
     assert loads == pytest.approx((front * left, front * right, rear * left, rear * right))
@@ -48,7 +53,7 @@ def test_lateral_transfer_of_ge_and_ni():
 
 def test_centre_of_mass_off_the_middle():
     """The left wheels carry 1/2 + offset/track of their axle."""
-    loads = wheel_loads(numbers_of(**SQUARE, centre_of_mass_offset=0.15), 1000.0, 0.0, 0.0)
+    loads = wheel_loads(numbers_of(**SQUARE, centre_of_mass_offset=0.15), 1000.0, 0.0, (0.0, 0.0))
     assert loads == pytest.approx((300.0, 200.0, 300.0, 200.0))
 
 
@@ -57,7 +62,7 @@ def test_what_a_lifted_wheel_cannot_take_goes_to_the_other_axle():
 
     Moment balance holds nevertheless.
     """
-    loads = wheel_loads(numbers_of(**SQUARE, front_roll_share=1.0), 1000.0, 0.0, 500.0)
+    loads = wheel_loads(numbers_of(**SQUARE), 1000.0, 0.0, shared(1.0, 500.0))
     assert loads[0] == 0.0
     assert 0.75 * ((loads[1] - loads[0]) + (loads[3] - loads[2])) == pytest.approx(500.0)
 
@@ -67,7 +72,7 @@ def test_what_a_lifted_wheel_cannot_take_goes_to_the_other_axle():
 )  # fmt: skip
 def test_loads_are_never_negative_and_always_carry_the_car(pitch, roll, rear_arm, offset, share):
     layout = {**GE_NI, "centre_of_mass_to_rear_axle": rear_arm, "centre_of_mass_offset": offset}
-    loads = wheel_loads(numbers_of(**layout, front_roll_share=share), NORMAL, pitch, roll)
+    loads = wheel_loads(numbers_of(**layout), NORMAL, pitch, shared(share, roll))
     assert min(loads) >= 0.0
     assert sum(loads) == pytest.approx(NORMAL)
 

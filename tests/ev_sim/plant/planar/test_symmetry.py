@@ -19,6 +19,8 @@ LATERAL = (
     "yaw_rate",
     "heading",
     "lateral_transfer",
+    "roll_angle",
+    "roll_rate",
     "lateral_deflection",
     "lateral_slip",
 )

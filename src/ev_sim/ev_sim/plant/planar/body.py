@@ -4,10 +4,10 @@ Frame: x forward, y left, z up, at the centre of mass. Equations: dissertation, 
 Ge & Ni 2005, with the signs of one right-handed frame.
 
 How it works: `rates` is the right-hand side f(y) of one system of differential equations: body,
-loads, wheels, carcasses, contacts, and the works of all forces. `integrate` takes one step of the
-classical Runge-Kutta method. Dry friction is set-valued at rest, so the first evaluation of a step
-decides which direction it opposes at each wheel, and the other three keep to it. All sums go over
-left and right first: a mirrored state has exactly mirrored rates.
+loads, wheels, carcasses, contacts, roll, and the works of all forces. `integrate` takes one step of
+the classical Runge-Kutta method. Dry friction is set-valued at rest, so the first evaluation of a
+step decides which direction it opposes at each wheel, and the other three keep to it. All sums go
+over left and right first: a mirrored state has exactly mirrored rates.
 """
 
 from __future__ import annotations
@@ -23,7 +23,13 @@ from ev_core.parameters.declaration import number_tree
 from ev_core.vehicle.car import car_numbers, front_wheel_tangents
 from ev_sim.plant.planar import planar_state as state
 from ev_sim.plant.planar.contact import find_road, look, speed_resistance, within_friction
-from ev_sim.plant.planar.given import SPEED_FREE, PlanarParameters, body_constants
+from ev_sim.plant.planar.given import (
+    SPEED_FREE,
+    BodyConstants,
+    PlanarParameters,
+    RollConstants,
+    body_constants,
+)
 from ev_sim.plant.planar.model import Mechanics
 from ev_sim.plant.planar.planar_state import INTEGRATED_SIZE, WHEEL_SPEED, Row, Step
 from ev_sim.plant.planar.prepare import road_tables
@@ -61,25 +67,41 @@ def front_wheels(car: Car, angle: float) -> tuple[float, float, float, float]:
 
 
 @inlined
-def loads(y: Row, car: Car, gravity_z: float) -> Wheels:
+def loads(y: Row, car: Car, body: BodyConstants, gravity_z: float) -> Wheels:
     """Loads of the four wheels [N] under gravity that presses the car on the road [m/s^2]."""
     # The transfer is a state that lags behind the tyre forces: forces depend on loads, and loads on
     # the forces of the same instant would be an equation to solve in each evaluation.
     pitch_moment = car.pitch_height * car.mass * y[state.TRANSFER_X]
-    roll_moment = car.roll_height * car.mass * y[state.TRANSFER_Y]
-    return wheel_loads(car, car.mass * gravity_z, pitch_moment, roll_moment)
+    return wheel_loads(car, car.mass * gravity_z, pitch_moment, roll_moments(y, car, body.roll))
 
 
 @inlined
-def wheel_loads(car: Car, normal: float, pitch_moment: float, roll_moment: float) -> Wheels:
+def roll_moments(y: Row, car: Car, roll: RollConstants) -> tuple[float, float]:
+    """Roll moments that front and rear axle take [N m]; they unload the left wheels."""
+    sideways = y[state.TRANSFER_Y]
+    if roll.rolls == 0.0:
+        moment = car.roll_height * car.mass * sideways
+        return car.front_roll_share * moment, (1.0 - car.front_roll_share) * moment
+    # Links take the side force at the roll centres, springs and dampers what leans the body.
+    angle, rate = y[state.ROLL_ANGLE], y[state.ROLL_RATE]
+    front = roll.front_stiffness * angle + roll.front_damping * rate
+    rear = roll.rear_stiffness * angle + roll.rear_damping * rate
+    return roll.front_link * sideways + front, roll.rear_link * sideways + rear
+
+
+@inlined
+def wheel_loads(
+    car: Car, normal: float, pitch_moment: float, roll_moment: tuple[float, float]
+) -> Wheels:
     """Loads of the four wheels [N]; their sum is always `normal`, none is below zero.
 
-    `normal` [N] presses the car on the road; `pitch_moment` and `roll_moment` [N m] are the moments
-    of the tyre forces about the centre of mass that unload the front axle and the left wheels. The
-    part of the roll moment that an axle cannot take, because a wheel has lifted, goes to the other
-    axle (rigid frame). Source: Ge & Ni 2005, loads N_1..N_4; dissertation, eqs 2.28-2.31.
+    `normal` [N] presses the car on the road; `pitch_moment` and those of front and rear axle in
+    `roll_moment` [N m] are moments that unload the front axle and the left wheels. The part of the
+    roll moment that an axle cannot take, because a wheel has lifted, goes to the other axle (rigid
+    frame). Source: Ge & Ni 2005, loads N_1..N_4; dissertation, eqs 2.28-2.31.
     """
-    offset, share = car.centre_of_mass_offset, car.front_roll_share
+    offset = car.centre_of_mass_offset
+    front_moment, rear_moment = roll_moment
     front = (normal * car.centre_of_mass_to_rear_axle - pitch_moment) / car.wheelbase
     # A moment that lifts a whole axle leaves all the weight on the other one.
     front = min(max(front, 0.0), normal)
@@ -87,8 +109,8 @@ def wheel_loads(car: Car, normal: float, pitch_moment: float, roll_moment: float
     # The moment that an axle takes before a wheel lifts.
     front_limit = 0.5 * front * car.front_track
     rear_limit = 0.5 * rear * car.rear_track
-    front_wanted = share * roll_moment - front * offset
-    rear_wanted = (1.0 - share) * roll_moment - rear * offset
+    front_wanted = front_moment - front * offset
+    rear_wanted = rear_moment - rear * offset
     # What an axle is asked for beyond its limit goes to the other one below.
     front_excess = front_wanted - min(max(front_wanted, -front_limit), front_limit)
     rear_excess = rear_wanted - min(max(rear_wanted, -rear_limit), rear_limit)
@@ -105,6 +127,17 @@ def wheel_loads(car: Car, normal: float, pitch_moment: float, roll_moment: float
         0.5 * rear * (1.0 - rear_share),
         0.5 * rear * (1.0 + rear_share),
     )
+
+
+@inlined
+def bear(y: Row, car: Car, body: BodyConstants, step: Step) -> None:
+    """Set the loads of the wheels, and the rolling radii under them."""
+    load = step.load
+    load[0], load[1], load[2], load[3] = loads(y, car, body, step.gravity_z)
+    if car.tyre.radius_over_load > 0.0:
+        for i in range(4):
+            above = load[i] - body.static_load[i]
+            step.radius[i] = step.static_radius[i] - car.tyre.radius_over_load * above
 
 
 class OfWheel(NamedTuple):
@@ -127,7 +160,7 @@ def rates(y: Row, dy: Row, mechanics: Mechanics, starts: bool) -> None:
     """
     _, car, body, step = mechanics
     vx = y[state.VX]
-    step.load[0], step.load[1], step.load[2], step.load[3] = loads(y, car, step.gravity_z)
+    bear(y, car, body, step)
     # Behind the loads, because the friction of the contacts is over them.
     look(y, car, body, step, starts)
     rolling = car.constant_rolling_resistance + car.rolling_resistance_growth * vx * vx
@@ -152,6 +185,7 @@ def rates(y: Row, dy: Row, mechanics: Mechanics, starts: bool) -> None:
     dy[state.FRICTION_WORK] = friction_power
     _move_body(y, dy, mechanics, sum_x / car.mass, sum_y / car.mass)
     dy[state.YAW_RATE] = moment / car.yaw_inertia
+    _roll_body(y, dy, mechanics, sum_y / car.mass)
 
 
 @inlined
@@ -262,6 +296,24 @@ def _move_body(y: Row, dy: Row, mechanics: Mechanics, specific_x: float, specifi
 
 
 @inlined
+def _roll_body(y: Row, dy: Row, mechanics: Mechanics, specific_y: float) -> None:
+    """Set the rates of the body's roll under side forces of the tyres over the mass [m/s^2].
+
+    A rigid body stays upright. The equations stand at the head of ev_core/vehicle/suspension.py.
+    """
+    roll = mechanics.body.roll
+    if roll.rolls == 0.0:
+        dy[state.ROLL_ANGLE] = dy[state.ROLL_RATE] = dy[state.DAMPER_WORK] = 0.0
+        return
+    angle, rate = y[state.ROLL_ANGLE], y[state.ROLL_RATE]
+    held = roll.stiffness - roll.weight * mechanics.step.gravity_z
+    moment = roll.weight * specific_y - held * angle - roll.damping * rate
+    dy[state.ROLL_ANGLE] = rate
+    dy[state.ROLL_RATE] = moment / roll.inertia
+    dy[state.DAMPER_WORK] = roll.damping * rate * rate
+
+
+@inlined
 def push_at_wheels(y: Row, mechanics: Mechanics) -> None:
     """Add to the torques at the wheels what the imposed speed asks of mass and drag [N].
 
@@ -275,7 +327,7 @@ def push_at_wheels(y: Row, mechanics: Mechanics) -> None:
         step.imposed_acceleration - y[state.YAW_RATE] * y[state.VY] - step.gravity_x
     )
     force += speed_resistance(car, body, vx)
-    step.load[0], step.load[1], step.load[2], step.load[3] = loads(y, car, step.gravity_z)
+    bear(y, car, body, step)
     look(y, car, body, step, True)
     at = step.contact
     for i in range(4):

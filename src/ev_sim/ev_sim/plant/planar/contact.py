@@ -81,7 +81,7 @@ def _look_under(y: Row, body: BodyConstants, step: Step, track: Track, i: int, f
     distance = y[state.DISTANCE + i] + body.wheel_x[i]
     # A step before may have left the radius of a flat tyre here.
     if first:
-        step.radius[i] = body.wheel_radius[i]
+        step.radius[i] = step.static_radius[i] = body.wheel_radius[i]
         found = max(number_until(track.start, distance) - 1, 0)
     else:
         before = int(step.segment[i])
@@ -107,13 +107,17 @@ def look(y: Row, car: Car, body: BodyConstants, step: Step, starts: bool) -> Non
     """
     point(y, car, step)
     at = step.contact
+    sideways = y[state.VY]
+    if body.roll.rolls == 1.0:
+        # The centre of mass sways over the axles as the body rolls.
+        sideways += body.roll.lever * y[state.ROLL_RATE]
     for i in range(4):
         turning = y[state.WHEEL_SPEED + i]
         at.wheel_speed[i] = turning if starts or step.motion[i] * turning >= 0.0 else 0.0
     for i in range(4):
         # Velocity of the wheel centre in the frame of the body: v + yaw rate x place.
         ground_x = y[state.VX] - body.wheel_y[i] * y[state.YAW_RATE]
-        ground_y = y[state.VY] + body.wheel_x[i] * y[state.YAW_RATE]
+        ground_y = sideways + body.wheel_x[i] * y[state.YAW_RATE]
         along = ground_x * at.cosine[i] + ground_y * at.sine[i]
         across = ground_y * at.cosine[i] - ground_x * at.sine[i]
         at.along[i] = along

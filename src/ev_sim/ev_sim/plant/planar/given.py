@@ -187,6 +187,50 @@ def load_files(parameters: PlanarParameters) -> PlanarParameters:
 
 
 @dataclass(slots=True)
+class RollConstants:
+    """The body that rolls, by the symbols of ev_core/vehicle/suspension.py; all 0 for a rigid one.
+
+    What an axle takes is 0 as well where `load_transfer` leaves lateral accelerations out.
+    """
+
+    rolls: float = entry(unit="1", about="1 for a body that rolls")
+    lever: float = entry(unit="m", about="sway of the centre of mass over the roll angle, e")
+    inertia: float = entry(unit="kg m^2", about="of the roll motion, J_x + (1 - m_s/m) m_s d^2")
+    weight: float = entry(unit="kg m", about="sprung mass times its arm over the axis, m_s d")
+    stiffness: float = entry(unit="N m/rad", about="of both axles, k")
+    damping: float = entry(unit="N m s/rad", about="of both axles, b")
+    front_link: float = entry(unit="kg m", about="roll moment of the front axle over F_y/m")
+    rear_link: float = entry(unit="kg m", about="roll moment of the rear axle over F_y/m")
+    front_stiffness: float = entry(unit="N m/rad", about="that loads the front axle")
+    rear_stiffness: float = entry(unit="N m/rad", about="that loads the rear axle")
+    front_damping: float = entry(unit="N m s/rad", about="that loads the front axle")
+    rear_damping: float = entry(unit="N m s/rad", about="that loads the rear axle")
+
+
+def roll_constants(vehicle: Vehicle) -> RollConstants:
+    """The constants of a vehicle's body."""
+    suspension = vehicle.suspension
+    if not suspension.rolls:
+        return RollConstants()
+    body = vehicle.rolling_body
+    on_loads = float(vehicle.load_transfer in ("both", "lateral"))
+    return RollConstants(
+        rolls=1.0,
+        lever=body.lever,
+        inertia=body.inertia,
+        weight=body.weight,
+        stiffness=suspension.stiffness,
+        damping=suspension.front_roll_damping + suspension.rear_roll_damping,
+        front_link=on_loads * body.front_link,
+        rear_link=on_loads * body.rear_link,
+        front_stiffness=on_loads * suspension.front_roll_stiffness,
+        rear_stiffness=on_loads * suspension.rear_roll_stiffness,
+        front_damping=on_loads * suspension.front_roll_damping,
+        rear_damping=on_loads * suspension.rear_roll_damping,
+    )
+
+
+@dataclass(slots=True)
 class BodyConstants:
     """Numbers of body, wheels and tyres that the vehicle description does not have itself."""
 
@@ -196,6 +240,8 @@ class BodyConstants:
     wheel_inertia: list[float] = per_wheel(
         unit="kg m^2", about="with the part of the rotor behind its gear"
     )
+    static_load: list[float] = per_wheel(unit="N", about="on level ground, at rest")
+    roll: RollConstants = part(RollConstants)
     cornering_stiffness: list[float] = per_wheel(
         unit="1/rad",
         about="over static load, of a linear lateral curve; itself [N/rad] of a constant stiffness",
@@ -237,6 +283,8 @@ def body_constants(vehicle: Vehicle) -> BodyConstants:
         if file:
             raise ParameterError(f"vehicle.tyre.{axle}_file: {file} has not been read")
     x, y = wheel_places(v)
+    static_front = 0.5 * front_load
+    static_rear = 0.5 * rear_load
     mf = mf_tyres(tyre.front_mf, tyre.rear_mf)
     of_tmeasy = []
     for axle in AXLES:
@@ -247,6 +295,8 @@ def body_constants(vehicle: Vehicle) -> BodyConstants:
         wheel_y=list(y),
         wheel_radius=[v.wheel_radius * ratio for ratio in v.wheel_radius_ratio],
         wheel_inertia=wheel_inertias(v),
+        static_load=[static_front, static_front, static_rear, static_rear],
+        roll=roll_constants(v),
         cornering_stiffness=[front_stiffness, front_stiffness, rear_stiffness, rear_stiffness],
         mf=mf,
         mf_is_plain=float(is_plain(mf)),
@@ -408,6 +458,7 @@ def deflate(f: CarFaultState, p: Any, car: Car, body: BodyConstants, step: Step)
     for i in range(4):
         flat, tyre = f.flat[i], step.tyre[i]
         if flat > 0.0:
-            step.radius[i] = body.wheel_radius[i] * (1.0 - flat * (1.0 - p.puncture.radius))
+            radius = body.wheel_radius[i] * (1.0 - flat * (1.0 - p.puncture.radius))
+            step.radius[i] = step.static_radius[i] = radius
             tyre.rolling_resistance += flat * p.puncture.rolling_resistance
             soften(car.tyre.curve, tyre, 1.0 - flat * (1.0 - p.puncture.stiffness))

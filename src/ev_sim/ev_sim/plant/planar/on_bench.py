@@ -30,17 +30,22 @@ from ev_core.law import (
 )
 from ev_core.vehicle.driveline import has_equal_motors, has_own_motors
 from ev_msgs_py.can.frames import SPEED_MODE, TORQUE_MODE
-from ev_msgs_py.contract.optional_signals import BenchElectrical, BenchShafts, LoadCommand
+from ev_msgs_py.contract.optional_signals import (
+    BenchElectrical,
+    BenchShafts,
+    BodyRoll,
+    LoadCommand,
+)
 from ev_msgs_py.contract.signals import MotorStates
 from ev_sim.drives.driveline import behind_gear
 from ev_sim.plant.guard import Commanded, accepted
 from ev_sim.plant.planar.given import PlanarParameters
 from ev_sim.plant.planar.model import Plant
-from ev_sim.plant.planar.planar import PLANAR, advance
+from ev_sim.plant.planar.planar import PLANAR, ROLLING, advance
 from ev_sim.plant.planar.planar_state import STEP_MEMORY, VX, WHEEL_SPEED, PlanarState, wheels_from
 from ev_sim.plant.planar.powertrain import discharge
 from ev_sim.plant.planar.prepare import PlanarConstants
-from ev_sim.plant.planar.shown import PLANAR_SIGNALS, Seen, begin, seen
+from ev_sim.plant.planar.shown import PLANAR_SIGNALS, Seen, begin, roll_of, seen
 
 WHEEL_SPEEDS = ("virtual", "load_machine")
 VIRTUAL, LOAD_MACHINE = range(len(WHEEL_SPEEDS))
@@ -164,6 +169,15 @@ def outputs(
 
 
 @compilable
+def rolling_outputs(
+    p: PlanarOnBenchParameters, car: Car, c: PlanarConstants, s: PlanarOnBenchState
+) -> tuple[*Seen, LoadCommand, BodyRoll]:
+    """The same, and the roll of a body that rolls."""
+    wheels, motors, imu, velocity, pose, battery, tires, load = outputs(p, car, c, s)
+    return wheels, motors, imu, velocity, pose, battery, tires, load, roll_of(s)
+
+
+@compilable
 def _load(plant: Plant) -> LoadCommand:
     """Load that wheel, road and brake ask for: n = i w, M = (F_x r + M_f + M_brake)/i.
 
@@ -211,6 +225,12 @@ class Measured(NamedTuple):
         "start": at_start,
         "outputs": outputs,
         "writes": (*PLANAR_SIGNALS, LoadCommand),
+        "options": {
+            (ROLLING,): {
+                "outputs": rolling_outputs,
+                "writes": (*PLANAR_SIGNALS, LoadCommand, BodyRoll),
+            }
+        },
     },
 )
 @inlined

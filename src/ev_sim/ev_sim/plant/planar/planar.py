@@ -57,6 +57,9 @@ from ev_sim.plant.planar.powertrain import account, apply_drives
 from ev_sim.plant.planar.prepare import PlanarConstants, prepare, prepare_electrical
 from ev_sim.profiles.profile import value_at
 
+# A vehicle with it has a body that rolls.
+ROLLING = "vehicle.suspension.sprung_mass"
+
 # Declaration of the plant, which its options and other plants like it may replace in part.
 PLANAR: dict[str, Any] = {
     "state": state.PlanarState,
@@ -141,7 +144,7 @@ def advance(
         move(plant, is_held)
         book(plant)
     s.road_wheel_angle = angle + rate * (c.steps * c.h)
-    shown.keep_noted(s, plant.car, c.road)
+    shown.keep_noted(s, plant.car, c)
 
 
 @inlined
@@ -384,6 +387,11 @@ OPTIONS: Options = {
         "prepare": prepare_electrical,
         "outputs": shown.electrical_outputs,
         "writes": shown.ELECTRICAL_SIGNALS,
+    },
+    (ROLLING,): {"outputs": shown.rolling_outputs, "writes": shown.ROLLING_SIGNALS},
+    ("electrical", ROLLING): {
+        "outputs": shown.electrical_rolling_outputs,
+        "writes": shown.ELECTRICAL_ROLLING_SIGNALS,
     },
     ("rear_steering",): {"function": with_rear_steering},
     ("speed_mode",): {

@@ -45,6 +45,8 @@ INTEGRATED_PLACES = (
         "m/s^2",
         "tyre force over mass that the load transfer has followed, body frame",
     ),
+    Place("roll_angle", "rad", "of the body against the road, to the right"),
+    Place("roll_rate", "rad/s", "of the body against the road, to the right"),
     *wheel_places("wheel_speed", "rad/s"),
     *wheel_places(
         "longitudinal_deflection", "m", "of the carcass, wheel frame, positive as its force"
@@ -61,6 +63,7 @@ INTEGRATED_PLACES = (
     Place("drag_work", "J", "taken by the air"),
     Place("gravity_work", "J", "taken from the body by the slope"),
     Place("holding_work", "J", "taken from the body by the force that holds its speed"),
+    Place("damper_work", "J", "taken by the dampers as the body rolls"),
 )
 INTEGRATED_SIZE = len(INTEGRATED_PLACES)
 
@@ -163,6 +166,7 @@ HEADING = index("heading")
 WHEEL_ANGLE = index("wheel_angle")
 WHEEL_SPEED = index("wheel_speed")
 TRANSFER_X, TRANSFER_Y = index("longitudinal_transfer"), index("lateral_transfer")
+ROLL_ANGLE, ROLL_RATE = index("roll_angle"), index("roll_rate")
 DEFLECTION_X, DEFLECTION_Y = index("longitudinal_deflection"), index("lateral_deflection")
 SLIP_X, SLIP_Y = index("longitudinal_slip"), index("lateral_slip")
 DISTANCE, BODY_DISTANCE = index("distance"), index("body_distance")
@@ -170,6 +174,7 @@ TYRE_WORK = index("tyre_work")
 FRICTION_WORK = index("friction_work")
 DRAG_WORK = index("drag_work")
 GRAVITY_WORK, HOLDING_WORK = index("gravity_work"), index("holding_work")
+DAMPER_WORK = index("damper_work")
 
 
 @inlined
@@ -246,6 +251,9 @@ class Step:
     brake_command: list[float] = per_wheel(unit="N m", about="at the wheels")
     imposed_acceleration: float = entry(
         unit="m/s^2", about="of the longitudinal velocity, by an outer force"
+    )
+    static_radius: list[float] = per_wheel(
+        unit="m", about="true rolling radius under the static load, of a flat tyre a smaller one"
     )
     radius: list[float] = per_wheel(unit="m", about="true rolling radius")
     drive: list[float] = per_wheel(unit="N m", about="at the wheels, behind motors and driveline")

@@ -54,10 +54,12 @@ def longest_step(vehicle: Vehicle) -> float:
     radius = vehicle.wheel_radius * max(vehicle.wheel_radius_ratio)
     lightest = vehicle.wheel_inertia * min(vehicle.undriven_inertia_ratio, 1.0)
     wheel = min(lightest / (radius * radius), body)
+    across, rolling = _roll_motion(vehicle)
     # A longitudinal carcass moves the rotation of its wheel or the body, a lateral one the body.
     fastest = max(
         _fastest(tyre.longitudinal_stiffness, tyre.longitudinal_damping_time, wheel),
-        _fastest(tyre.lateral_stiffness, tyre.lateral_damping_time, body),
+        _fastest(tyre.lateral_stiffness, tyre.lateral_damping_time, min(body, across)),
+        rolling,
     )
     step = LARGEST_PRODUCT / fastest
     if step < SHORTEST_STEP:
@@ -67,6 +69,20 @@ def longest_step(vehicle: Vehicle) -> float:
             f"or more"
         )
     return step
+
+
+def _roll_motion(vehicle: Vehicle) -> tuple[float, float]:
+    """Mass that a lateral carcass moves where the body rolls [kg], and the fastest roll [rad/s].
+
+    The axles are lighter than the car, for the body sways over them: 1/m_e = 4 (1/m + e^2/I).
+    """
+    suspension = vehicle.suspension
+    if not suspension.rolls:
+        return math.inf, 0.0
+    body = vehicle.rolling_body
+    mass = 0.25 / (1.0 / vehicle.mass + body.lever * body.lever / body.inertia)
+    damping = suspension.front_roll_damping + suspension.rear_roll_damping
+    return mass, max(sqrt(suspension.stiffness / body.inertia), damping / body.inertia)
 
 
 def _fastest(stiffness: float, damping_time: float, mass: float) -> float:

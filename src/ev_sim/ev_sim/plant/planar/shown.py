@@ -21,7 +21,12 @@ from ev_core.law import (
     sin,
     working_memory,
 )
-from ev_msgs_py.contract.optional_signals import CellCondition, MotorElectrics, MotorTemperatures
+from ev_msgs_py.contract.optional_signals import (
+    BodyRoll,
+    CellCondition,
+    MotorElectrics,
+    MotorTemperatures,
+)
 from ev_msgs_py.contract.signals import (
     BatteryCondition,
     BodyPose,
@@ -36,7 +41,7 @@ from ev_sim.drives.electrical_side import coolant_outlet_temperature, current_at
 from ev_sim.drives.synchronous_motor import phase_values
 from ev_sim.plant.guard import guard_notes
 from ev_sim.plant.planar import planar_state as state
-from ev_sim.plant.planar.body import loads, rates, steer
+from ev_sim.plant.planar.body import bear, loads, rates, steer
 from ev_sim.plant.planar.contact import (
     find_road,
     gravity_at,
@@ -49,7 +54,7 @@ from ev_sim.plant.planar.given import PlanarParameters, deflate
 from ev_sim.plant.planar.model import Mechanics, Plant
 from ev_sim.plant.planar.planar_state import STEP_MEMORY, PlanarState, Step, wheels_from
 from ev_sim.plant.planar.powertrain import drive_loss, source_voltage, terminal_voltage
-from ev_sim.plant.planar.prepare import PlanarConstants, PowerConstants, RoadTables
+from ev_sim.plant.planar.prepare import PlanarConstants, PowerConstants
 from ev_sim.tyres.curve import FRICTION_CURVES, Coefficients, friction, peak_slip
 
 Seen = tuple[
@@ -65,6 +70,8 @@ PLANAR_SIGNALS: tuple[type, ...] = get_args(Seen)
 Electrics = tuple[MotorElectrics, MotorTemperatures, CellCondition]
 SeenWithElectrics = tuple[*Seen, *Electrics]
 ELECTRICAL_SIGNALS = (*PLANAR_SIGNALS, *get_args(Electrics))
+ROLLING_SIGNALS = (*PLANAR_SIGNALS, BodyRoll)
+ELECTRICAL_ROLLING_SIGNALS = (*ELECTRICAL_SIGNALS, BodyRoll)
 
 _HALVINGS = 60  # of an interval of at most 1: to rounding
 _REFUSED = (
@@ -75,12 +82,12 @@ _REFUSED = (
 
 
 @inlined
-def keep_noted(s: PlanarState, car: Car, road: RoadTables) -> None:
+def keep_noted(s: PlanarState, car: Car, c: PlanarConstants) -> None:
     """Keep which wheels are off the ground in this state, and whether the battery is empty."""
     if s.state_of_charge <= 0.0:
         s.battery_empty = 1.0
-    _, _, gravity_z, _ = gravity_at(road.slope, s.motion[state.BODY_DISTANCE], 0)
-    load = loads(s.motion, car, gravity_z)
+    _, _, gravity_z, _ = gravity_at(c.road.slope, s.motion[state.BODY_DISTANCE], 0)
+    load = loads(s.motion, car, c.body, gravity_z)
     for i in range(4):
         # Exactly zero, as `wheel_loads` has it of a lifted wheel.
         if load[i] == 0.0:
@@ -107,11 +114,12 @@ def begin_driven(s: PlanarState, car: Car, c: PlanarConstants) -> None:
     tyre cannot hold its torque.
     """
     y, step = s.motion, Step()
-    radius, speed = c.body.wheel_radius, s.motion[state.VX]
+    radius, speed = step.radius, s.motion[state.VX]
     find_road(y, c.body, step, c.road, True)
     # At constant speed the forces at the road balance drag and slope.
     y[state.TRANSFER_X] = speed_resistance(car, c.body, speed) / car.mass - step.gravity_x
-    load = loads(y, car, step.gravity_z)
+    bear(y, car, c.body, step)
+    load = step.load
     rolling = car.constant_rolling_resistance + car.rolling_resistance_growth * speed * speed
     efficiency = car.motor.gear_efficiency
     for i in range(4):
@@ -175,7 +183,7 @@ def begin(
         _park(s, car, c)
     if any(c.initial_drive_torque):
         begin_driven(s, car, c)
-    keep_noted(s, car, c.road)
+    keep_noted(s, car, c)
     return s
 
 
@@ -190,7 +198,12 @@ def _park(s: PlanarState, car: Car, c: PlanarConstants) -> None:
     find_road(y, c.body, step, c.road, True)
     # At rest the forces at the road hold the slope, and they move the loads.
     y[state.TRANSFER_X], y[state.TRANSFER_Y] = -step.gravity_x, -step.gravity_y
-    step.load = list(loads(y, car, step.gravity_z))
+    roll = c.body.roll
+    if roll.rolls == 1.0:
+        # A body leans down the slope until its springs hold it.
+        held = roll.stiffness - roll.weight * step.gravity_z
+        y[state.ROLL_ANGLE] = roll.weight * y[state.TRANSFER_Y] / held
+    bear(y, car, c.body, step)
     look(y, car, c.body, step, True)
     for i in range(4):
         share = 0.5 * (front if i < 2 else 1.0 - front)
@@ -268,6 +281,33 @@ def electrical_outputs(
     plant = Plant(p, car, c, s, working_memory(STEP_MEMORY)[0])
     electrics, temperatures, cell = electrics_of(plant)
     return wheels, motors, imu, velocity, pose, battery, tires, electrics, temperatures, cell
+
+
+@compilable
+def roll_of(s: PlanarState) -> BodyRoll:
+    """The roll of the body at the instant of the state."""
+    angle = s.motion[state.ROLL_ANGLE]
+    return BodyRoll(sin(angle / 2), cos(angle / 2), s.motion[state.ROLL_RATE])
+
+
+@compilable
+def rolling_outputs(
+    p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState
+) -> tuple[*Seen, BodyRoll]:
+    """The signals of `planar`, and the roll of a body that rolls."""
+    wheels, motors, imu, velocity, pose, battery, tires = outputs(p, car, c, s)
+    return wheels, motors, imu, velocity, pose, battery, tires, roll_of(s)
+
+
+@compilable
+def electrical_rolling_outputs(
+    p: PlanarParameters, car: Car, c: PlanarConstants, s: PlanarState
+) -> tuple[*SeenWithElectrics, BodyRoll]:
+    """The signals of both."""
+    seen_at = electrical_outputs(p, car, c, s)
+    wheels, motors, imu, velocity, pose, battery, tires, electrics, temperatures, cell = seen_at
+    roll = roll_of(s)
+    return wheels, motors, imu, velocity, pose, battery, tires, electrics, temperatures, cell, roll
 
 
 @compilable

@@ -6,6 +6,7 @@ const PATH = "#56748f";
 const FORCE = "#c02942";
 const LIGHT = [226, 240, 250]; // of a patch without friction, and of one with friction
 const DARK = [58, 70, 80];
+const ROOF = 1; // of the body above its axis of roll [m]
 const FULL = 1.2; // from which on a patch gets no darker
 
 /** Draw the car of a state into a canvas whose shorter side is `wide` metres, or shows the whole path if 0. */
@@ -25,7 +26,7 @@ function drawCar(canvas, view, state, wide) {
   pen.rotate(state.heading);
   const size = Math.max(1, (14 * pixel) / 4); // a car never shrinks below 14 pixels
   pen.scale(size, size);
-  drawBody(pen, view.car, pixel / size);
+  drawBody(pen, view.car, state.roll, pixel / size);
   view.car.wheels.forEach((wheel, n) => drawWheel(pen, view, wheel.place, state.wheels[n], pixel / size));
 }
 
@@ -55,7 +56,7 @@ function drawGrid(pen, canvas, centre, scale, pixel) {
   writeAt(pen, `grid ${digits(apart)} m`, 8, canvas.height - 10, "left");
 }
 
-function drawBody(pen, car, pixel) {
+function drawBody(pen, car, roll, pixel) {
   const xs = car.wheels.map((wheel) => wheel.place[0]);
   const ys = car.wheels.map((wheel) => wheel.place[1]);
   const [rear, front] = [Math.min(...xs) - 0.6, Math.max(...xs) + 0.75];
@@ -71,6 +72,12 @@ function drawBody(pen, car, pixel) {
   pen.moveTo(front - 0.5, left - 0.2);
   pen.lineTo(front - 0.12, (left + right) / 2);
   pen.lineTo(front - 0.5, right + 0.2);
+  pen.stroke();
+  if (!roll) return;
+  // The roof leans out of the bend.
+  const lean = -ROOF * Math.sin(roll);
+  pen.beginPath();
+  pen.roundRect(rear + 0.5, right + 0.15 + lean, front - rear - 1.7, left - right - 0.3, 0.3);
   pen.stroke();
 }
 

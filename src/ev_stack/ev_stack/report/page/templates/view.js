@@ -60,8 +60,8 @@ class CarView {
     const at = (name) => samples(this.run, name);
     const ofWheels = (name) => Promise.all(this.car.wheels.map((wheel) => at(`${name}.${wheel.name.replace(" ", "_")}`)));
     this.times = await instants(this.run);
-    [this.x, this.y, this.heading, this.speed] = await Promise.all(
-      ["pose.x", "pose.y", "view.heading", "twist.longitudinal"].map(at));
+    [this.x, this.y, this.heading, this.speed, this.roll] = await Promise.all(
+      ["pose.x", "pose.y", "view.heading", "twist.longitudinal", "view.roll"].map(at));
     this.values = await Promise.all(this.columns.map(([, channel]) => ofWheels(channel)));
     if (!this.x || !this.y || !this.heading) {
       this.where.textContent = "This run has no pose, so there is nothing to see from above.";
@@ -111,14 +111,16 @@ class CarView {
       : this.column("wheel_states.effort", n).map((torque) => (torque == null ? null : torque / this.car.radius));
     const across = this.column(FORCES[1], n);
     const wheels = angles.map((angle, w) => ({ angle, friction: friction[w], along: along[w], across: across[w] ?? 0 }));
-    const state = { x: this.x[n], y: this.y[n], heading: this.heading[n], wheels };
+    const roll = this.roll?.[n] ?? 0;
+    const state = { x: this.x[n], y: this.y[n], heading: this.heading[n], roll, wheels };
     if (state.x == null || state.y == null || state.heading == null) return;
     drawCar(this.canvas, this, state, Number(this.wide.value));
     const speed = this.speed ? `, ${fixed(this.speed[n], 2)} m/s` : "";
+    const leaning = this.roll ? `, roll ${fixed(roll * 180 / Math.PI, 2)} deg` : "";
     const instead = hasForces ? "" : "; this plant has no tyre forces, arrows are drive torque over wheel radius";
     const unit = `; an arrow of 1 m is ${this.unit.toFixed(0)} N${instead}`;
     const heading = Math.atan2(Math.sin(state.heading), Math.cos(state.heading)) * 180 / Math.PI;
-    this.where.textContent = `x ${fixed(state.x, 2)} m, y ${fixed(state.y, 2)} m, heading ${fixed(heading, 1)} deg${speed}${unit}`;
+    this.where.textContent = `x ${fixed(state.x, 2)} m, y ${fixed(state.y, 2)} m, heading ${fixed(heading, 1)} deg${leaning}${speed}${unit}`;
     this.columns.forEach(([, , factor, decimals], c) => this.cells.forEach((row, w) => {
       const value = this.values[c][w]?.[n];
       row[c].textContent = value == null ? "–" : fixed(value * factor, decimals);
