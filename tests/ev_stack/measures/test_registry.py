@@ -26,8 +26,14 @@ from ev_stack.scenarios.files import scenario_names
 from ev_stack.scenarios.scenario import Overrides, load_scenario
 
 OF_A_BUS = [name for name in METRICS if name.startswith("bus_")]
-# Of laps (tests/ev_sim/driver/test_lap.py), of one plant, and of a ramp.
-OF_SOME = ["lap_time", "path_error", "peak_winding_temperature", "understeer_gradient"]
+# Of laps (tests/ev_sim/driver/test_lap.py), of one plant, of a ramp, of a car that rolls.
+OF_SOME = [
+    "lap_time",
+    "path_error",
+    "peak_winding_temperature",
+    "understeer_gradient",
+    "maximum_roll_angle",
+]
 OF_A_CAR = [name for name in METRICS if name not in (*OF_A_BUS, *OF_SOME)]
 
 
