@@ -18,11 +18,12 @@ from pathlib import Path
 
 from documentation.markdown import table, with_blocks
 from documentation.measured import FOLDER, ROOT, is_long, write_measured
-from ev_stack.measures.metric import FROM_INPUTS, NOT_MEASURED, REPRODUCED
+from ev_stack.measures.metric import FROM_INPUTS, NOT_MEASURED, NOT_REPRODUCED, REPRODUCED
 from ev_study.verdicts.sources import IN_PART, KINDS, NO_VERDICT, Published, published, sources
 from ev_study.verdicts.verdict import (
     SORTS,
     WITH_ASSUMPTION,
+    WITH_FIT,
     Verdict,
     markdown_row,
     markdown_table,
@@ -34,11 +35,14 @@ FILE = f"{FOLDER}/verdicts.csv"
 COUNTS = "verdict counts"
 NAMES = (PAGE, *(f"{PAGE}#{source}" for source in sources()))  # that document.sh --runs knows
 COLUMNS = ("id", "verdict", "ours", "tolerance", "note")
-_HOLD = (REPRODUCED, WITH_ASSUMPTION, IN_PART)
+_WITHOUT_FIT = (REPRODUCED, WITH_ASSUMPTION)
+_HOLD = (*_WITHOUT_FIT, WITH_FIT, IN_PART)
 _WITH_NUMBERS = ("printed", "follows", "axes")  # the kinds of which the source has numbers
 _BEFORE_NOTE = {
     WITH_ASSUMPTION: " ",
-    **dict.fromkeys((FROM_INPUTS, IN_PART, *NO_VERDICT, NOT_MEASURED), ": "),
+    **dict.fromkeys(
+        (WITH_FIT, FROM_INPUTS, IN_PART, NOT_REPRODUCED, *NO_VERDICT, NOT_MEASURED), ": "
+    ),
 }
 
 Line = Mapping[str, str]  # of the file, by column
@@ -59,7 +63,7 @@ class KeptVerdict:
         """The verdict on an id of which this line is kept."""
         note = line["note"] or _plain_note(what)
         sort = line["verdict"]
-        text = f"{sort}{_BEFORE_NOTE[sort]}{note}" if sort in _BEFORE_NOTE else sort
+        text = f"{sort}{_BEFORE_NOTE[sort]}{note}" if note and sort in _BEFORE_NOTE else sort
         tolerance = line["tolerance"] or _plain_tolerance(what)
         return cls(what, line["ours"], tolerance, text, Verdict(what, {}, {}, "").run)
 
@@ -152,7 +156,28 @@ def count_table() -> str:
         (source, str(found.total()), *(str(found[sort]) for sort in used))
         for source, found in lines
     ]
-    return "\n".join((table(("source", "ids", *used), cells), _table_of_kinds(sorts)))
+    by_source = table(("source", "ids", *used), cells)
+    return "\n".join((by_source, _table_of_kinds(sorts), _sentence_of_printed(sorts), ""))
+
+
+def _sentence_of_printed(sorts: Mapping[str, str]) -> str:
+    """How many of the printed numbers a run reproduces without a number that was fitted."""
+    printed = [
+        each.id
+        for source in sources()
+        for each in published(source).values()
+        if each.kind == "printed"
+    ]
+    without_fit = [id for id in printed if sorts.get(id) in _WITHOUT_FIT]
+    named = ", ".join(f"`{id}`" for id in without_fit)
+    counted = Counter(sorts.get(id) for id in printed)
+    others = ", ".join(
+        f"{counted[sort]} {sort}" for sort in SORTS if counted[sort] and sort not in _WITHOUT_FIT
+    )
+    return (
+        f"**A run without a fitted number reproduces {len(without_fit)} of the {len(printed)} ids"
+        f" whose number is printed{f': {named}' if named else ''}.** The others: {others}."
+    )
 
 
 def _table_of_kinds(sorts: Mapping[str, str]) -> str:

@@ -7,6 +7,7 @@ import dataclasses
 import pytest
 from helpers.judging import verdict_from, verdict_on
 
+from ev_papers.dissertation import judged_bench
 from ev_papers.dissertation.measures import circuits
 from ev_papers.dissertation.studies import five_methods
 from ev_sim import surfaces
@@ -69,6 +70,44 @@ def test_another_parameter_is_noticed(id: str, changed):
     assert verdict_on(id, changed).judgement == "not reproduced"
 
 
+@pytest.mark.parametrize("id", ["diss.bench.load_above", "diss.bench.spin"])
+def test_a_road_that_takes_less_is_noticed(id: str, monkeypatch):
+    """With M_nu a third smaller the machine is above it while the wheels grip."""
+    assert verdict_on(id).judgement == "reproduced"
+    limit = judged_bench._limit
+    factor = 0.67 if id.endswith("above") else 1.5
+    monkeypatch.setattr(judged_bench, "_limit", lambda *of: factor * limit(*of))
+    assert verdict_on(id).judgement == "not reproduced"
+
+
+@pytest.mark.parametrize(
+    ("id", "changed"),
+    [
+        # The load machine cannot slow down as fast as the braked wheel.
+        ("diss.bench.brake", ("test_bench", "load_set_point.speed_rate", 5.0)),
+        ("diss.bench.bends", ("steering_column", "profile.angle", (0.0, 0.0))),
+    ],
+)
+def test_another_bench_is_noticed(id: str, changed):
+    assert verdict_on(id).judgement == "reproduced"
+    assert verdict_on(id, changed).judgement in ("not reproduced", "not measured")
+
+
+@pytest.mark.slow
+def test_a_transducer_that_ends_below_the_torque_is_noticed():
+    """30 N m of range cut the mean torque of the windows by more than a tenth."""
+
+    def with_short_range(need: Need) -> Need:
+        changed = ("test_bench", "sensors.bench_torque.highest", 30.0)
+        return (
+            dataclasses.replace(need, values=(*need.values, changed))
+            if need.scenario == "urban_mixed_bench"
+            else need
+        )
+
+    assert verdict_from("diss.fig5.26", with_short_range).judgement == "not reproduced"
+
+
 def test_without_cooling_no_flow_is_measured():
     assert verdict_on("diss.bench.flow").judgement == "in part"
     assert (
@@ -105,13 +144,13 @@ def test_another_surface_is_noticed(id: str, surface: dict, monkeypatch):
     ],
 )
 def test_another_formula_is_noticed(id: str, quantity: str, formula, monkeypatch):
-    assert verdict_on(id).judgement == "reproduced"
+    assert verdict_on(id).judgement in EXPECTED
     monkeypatch.setattr(circuits.CircuitSums, quantity, property(formula))
     assert verdict_on(id).judgement == "not reproduced"
 
 
 def test_another_time_of_the_cycle_is_noticed(monkeypatch):
-    assert verdict_on("diss.eq2.40").judgement == "reproduced"
+    assert verdict_on("diss.eq2.40").judgement in EXPECTED
     monkeypatch.setattr(
         circuits.CircuitSums, "energy", lambda sums, cycle_time: sums.electrical_work
     )
@@ -120,7 +159,7 @@ def test_another_time_of_the_cycle_is_noticed(monkeypatch):
 
 @pytest.mark.parametrize("id", ["diss.asr.peak", "diss.fig2.8"])
 def test_a_wheel_that_never_passes_its_peak_is_noticed(id: str):
-    assert verdict_on(id).judgement == "reproduced"
+    assert verdict_on(id).judgement in EXPECTED
     assert (
         verdict_on(id, ("driver", "method", "tracking"), ("plant", "speed", "free")).judgement
         == "not measured"
@@ -156,13 +195,7 @@ def test_motors_too_weak_to_spin_on_snow_make_no_control_better(id: str):
 @pytest.mark.parametrize(
     "id",
     [
-        *(
-            "diss.requirement.smooth",
-            "diss.asr.torque_falls",
-            "diss.ideal.proportion",
-            "diss.bench.load_above",
-        ),
-        *("diss.burckhardt.C1", "diss.burckhardt.C3"),
+        *("diss.ideal.proportion", "diss.burckhardt.C1", "diss.burckhardt.C3"),
         *(
             pytest.param(id, marks=pytest.mark.weekly)
             for id in ("diss.direct_torque", "diss.direct_torque.fastest")
@@ -177,7 +210,13 @@ def test_claims_that_do_not_hold(id: str):
     assert verdict_on(id).judgement == "not reproduced"
 
 
-@pytest.mark.parametrize("id", ["diss.requirement.calm", "diss.fig5.26.cause", "diss.ideal.smooth"])
+@pytest.mark.parametrize(
+    "id",
+    [
+        *("diss.requirement.calm", "diss.requirement.smooth", "diss.ideal.smooth"),
+        *("diss.fig5.26.cause", "diss.asr.torque_falls"),
+    ],
+)
 def test_claims_that_hold_in_part(id: str):
     assert verdict_on(id).judgement == "in part"
 
@@ -231,7 +270,7 @@ def test_threshold_of_eq_1_4_can_be_set():
 def test_arithmetic_of_the_tables_is_called_so(id: str):
     """It follows from the inputs, and says nothing of our runs."""
     of = published("dissertation")[id]
-    assert of.noted("inputs", dict.fromkeys(of.needs)).startswith("arithmetic of table 5.6")
+    assert of.noted(dict.fromkeys(of.needs)).startswith("arithmetic of table 5.6")
 
 
 @pytest.mark.slow
@@ -267,7 +306,8 @@ def studied(id: str, *options: str) -> Verdict:
 
     def shorter(need: Need) -> Need:
         assert isinstance(need, StudyNeed)
-        return dataclasses.replace(need, options=(*SHORT, *options))
+        kept = [word for word in need.options if word == "--without-f-surface"]
+        return dataclasses.replace(need, options=(*SHORT, *kept, *options))
 
     return verdict_from(id, shorter)
 

@@ -143,7 +143,6 @@ def test_with_u_free_the_orderings_are_those_of_the_car():
     The full car drives off on a wide path.
     """
     spun = {
-        "ge.claim.speed.increment",
         "ge.claim.slip_use.increment_left",
         "ge.claim.slip_use.increment_right",
     }

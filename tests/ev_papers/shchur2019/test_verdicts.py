@@ -15,8 +15,8 @@ from ev_study.verdicts.sources import published
 EXPECTED = {"reproduced", "follows from the inputs", "not judgeable", "no verdict"}
 
 
-# The law slips more than equal torques, and what is neglected damps as much as what is kept.
-NOT_REPRODUCED = {"shchur.minimal_slip", "shchur.eq3.last_term"}
+# What is neglected damps as much as what is kept.
+NOT_REPRODUCED = {"shchur.eq3.last_term"}
 
 
 @pytest.mark.parametrize("id", published("shchur2019"))
@@ -55,6 +55,7 @@ def test_everything_else_that_can_be_judged_is_reproduced(id: str):
         ),
         ("shchur.fig4.dM.left", ("electronic_differential", "gamma", 6.0)),
         ("shchur.fig4.dM.right", ("electronic_differential", "gamma", 6.0)),
+        ("shchur.fig4.dM.brushless", ("plant", "motor.winding", "phase")),
         ("shchur.fig4.references", ("electronic_differential", "b_ck", 0.063)),
         ("shchur.fig4.wheel_speeds", ("*", "vehicle.wheel_radius", 0.3)),
         ("shchur.fig4.dV", ("*", "vehicle.front_track", 1.5)),
@@ -63,6 +64,7 @@ def test_everything_else_that_can_be_judged_is_reproduced(id: str):
         ("shchur.law", ("electronic_differential", "b_ck", 0.06)),
         ("shchur.car", ("*", "vehicle.air_density", 1.2)),
         ("shchur.drives", ("plant", "motor.resistance", 0.2)),
+        ("shchur.minimal_slip", ("*", "vehicle.driveline.preload", 0.0)),
         ("shchur.ackermann", ("*", "vehicle.steering_geometry", "parallel")),
         ("shchur.turn", ("driver", "steering.wanted_angle.angle", (0.0, 0.45, 0.0, -0.45, 0.0))),
     ],
@@ -70,6 +72,17 @@ def test_everything_else_that_can_be_judged_is_reproduced(id: str):
 @pytest.mark.sampled
 def test_another_parameter_is_noticed(id: str, changed):
     assert verdict_on(id, changed).judgement == "not reproduced"
+
+
+def test_the_law_slips_as_much_as_equal_torques_where_a_robot_steers():
+    """The hands that the law assists turn the wheel sooner, which alone costs 9 % of slip energy.
+
+    0.1 %: the torque difference of the law moves the yaw moment of the tyres by less.
+    """
+    numbers = verdict_on("shchur.minimal_slip").metrics
+    assert numbers["over that with equal torques"].value == pytest.approx(1.0, abs=1e-3)
+    by_driver = numbers["the same, steered by the driver, whose hands the law assists"]
+    assert by_driver.value == pytest.approx(1.09, abs=0.01)
 
 
 def test_values_that_follow_are_those_of_the_equations():
@@ -114,6 +127,7 @@ def test_values_that_follow_are_those_of_the_equations():
         "fig4.delta.right": [-math.radians(30.0)],
         "fig4.dM.left": [holding],
         "fig4.dM.right": [-holding],
+        "fig4.dM.brushless": [holding, -holding],
         "fig4.wheel_speeds": [
             *paper.wheel_speeds(slow, paper.TURN_ANGLE),
             *paper.wheel_speeds(fast, -paper.TURN_ANGLE),

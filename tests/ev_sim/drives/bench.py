@@ -33,8 +33,9 @@ def name_of(changes):
 
 
 def drive_with(changes):
-    """A drive at rest and its parameters."""
-    return one_record(DriveState())[0], one_record(number_tree(build(DriveParameters, changes)))[0]
+    """A drive at rest and its parameters; those of the motor are those of a phase."""
+    built = build(DriveParameters, {"motor.winding": "phase", **changes})
+    return one_record(DriveState())[0], one_record(number_tree(built))[0]
 
 
 def run(changes, torque, speed, *, duration, step=1e-3, bus_voltage=BUS_VOLTAGE, settled=0.0):

@@ -10,7 +10,7 @@ from ev_stack.measures.metric import NotMeasured
 from ev_study.verdicts.check import SHOWN, Check, Tolerance, check_of
 from ev_study.verdicts.measure import Template
 from ev_study.verdicts.sources import Published
-from ev_study.verdicts.verdict import Verdict, plain_table, verdict
+from ev_study.verdicts.verdict import Verdict, failures, plain_table, verdict
 
 
 def missing() -> float:
@@ -81,15 +81,19 @@ def test_a_comparison_needs_a_margin(sign: str):
 
 def test_an_id_holds_if_all_of_its_numbers_do():
     assert of(check("number 2.01"), check("number 2.0", name="b")).text == "reproduced"
-    assert of(check("number 2.01"), check("number 2.1", name="b")).text == "not reproduced"
+    one = of(check("number 2.01"), check("number 2.1", name="b"), assumption="A")
+    assert one.text == "not reproduced: by b; A"
+    assert failures([one, of(check("number 2"))]) == "x.y: not reproduced: by b; A"
     assert of(check("number 2.01"), check("number 2.1", name="b")).ours == "2.01 m; b 2.1 m"
 
 
 def test_words_of_verdicts():
     assert of(check("number 2"), assumption="A").text == "reproduced with assumption A"
-    assert of(check("number 3"), assumption="A").text == "not reproduced"
+    assert of(check("number 3"), assumption="A").text == "not reproduced: A"
+    assert of(check("number 2"), fitted="F").text == "reproduced with a fitted number: F"
+    assert of(check("number 3"), fitted="F").text == "not reproduced: F"
     assert of(check("number 2"), inputs="I").text == "follows from the inputs: I"
-    assert of(check("number 3"), inputs="I").text == "not reproduced"
+    assert of(check("number 3"), inputs="I").text == "not reproduced: I"
     assert of(check("number nan")).text == "not measured: the result is nan"
     assert of(check("missing")).text == "not measured: there is no run z"
     assert of(check("missing > number 1", value="")).text == "not measured: there is no run z"

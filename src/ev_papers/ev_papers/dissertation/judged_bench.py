@@ -11,8 +11,9 @@ import numpy as np
 
 from ev_bench.machines.sequence import SEQUENCE_STEPS, Sequence
 from ev_msgs_py.contract.optional_signals import BenchTemperatures
-from ev_papers.dissertation.measures.traction_windows import traction
+from ev_papers.dissertation.measures.traction_windows import in_windows, traction
 from ev_papers.dissertation.studies.bench_difference import apart
+from ev_sim.surfaces import SURFACES
 from ev_stack.measures.metric import channel, run_named
 from ev_stack.recording.recording import Recording
 from ev_study.verdicts.need import ScenarioRuns
@@ -21,6 +22,10 @@ _CLEAR = 5.0  # [N m], torque difference above which a sign is no noise
 _SETTLED = 5.0  # [s], after which a load machine has settled
 _UNITS = {"1": 1.0, "rpm": math.pi / 30.0}  # in SI
 _RIGHT = "front_right"
+_GRIPS = 0.05  # slip below which a wheel does not slip much [1]
+_SPINS = 0.15  # slip above which it does, the least of eq 1.5 [1]
+_COMES_TO = 0.97  # share of a limit that counts as the limit [1]
+_BEFORE = 0.05  # [s], within which a torque at its limit makes a wheel spin
 
 
 def _bench(driven: ScenarioRuns) -> Recording:
@@ -88,6 +93,44 @@ def spins_with_excess(driven: ScenarioRuns) -> float:
     return float((np.sign(gained[clear]) == np.sign(excess[clear])).mean())
 
 
+def _limit(driven: ScenarioRuns, wheel: str) -> np.ndarray:
+    """Torque of a motor that the road can take, (phi_max + f_0 + f_surface) F_z r/(i eta), (n,)."""
+    run = _bench(driven)
+    vehicle = driven.vehicle
+    friction = channel(run, f"tire_forces.friction_coefficient.{wheel}")
+    rolling = np.full(len(friction), vehicle.rolling_resistance)
+    for surface in SURFACES.values():
+        # The largest friction names the surface under the wheel.
+        rolling[np.isclose(friction, surface.peak_friction)] += surface.rolling_resistance
+    load = channel(run, f"tire_forces.load.{wheel}")
+    gear = vehicle.gear_ratio * vehicle.motor.gear_efficiency
+    return (friction + rolling) * load * vehicle.wheel_radius / gear
+
+
+def within_the_limit(driven: ScenarioRuns, side: str) -> float:
+    """Share of the instants under torque without much slip at which the road can take it [1]."""
+    run = _bench(driven)
+    wheel = f"front_{side}"
+    torque = channel(run, f"motor_states.effort.{wheel}")
+    slip = channel(run, f"tire_forces.slip_ratio.{wheel}")
+    grips = (torque > _CLEAR) & (slip < _GRIPS)
+    return float((torque <= _limit(driven, wheel))[grips].mean())
+
+
+def onsets_at_the_limit(driven: ScenarioRuns) -> float:
+    """Share of the onsets of much slip, of both wheels, just before which M_em was M_nu [1]."""
+    run = _bench(driven)
+    samples = round(_BEFORE / (run.time[1] - run.time[0]))
+    at_limit = []
+    for wheel in driven.vehicle.driven_wheels:
+        slip = channel(run, f"tire_forces.slip_ratio.{wheel}")
+        torque = channel(run, f"motor_states.effort.{wheel}")
+        reaches = torque >= _COMES_TO * _limit(driven, wheel)
+        for onset in np.flatnonzero((slip[1:] > _SPINS) & (slip[:-1] <= _SPINS)) + 1:
+            at_limit.append(bool(reaches[max(onset - samples, 0) : onset + 1].any()))
+    return sum(at_limit) / len(at_limit)
+
+
 def circuits_apart(driven: ScenarioRuns) -> float:
     """Mean difference of the measured torques in traction, right and left, over the largest [%]."""
     run = _bench(driven)
@@ -102,6 +145,20 @@ def difference(model: ScenarioRuns, bench: ScenarioRuns) -> float:
     measured = channel(_bench(bench), f"bench.shafts.torque.{_RIGHT}")
     torque = channel(run, f"motor_states.effort.{_RIGHT}")
     return apart(measured, torque, traction(run, model.parameters["driver"]))
+
+
+def windows_apart(model: ScenarioRuns, bench: ScenarioRuns) -> float:
+    """Largest difference of the mean right torque of a window of traction, over the model's [%]."""
+    run = run_named(model.runs, "urban_mixed")
+    inside = in_windows(run, model.parameters["driver"])
+    edges = np.flatnonzero(np.diff(inside, prepend=False, append=False))
+    torque = channel(run, f"motor_states.effort.{_RIGHT}")
+    measured = channel(_bench(bench), f"bench.shafts.torque.{_RIGHT}")
+    found = 0.0
+    for begin, end in zip(edges[::2], edges[1::2], strict=True):
+        of_model = torque[begin:end].mean()
+        found = max(found, abs(measured[begin:end].mean() / of_model - 1.0))
+    return 100.0 * found
 
 
 def difference_over(model: ScenarioRuns, bench: ScenarioRuns, exact: ScenarioRuns) -> float:

@@ -41,6 +41,8 @@ _GROUPS = {
 _UP_TO_SPEED = 2.0  # [s], when a launch is on its way
 _LAST = 1.0  # [s]
 _LEFT = "front_left"
+LITTLE_SLIP, MUCH_SLIP = 0.05, 0.15  # [1]; eq 1.5 ends a control of the slip at 0.15
+ROLLING = 1.0  # [m/s], above which a car is not at rest
 
 
 def launched(driven: StudyCases, quantity: str, road: str, control: str) -> float:
@@ -117,6 +119,28 @@ def motor_torque(driven: ScenarioRuns, sample: str) -> float:
     window = first_passed_peak(run, driven.vehicle, _LEFT).window
     torque = channel(run, f"motor_states.effort.{_LEFT}")[window]
     return float(torque[0] if sample == "first" else torque[-1])
+
+
+def torque_over_slip(driven: ScenarioRuns, start: str, number: float) -> float:
+    """Torque of the left motor where the slip is largest over that where the slip begins [1].
+
+    `number` counts the slips of a car that is rolling at the start of them, or from rest.
+    """
+    run = run_named(driven.runs, "urban_mixed")
+    slip = channel(run, f"tire_forces.slip_ratio.{_LEFT}")
+    torque = channel(run, f"motor_states.effort.{_LEFT}")
+    speed = channel(run, "twist.longitudinal")
+    edges = np.flatnonzero(np.diff(slip > MUCH_SLIP, prepend=False, append=False))
+    found = []
+    for begin, end in zip(edges[::2], edges[1::2], strict=True):
+        # It begins where the wheel has last gripped.
+        gripped = int(np.flatnonzero(slip[:begin] < LITTLE_SLIP)[-1])
+        largest = begin + int(np.argmax(slip[begin:end]))
+        if (speed[gripped] > ROLLING) == (start == "rolling"):
+            found.append(float(torque[largest] / torque[gripped]))
+    if len(found) < number:
+        raise NotMeasured(f"the left wheel slips {len(found)} times {start.replace('_', ' ')}")
+    return found[int(number) - 1]
 
 
 def fit_error(driven: ScenarioRuns, power: float) -> float:

@@ -40,6 +40,13 @@ def mean(driven: StudyCases, quantity: str, method: float, driver: str, unit: st
     return statistics.fmean(_by_road(driven, quantity, method, driver)) / _UNITS[unit]
 
 
+def shaft_work(driven: StudyCases, method: float) -> float:
+    """Work at both shafts with driver pulse, energy times drive efficiency [kW min]."""
+    energies = _by_road(driven, "energy", method, "pulse")
+    efficiencies = _by_road(driven, "drive_efficiency", method, "pulse")
+    return statistics.fmean(map(operator.mul, energies, efficiencies)) / KILOWATT_MINUTE
+
+
 def _means(driven: StudyCases, quantity: str, driver: str) -> dict[int, float]:
     return {int(method): mean(driven, quantity, int(method), driver) for method in FIVE}
 

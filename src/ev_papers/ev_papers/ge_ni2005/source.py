@@ -46,7 +46,8 @@ SWITCHED = "_switched"
 LOWERED = "_lower_target"
 CHATTER_ALONE = (SWITCHED, LOWERED)  # runs in which nothing else is of interest
 CHATTERING = ("rate_lower_target", "offset_lower_target", "increment")  # they come to their target
-# Claims of a change against equal torques: of the speed with u free, of all else with u held.
+# Claims of a change against equal torques, judged on the source's own car with u held.
+SPEED = "ge.claim.speed"
 ORDERINGS = (
     "ge.claim.beta",
     "ge.claim.radius",
@@ -54,7 +55,7 @@ ORDERINGS = (
     "ge.claim.yaw_rate",
     "ge.claim.v",
     "ge.claim.slip_use",
-    "ge.claim.speed",
+    SPEED,
 )
 LOWER_TARGET = 0.088  # of the runs *_lower_target: between both slips with equal torques [1]
 SETTLED = (2.0, 3.0)  # [s], where the steady turn of the printed equations is drawn
@@ -98,18 +99,18 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
 def _in_other_cases(id: str, driven: ScenarioRuns) -> dict[str, Metric]:
     """An ordering in the cases of car and speed in which it is not judged."""
     of = published(SOURCE)[id]
-    judged = FREE_SPEED if id == "ge.claim.speed" else ""
     found: dict[str, Metric] = {}
-    for case in CASES:
-        # The speed changes only where it is free, so it is no claim in the other cases.
-        if case == judged or not case.endswith(judged):
+    for case in CASES[1:]:
+        # What is claimed of a speed is judged as a force, which makes one only where u is held.
+        if id == SPEED and case.endswith(FREE_SPEED):
             continue
-        runs = {run + judged: run + case for run in (BASELINE, *READINGS)}
+        runs = {run: run + case for run in (BASELINE, *READINGS)}
         checks = []
         for check in of.checks:
-            reading = check.name.removesuffix(judged.replace("_", " "))
-            name = reading + case.replace("_", " ")
-            checks.append(replace(check.renamed(runs), name=name))
+            # Of those that are shown each has runs of its own.
+            if check.is_judged:
+                name = check.name + case.replace("_", " ")
+                checks.append(replace(check.renamed(runs), name=name))
         found |= _judged(of, checks, driven)
     return found
 

@@ -31,6 +31,7 @@ FORCE = 3000.0  # X, that the driver asks for [N]
 SPEED = 8.0  # V [m/s]
 ACCELERATION = 1.0  # j [m/s^2]
 ANGLE = 0.1  # Theta [rad]
+BRAKING = 2500.0  # of the engine [N], as in zhileykin2018_braking
 OBLIQUE = math.acos(0.8)  # phi at which eq 5 and the line above it differ [rad]
 _ROLE = "electronic_differential"
 
@@ -87,9 +88,33 @@ def excitation_by_eq_4(driven: ScenarioRuns) -> float:
 
 
 def excitation_by_eq_5(driven: ScenarioRuns) -> float:
-    """N of W12 with the front share of eq 5 as printed; the line above it makes N zero [1/s]."""
+    """N of W12 with h_i of eq 5, read as below it: the line above it makes N zero [1/s]."""
     found = _shares(driven, OBLIQUE, factor="equality", first_branch="rear")
     return _model(driven, ACCELERATION * math.cos(OBLIQUE), found.front).excitation
+
+
+def excitation_by_front_share(driven: ScenarioRuns) -> float:
+    """The same with h of eq 5 as the front share, h_n = 1/(lambda_0 + 1) [1/s].
+
+    Then the line above eq 5 is that of the rear share, 1 - h_n.
+    """
+    found = _shares(
+        driven,
+        OBLIQUE,
+        factor="equality",
+        first_branch="rear",
+        second_branch="rear_share",
+        largest_front_share=0.9,  # more than 1 - K cos(phi) is here
+    )
+    return _model(driven, ACCELERATION * math.cos(OBLIQUE), 1.0 - found.front).excitation
+
+
+def excitation_by_the_engine(driven: ScenarioRuns, front_share: float) -> float:
+    """N of W12 at 15 m/s where the engine brakes with 2500 N [1/s]; above zero it oversteers."""
+    model = side_slip_model(
+        driven.vehicle, 15.0, -BRAKING / driven.vehicle.mass, -BRAKING, front_share
+    )
+    return model.excitation
 
 
 def excitation_by_eq_7(driven: ScenarioRuns) -> float:

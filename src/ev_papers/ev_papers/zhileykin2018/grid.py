@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ev_msgs_py.contract.roles import MASTER
-from ev_papers.zhileykin2018.shares import SHARES, SWING, turn_arounds
+from ev_papers.zhileykin2018.shares import SHARES, reversals
 from ev_stack.measures.handling import peak_sideslip
 from ev_stack.recording.recording import Recording
 from ev_stack.scenarios.records import Run
@@ -69,7 +69,9 @@ ENGINE: Values = (
     ("*", "vehicle.motor.peak_power", 60e3),
     ("*", "vehicle.motor.maximum_speed", 812.0),
 )
-DRIVES: Mapping[str, Values] = {MOTORS: (), "engine": ENGINE}
+# The source's own: its i_g is one ratio, so nothing interrupts the torque of its engine.
+ONE_GEAR: Values = (*ENGINE, ("*", "vehicle.engine.gearbox.ratios", (2.2,)))
+DRIVES: Mapping[str, Values] = {MOTORS: (), "engine": ENGINE, "engine_in_one_gear": ONE_GEAR}
 
 
 def cases_of(controls: Iterable[str], values: Values = (), variant: str = "") -> list[Case]:
@@ -105,9 +107,9 @@ def name_of(control: str, force: float, angle: float, variant: str = "") -> str:
 
 
 def measure(recording: Recording, run: Run) -> Mapping[str, Any]:
-    """Largest sideslip angle of the moving car [rad], and turn-arounds of each share."""
-    shares = {name: turn_arounds(share(recording), SWING) for name, share in SHARES.items()}
-    return {"peak_sideslip": peak_sideslip(recording), **shares}
+    """Largest sideslip angle of the moving car [rad], and reversals of each share."""
+    turned = {share: reversals(recording, share) for share in SHARES}
+    return {"peak_sideslip": peak_sideslip(recording), **turned}
 
 
 def of_all(

@@ -94,9 +94,8 @@ def rear_slides_out(driven: ScenarioRuns) -> bool:
 
 
 def turn_arounds(driven: ScenarioRuns, share: str) -> float:
-    """Number of reversals of a share of the torque."""
-    values = shares.SHARES[share](run_named(driven.runs, NOMINAL))
-    return shares.turn_arounds(values, shares.SWING)
+    """Number of reversals of a share of the torque from the turn-in on."""
+    return shares.reversals(run_named(driven.runs, NOMINAL), share)
 
 
 def cases(sweep: StudyCases) -> int:

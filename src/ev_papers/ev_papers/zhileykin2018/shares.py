@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ev_stack.measures.handling import turning_in
 from ev_stack.measures.metric import channel
 from ev_stack.recording.recording import Recording
 
@@ -32,6 +33,14 @@ def rear_right_share(run: Recording) -> np.ndarray:
 
 
 SHARES = {"h_n": front_share, "h_2": rear_left_share, "h_4": rear_right_share}
+
+
+def reversals(run: Recording, share: str) -> int:
+    """Number of reversals of a share from the turn-in on.
+
+    The start is another event: an engine pulls away against its converter, and the law follows.
+    """
+    return turn_arounds(SHARES[share](run)[turning_in(run) :], SWING)
 
 
 def turn_arounds(values: np.ndarray, swing: float) -> int:

@@ -14,7 +14,7 @@ import numpy as np
 from ev_core.vehicle.description import Vehicle
 from ev_papers.zhileykin2018 import equations, measures
 from ev_papers.zhileykin2018.grid import BY_LAW, LIMIT, REAR_DRIVE, SCENARIO
-from ev_papers.zhileykin2018.shares import SHARES, SWING, turn_arounds
+from ev_papers.zhileykin2018.shares import SHARES, SWING, reversals
 from ev_stack.figures.other_axes import plan_view
 from ev_stack.figures.panels import Curve, Panel, motion_panels, over_time, readable
 from ev_stack.figures.sheets import Sheet
@@ -45,9 +45,6 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     def final_speed(name: str) -> float:
         return _speed(run_named(runs, name))[-1]
 
-    def turned(name: str, share: str) -> float:
-        return turn_arounds(SHARES[share](run_named(runs, name)), SWING)
-
     found = metrics_at_hand(SCENARIO, SCENARIO, ScenarioRuns(runs, vehicle, parameters))
     for name in runs:
         found[f"peak_sideslip_{name}"] = metric(
@@ -62,9 +59,9 @@ def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, M
     for name in (*BY_LAW, ESTIMATED):
         for share in SHARES:
             found[f"turn_arounds_{share}_{name}"] = metric(
-                lambda name=name, share=share: turned(name, share),
+                lambda name=name, share=share: reversals(run_named(runs, name), share),
                 "1",
-                f"how often the share turns round by more than {SWING:g}",
+                f"how often the share turns round by more than {SWING:g} once the car is steered",
             )
     return found
 

@@ -19,10 +19,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from enum import auto
 from math import tau
 from typing import Any, NamedTuple
 
-from ev_core.law import ParameterError, compilable, entry, group, parameter, setting
+from ev_core.law import Choice, ParameterError, compilable, entry, group, parameter, setting
 
 SECTOR = math.pi / 3.0  # width of a Hall sector, as an electrical angle [rad]
 
@@ -124,6 +125,13 @@ def torque_share(electrical_angle: float) -> float:
     return 0.0 if place < 5.0 else place - 5.0
 
 
+class Winding(Choice):
+    """Readings of the winding that resistance, inductance and flux linkage belong to."""
+
+    ARMATURE = auto()
+    PHASE = auto()
+
+
 @dataclass(frozen=True, slots=True)
 class MotorParameters:
     """Motor with permanent magnets; the source has no iron losses, friction or saturation."""
@@ -131,12 +139,18 @@ class MotorParameters:
     pole_pairs: int = parameter(
         10, unit="1", low=1, high=100, about="pole pairs, p", source="Shchur 2019"
     )
+    winding: Winding = parameter(
+        Winding.ARMATURE,
+        about="winding that has R, L and psi: armature, two phases in series as they conduct, or "
+        "phase, one of them",
+        source="Shchur 2019 gives those of the armature winding",
+    )
     resistance: float = parameter(
         0.15,
         unit="ohm",
         low=0.0,
         high=100.0,
-        about="resistance of one phase, R",
+        about="resistance of the winding, R",
         source="Shchur 2019",
     )
     inductance: float = parameter(
@@ -144,8 +158,8 @@ class MotorParameters:
         unit="H",
         low=1e-6,
         high=1.0,
-        about="inductance of one phase less its mutual inductance to another, L (taken for the "
-        "source's 8 mH)",
+        about="inductance of the winding, L; of a phase less its mutual inductance to another "
+        "(taken for the source's 8 mH)",
         source="Shchur 2019",
     )
     flux_linkage: float = parameter(
@@ -153,8 +167,8 @@ class MotorParameters:
         unit="Wb",
         low=1e-4,
         high=10.0,
-        about="flux linkage of a pole pair with one phase, psi: on its flats the EMF of a phase "
-        "is p psi omega",
+        about="flux linkage of a pole pair with the winding, psi: on the flats its EMF is "
+        "p psi omega",
         source="Shchur 2019",
     )
     torque_limit: float = setting(
@@ -166,13 +180,28 @@ class MotorParameters:
     )
 
 
+class Phase(NamedTuple):
+    """One phase of the motor."""
+
+    resistance: float  # R [ohm]
+    inductance: float  # L [H]
+    flux_linkage: float  # psi [Wb]
+
+
+@compilable
+def phase_of(motor: MotorParameters) -> Phase:
+    """One phase; two of them in series are the armature winding."""
+    share = 0.5 if motor.winding == Winding.ARMATURE else 1.0
+    return Phase(share * motor.resistance, share * motor.inductance, share * motor.flux_linkage)
+
+
 @compilable
 def torque_constant(motor: MotorParameters) -> float:
     """Constant 2 p psi of two conducting phases [N m/A, V s].
 
     It is their torque over their current, and their EMF over the shaft speed.
     """
-    return 2.0 * motor.pole_pairs * motor.flux_linkage
+    return 2.0 * motor.pole_pairs * phase_of(motor).flux_linkage
 
 
 @dataclass(frozen=True, slots=True)
@@ -218,8 +247,9 @@ def controlled_voltage(
     """
     # Two phases in series have 2 L and 2 R; the ratio of the gains, R/L, is the zero on the motor's
     # pole.
-    proportional_gain = controller.bandwidth * 2.0 * motor.inductance
-    integral_gain = controller.bandwidth * 2.0 * motor.resistance
+    phase = phase_of(motor)
+    proportional_gain = controller.bandwidth * 2.0 * phase.inductance
+    integral_gain = controller.bandwidth * 2.0 * phase.resistance
     emf = torque_constant(motor) * held.speed
     wanted = proportional_gain * error + s.voltage_integral + controller.emf_feedforward * emf
     voltage = min(max(wanted, -held.bus_voltage), held.bus_voltage)
@@ -261,14 +291,16 @@ def advance_averaged(
     Implicit midpoint rule: electrical energy = copper loss + mechanical work + change of magnetic
     energy up to rounding.
     """
-    motor, constant = p.motor, torque_constant(p.motor)
+    motor = p.motor
+    phase = phase_of(motor)
+    constant = torque_constant(motor)
     current_reference = torque_reference / constant
     emf = constant * held.speed
     # Whole samples in a step; rounding does not make one more.
     samples = max(1, math.ceil(duration / p.averaged.sampling_period - 1e-9))
     period = duration / samples
     # Midpoint rule: the current in R i is the mean of both ends of the step.
-    half_decay = period * motor.resistance / (2.0 * motor.inductance)
+    half_decay = period * phase.resistance / (2.0 * phase.inductance)
     current = s.current
     charge = 0.0
     energy = 0.0
@@ -276,7 +308,7 @@ def advance_averaged(
         voltage = controlled_voltage(
             s, p.averaged.current_controller, motor, current_reference - current, held, period
         )
-        drive = period * (voltage - emf) / (2.0 * motor.inductance)
+        drive = period * (voltage - emf) / (2.0 * phase.inductance)
         next_current = (current * (1.0 - half_decay) + drive) / (1.0 + half_decay)
         passed = period * (current + next_current) / 2.0
         charge += passed

@@ -43,7 +43,9 @@ from ev_sim.drives.brushless_motor import (
     DriveState,
     Held,
     MotorParameters,
+    Phase,
     crossing_shape,
+    phase_of,
     torque_constant,
 )
 
@@ -137,9 +139,11 @@ def conduct(
     [J]. A step ends early where the rotor enters the next sector, where a freewheeling current
     reaches zero, and where the current reaches the limit.
     """
-    motor, bus_voltage = p.motor, held.bus_voltage
+    motor = p.motor
+    phase = phase_of(motor)
+    bus_voltage = held.bus_voltage
     electrical_speed = motor.pole_pairs * held.speed
-    emf = motor.flux_linkage * electrical_speed
+    emf = phase.flux_linkage * electrical_speed
     high_voltage = bus_voltage if sign > 0.0 else 0.0
     low_voltage = bus_voltage - high_voltage
     impulse = 0.0
@@ -169,22 +173,22 @@ def conduct(
             off_drive = 0.0
         high_drive = high_voltage - neutral - emf
 
-        next_off = _after(off, off_drive, motor, step)
+        next_off = _after(off, off_drive, phase, step)
         blocks = off * next_off < 0.0
         if blocks:
             # -L i/h = drive - R i/2: the midpoint rule, solved for the step that ends without
             # current.
-            step = off * motor.inductance / (off * motor.resistance / 2.0 - off_drive)
+            step = off * phase.inductance / (off * phase.resistance / 2.0 - off_drive)
             next_off = 0.0
-        next_high = _after(high, high_drive, motor, step)
+        next_high = _after(high, high_drive, phase, step)
         next_current = pair_current(next_high, next_off)
         at_limit = sign * (next_current - limit) > 0.0
         if at_limit:
             # Within a step the current is as good as straight, so the instant follows by
             # proportion.
             step *= (limit - current) / (next_current - current)
-            next_off = _after(off, off_drive, motor, step)
-            next_high = _after(high, high_drive, motor, step)
+            next_off = _after(off, off_drive, phase, step)
+            next_high = _after(high, high_drive, phase, step)
 
         mean_high = (high + next_high) / 2.0
         mean_off = (off + next_off) / 2.0
@@ -214,7 +218,7 @@ def phase_torque(
     The currents sum up to zero: i_low = -(i_high + i_off).
     """
     weighted = 2.0 * high_current + (1.0 + crossing) * off_current
-    return motor.pole_pairs * motor.flux_linkage * weighted
+    return motor.pole_pairs * phase_of(motor).flux_linkage * weighted
 
 
 @compilable
@@ -234,10 +238,10 @@ def _off_phase(off_current: float, off_emf: float, bus_voltage: float) -> tuple[
 
 
 @compilable
-def _after(current: float, drive: float, motor: MotorParameters, step: float) -> float:
+def _after(current: float, drive: float, phase: Phase, step: float) -> float:
     """Phase current after a step of the implicit midpoint rule for L i' = drive - R i [A]."""
-    half_decay = step * motor.resistance / (2.0 * motor.inductance)
-    return (current * (1.0 - half_decay) + step * drive / motor.inductance) / (1.0 + half_decay)
+    half_decay = step * phase.resistance / (2.0 * phase.inductance)
+    return (current * (1.0 - half_decay) + step * drive / phase.inductance) / (1.0 + half_decay)
 
 
 @compilable

@@ -94,14 +94,13 @@ class Metric:
     def note(self) -> str:
         """Reason or assumption that belongs to the judgement.
 
-        It gives why nothing was measured or judged, or what was assumed to reproduce the number.
+        It gives why nothing was measured or judged, or what was assumed, whether the number is
+        reproduced by it or not.
         """
         if self.judgement == NOT_JUDGED:
             return self.unjudged
-        if self.reference and self.judgement == FROM_INPUTS:
-            return self.reference.inputs
-        if self.reference and self.judgement == REPRODUCED:
-            return self.reference.assumption
+        if self.reference and self.value is not None:
+            return self.reference.inputs or self.reference.assumption
         return self.reason
 
     @property

@@ -29,7 +29,15 @@ from ev_study.verdicts.panels_page import (
 )
 from ev_study.verdicts.panels_page import write_page as write_panels
 from ev_study.verdicts.sources import published, sources
-from ev_study.verdicts.verdict import Verdict, counts, plain_table, verdict, wanted, write
+from ev_study.verdicts.verdict import (
+    Verdict,
+    counts,
+    failures,
+    plain_table,
+    verdict,
+    wanted,
+    write,
+)
 
 MEASURED = "measured"  # among the sources of `verdicts`, with --data
 
@@ -95,6 +103,7 @@ def run_verdicts(argv: Sequence[str]) -> None:
             print(comparison_table(compared))
     if found:
         print(plain_table(found, shutil.get_terminal_size((WIDTH_OF_A_PIPE, 24)).columns))
+        print(failures(found))
         for source in sources():
             if of_source := [each for each in found if each.published.id in published(source)]:
                 print(f"{source}: {counts(of_source)}")

@@ -47,9 +47,10 @@ def source_named(name: str) -> ModuleType:
 
 
 KINDS = ("printed", "follows", "words", "axes", "lost")
-ASSUMPTION, INPUTS, IN_PART = "assumption", "inputs", "in part"
+ASSUMPTION, FITTED, INPUTS, IN_PART = "assumption", "fitted", "inputs", "in part"
 NO_VERDICT = ("not judgeable", "no verdict")
-NOTES = (ASSUMPTION, INPUTS, IN_PART, *NO_VERDICT)
+WITH_ADDITION = (ASSUMPTION, FITTED, IN_PART)  # notes that name what was added to the source
+NOTES = (*WITH_ADDITION, INPUTS, *NO_VERDICT)
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +62,7 @@ class Published:
     curve of which only the caption is left). `where`: equation, axes or panel. `quantity` and
     `printed` are what was published, in words and numbers. `needs`: what is driven, none for what
     follows from equations alone; `checks`: the numbers. `note`: what had to be added to the source
-    (assumption), why the number cannot fail by physics, because it comes from the inputs of the run
+    (assumption), or fitted to what it published (fitted), why the number cannot fail by physics, because it comes from the inputs of the run
     (inputs), which part of it holds where its first number, as the source defines it, does not (in
     part), or why there is no verdict (not judgeable, no verdict), with the needs of what is filled
     into its text; empty if there is none.
@@ -83,21 +84,15 @@ class Published:
         """True if there is a verdict; numbers are shown also without one."""
         return self.note not in NO_VERDICT
 
-    def noted(self, note: str, driven: Mapping[Need, Driven]) -> str:
-        """The text of the note if it is one of this sort, with what was driven for it filled in.
-
-        Else empty.
-        """
-        return (
-            self.text.filled([driven[need] for need in self.text_needs])
-            if self.note == note
-            else ""
-        )
+    def noted(self, driven: Mapping[Need, Driven]) -> str:
+        """The text of the note, with what was driven for it filled in."""
+        return self.text.filled([driven[need] for need in self.text_needs])
 
     def metrics(self, driven: Mapping[Need, Driven]) -> dict[str, Metric]:
         """The numbers of this id by name of the check."""
-        assumption = self.noted(ASSUMPTION, driven) or self.noted(IN_PART, driven)
-        inputs = self.noted(INPUTS, driven)
+        note = self.noted(driven)
+        assumption = note if self.note in WITH_ADDITION else ""
+        inputs = note if self.note == INPUTS else ""
 
         def reference(value: float, band: Band, compared: str) -> Reference:
             source = f"{self.kind}{': ' if self.where else ''}{self.where}{compared}"

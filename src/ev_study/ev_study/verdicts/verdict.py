@@ -4,7 +4,8 @@ As a table, as Markdown and as JSON.
 
 How it works: an id has one or several numbers, each with a judgement of its own. The verdict is the
 worst of them, with one exception: "in part" needs a first number that fails and others that all
-hold. Its text begins with the words of its sort, by which verdicts are counted.
+hold. Its text begins with the words of its sort, by which verdicts are counted, and goes on with
+the note: what was assumed belongs to a number that fails as much as to one that holds.
 """
 
 from __future__ import annotations
@@ -21,10 +22,11 @@ from ev_stack.recording.recording import atomic_file
 from ev_stack.report.tables import text_table
 from ev_study.verdicts.need import Driven, Need, ScenarioNeed, ScenarioRuns
 from ev_study.verdicts.sources import (
-    ASSUMPTION,
+    FITTED,
     IN_PART,
     INPUTS,
     NO_VERDICT,
+    WITH_ADDITION,
     Published,
     published,
     sources,
@@ -32,9 +34,11 @@ from ev_study.verdicts.sources import (
 
 # The sorts of verdicts, by the words with which their texts begin.
 WITH_ASSUMPTION = "reproduced with assumption"
+WITH_FIT = "reproduced with a fitted number"
 # Longer words before those that they begin with: `sort_of` takes the first that fits.
 SORTS = (
     WITH_ASSUMPTION,
+    WITH_FIT,
     REPRODUCED,
     IN_PART,
     NOT_REPRODUCED,
@@ -84,7 +88,18 @@ class Verdict:
     @property
     def assumption(self) -> str:
         """Assumption added to the source, empty if none."""
-        return self.note if self.published.note in (ASSUMPTION, IN_PART) else ""
+        return self.note if self.published.note in WITH_ADDITION else ""
+
+    @property
+    def _condition(self) -> str:
+        """Conditions of ours under which a number fails: which one of several, and the note."""
+        judged = [name for name, metric in self.metrics.items() if metric.reference]
+        failed = [
+            name for name in judged if self.metrics[name].judgement == NOT_REPRODUCED and name
+        ]
+        # Where all of them fail their names say nothing.
+        named = f"by {'; '.join(failed)}" if failed and len(failed) < len(judged) else ""
+        return "; ".join(filter(None, (named, self.note)))
 
     @property
     def text(self) -> str:
@@ -96,9 +111,11 @@ class Verdict:
             )
         if judgement in (FROM_INPUTS, IN_PART) or not self.published.is_judged:
             return f"{judgement}: {self.note}"
-        if judgement == REPRODUCED and self.assumption:
-            return f"{judgement} with assumption {self.assumption}"
-        return judgement
+        if judgement == NOT_REPRODUCED:
+            return ": ".join(filter(None, (judgement, self._condition)))
+        if self.published.note == FITTED:
+            return f"{WITH_FIT}: {self.note}"
+        return f"{WITH_ASSUMPTION} {self.note}" if self.assumption else judgement
 
     @property
     def ours(self) -> str:
@@ -145,7 +162,7 @@ def verdict(of: Published, results: Sequence[Driven]) -> Verdict:
     tolerances = {
         check.name: check.allowed([driven[need] for need in check.needs]) for check in of.checks
     }
-    return Verdict(of, of.metrics(driven), tolerances, of.noted(of.note, driven))
+    return Verdict(of, of.metrics(driven), tolerances, of.noted(driven))
 
 
 def wanted(only: Sequence[str], quick: bool) -> list[tuple[str, Published]]:
@@ -203,6 +220,12 @@ def plain_table(verdicts: Sequence[Verdict], width: int) -> str:
         line if len(line) <= width else f"{line[: width - 1].rstrip()}…"
         for line in (line.rstrip() for line in text_table(_SHORT, rows, left=_SHORT).splitlines())
     )
+
+
+def failures(verdicts: Sequence[Verdict]) -> str:
+    """The verdicts on what fails, with the conditions under which it does, one line each."""
+    failed = [each for each in verdicts if each.judgement == NOT_REPRODUCED]
+    return "\n".join(f"{each.published.id}: {each.text}" for each in failed)
 
 
 def counts(verdicts: Sequence[Verdict]) -> str:

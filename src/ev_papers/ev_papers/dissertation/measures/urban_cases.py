@@ -46,6 +46,14 @@ METHODS = {
     "5": Method(5, "by adhesion", "adhesion_share", "off"),
 }
 FIVE = ("1", "2", "3", "4", "5")  # as printed
+# Without table 2.2: surfaces of table 2.3 alone; f_0 and the driver's k are fitted to table 3.6 by
+# eq 2.37 in full, two numbers for five.
+WITHOUT_F_SURFACE: Values = (
+    ("plant", "road.rolling_resistance_scale", 0.0),
+    ("*", "vehicle.rolling_resistance", 0.005),
+    ("driver", "level.rolling_resistance", 0.005),
+    ("driver", "level.factor", 1.095),
+)
 DRIVERS = ("tracking", "imposed_speed", "pulse")
 SIDES = ("right", "left")
 QUANTITIES: dict[str, Callable[[CircuitSums], float]] = {

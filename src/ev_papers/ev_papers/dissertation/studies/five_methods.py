@@ -15,6 +15,7 @@ from ev_papers.dissertation.measures.urban_cases import (
     METHODS,
     SCENARIO,
     SIDES,
+    WITHOUT_F_SURFACE,
     case_name,
     roads,
 )
@@ -76,10 +77,11 @@ _METHODS = range(1, 6)
 measure = urban_cases.measure
 
 
-def _table(id: str, unit: float = 1.0) -> dict[int, float]:
+def _table(id: str, unit: float = 1.0, name: str = "") -> dict[int, float]:
     """Values in published.csv of an id, in which {} stands for a method, by method."""
     return {
-        method: published_value("dissertation", id.format(method)) * unit for method in _METHODS
+        method: published_value("dissertation", id.format(method), name) * unit
+        for method in _METHODS
     }
 
 
@@ -90,7 +92,7 @@ WHEEL_EFFICIENCY = _table("diss.t3.6.m{}.mean")
 BENCH_WHEEL_EFFICIENCY = _table("diss.t5.6.wheel.m{}", 0.01)
 DRIVE_EFFICIENCY = _table("diss.t5.6.drive.m{}", 0.01)
 TOTAL_EFFICIENCY = _table("diss.t5.6.total.m{}", 0.01)
-ENERGY = _table("diss.t5.6.energy.m{}")
+ENERGY = _table("diss.t5.6.energy.m{}", name="energy")
 
 
 class Gains(NamedTuple):
@@ -169,6 +171,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--bench", action="store_true", help="with both motors on the test bench: tables 5.1 to 5.6"
     )
     parser.add_argument(
+        "--without-f-surface",
+        action="store_true",
+        help="roads without f_surface of table 2.2, with f_0 and k fitted to table 3.6",
+    )
+    parser.add_argument(
         "--seeds",
         type=int,
         default=10,
@@ -187,11 +194,14 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def cases(given: argparse.Namespace) -> Sequence[Case]:
     """Every method with every driver on every road."""
     scenario = BENCH if given.bench else SCENARIO
+    further = WITHOUT_F_SURFACE if given.without_f_surface else ()
     found = []
     for driver in given.drivers:
         for method in METHODS:
             for seed in roads(given):
-                found.append(urban_cases.case(method, driver, seed, scenario=scenario))
+                found.append(
+                    urban_cases.case(method, driver, seed, further=further, scenario=scenario)
+                )
     return found
 
 

@@ -8,7 +8,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ev_papers.dissertation.measures import urban_cases
-from ev_papers.dissertation.measures.urban_cases import DRIVERS, METHODS, Values, roads
+from ev_papers.dissertation.measures.urban_cases import (
+    DRIVERS,
+    METHODS,
+    WITHOUT_F_SURFACE,
+    Values,
+    roads,
+)
 from ev_papers.dissertation.studies.five_methods import judged_quantity
 from ev_sim.surfaces import SURFACES
 from ev_stack.measures.metric import Metric, mean_over_seeds
@@ -102,6 +108,18 @@ CHANGES = (
             ("plant", "road.rolling_resistance_scale", 0.0),
             ("driver", "level.rolling_resistance", 0.012),
         ),
+    ),
+    Change(
+        "no_rolling_full",
+        "the same, eq 2.37 in full",
+        quantity="wheel_efficiency",
+        like="no_rolling",
+    ),
+    Change(
+        "without_f_surface",
+        "the same with f_0 0.005 and k 1.095, both fitted to table 3.6",
+        WITHOUT_F_SURFACE,
+        quantity="wheel_efficiency",
     ),
     Change(
         "rolling_low",

@@ -15,7 +15,7 @@ from ev_core.law import WHEEL_NAMES, ParameterError, Vehicle, exp, expm1, sqrt
 from ev_core.vehicle.driveline import has_equal_motors, has_own_motors
 from ev_core.vehicle.losses import NO_MAP, EfficiencyMap, efficiency_map
 from ev_core.vehicle.tyre import OF_LOAD
-from ev_sim.drives.brushless_motor import torque_constant
+from ev_sim.drives.brushless_motor import phase_of, torque_constant
 from ev_sim.drives.drive import DRIVE_MODELS
 from ev_sim.plant.guard import GuardLimits, guard_limits
 from ev_sim.plant.planar.given import (
@@ -271,10 +271,8 @@ def number_of_steps(parameters: PlanarParameters, vehicle: Vehicle, period: floa
         # A brushless DC drive may see one shaft speed over a step: without voltage to spare its
         # current swings against the wheel with n k/sqrt(2 L J_w), torque constant k behind the gear
         # ratio n.
-        constant, inductance = (
-            vehicle.gear_ratio * torque_constant(parameters.motor),
-            parameters.motor.inductance,
-        )
+        constant = vehicle.gear_ratio * torque_constant(parameters.motor)
+        inductance = phase_of(parameters.motor).inductance
         longest = min(
             longest, BRUSHLESS_PRODUCT / constant * sqrt(2.0 * inductance * vehicle.wheel_inertia)
         )
