@@ -21,8 +21,10 @@ from ev_core.vehicle.tmeasy import (
 )
 from ev_core.vehicle.tyre import Tyre
 from ev_msgs_py.refusal import ParameterError
+from ev_sim.plant.planar.planar_state import TyreRecord
 from ev_sim.surfaces import SURFACES, curve_on_road, tyre_on_road
 from ev_sim.tyres.contact_patch import normalized
+from ev_sim.tyres.curve import TMEASY, soften
 from ev_sim.tyres.tmeasy import at_load, cornering_stiffness, over_slip, towards
 
 # Sedan/tmeasy.json of uwsbel/low-fidelity-dynamic-models (MIT), in the order of TMEASY_NAMES.
@@ -163,7 +165,11 @@ def test_a_slippery_road_scales_peaks_and_their_slips_and_keeps_the_slope(surfac
 
 def test_a_soft_tyre_gives_at_a_slip_what_it_gave_at_a_share_of_it():
     front = tmeasy_tyre(SEDAN)
-    sound, soft = (at_load(front, 6000.0, 0.7, stiffness).along for stiffness in (1.0, 0.3))
+    on_road = TyreRecord(0.7, 1.0)
+    sound = at_load(front, 6000.0, on_road.c0, on_road.c1).along
+    soften(TMEASY, on_road, 0.3)
+    soft = at_load(front, 6000.0, on_road.c0, on_road.c1).along
+    assert soft.peak == sound.peak
     for slip in (0.01, 0.2, 1.0, 5.0):
         expected = 0.3 * slip * over_slip(sound, 0.3 * slip)
         assert slip * over_slip(soft, slip) == pytest.approx(expected, rel=1e-12)
@@ -181,6 +187,24 @@ def test_plant_slides_at_the_slips_of_the_formula(rim, slip):
     expected = forces(SEDAN, 5000.0, slip[0] / rim, slip[1] / rim)
     found = [5000.0 * of_slip * v / transport for of_slip, v in zip(secants, slip, strict=True)]
     assert found == pytest.approx(expected, rel=1e-12)
+
+
+@given(
+    tyres(), st.floats(-60.0, 60.0), st.floats(-60.0, 60.0), st.floats(-60.0, 60.0),
+    st.floats(-5.0, 5.0), st.floats(-5.0, 5.0), st.floats(0.0, 4.0), st.floats(0.05, 1.0),
+)  # fmt: skip
+def test_friction_is_finite_and_opposes_at_any_motion(
+    numbers, rim, slip_x, slip_y, contact_x, contact_y, share, grip
+):
+    """Also at rest, on a wheel that spins on the spot, sliding sideways, with any load."""
+    of = at_load(tmeasy_tyre(numbers), share * numbers[0], grip, 1.0)
+    transport = max(abs(rim), math.hypot(rim - slip_x, slip_y), 1e-9)
+    secants = normalized(of, (slip_x, slip_y), rim, transport, (contact_x, contact_y))
+    for secant, curve, slid in zip(secants, (of.along, of.across), (slip_x, slip_y), strict=True):
+        assert math.isfinite(secant) and secant >= 0.0
+        # No force beyond the peak of its direction, where all of the slip counts.
+        if max(abs(contact_x), abs(contact_y)) > 2.0:
+            assert secant * abs(slid) / transport <= curve.peak * (1.0 + 1e-9)
 
 
 def test_cornering_stiffness_is_degressive():

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from measured.made_records import CAR, columns_of, driven, write
 
+from ev_core.vehicle.tmeasy import TMEASY_NAMES, estimated_tmeasy
 from ev_core.vehicle.tyre import MF_NAMES
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.commands.run_scenario import main
@@ -214,3 +215,21 @@ def test_a_group_that_the_tyres_do_not_have_is_refused_with_the_one_that_they_ha
     with pytest.raises(ParameterError, match=message):
         free_parameters(["tyres"], graph("audi_a2", 0.01, Overrides()))
     assert len(free_parameters(["curve"], graph("audi_a2", 0.01, Overrides()))) == 3
+
+
+def test_a_number_of_a_tmeasy_tyre_may_be_free_where_it_is_no_estimate():
+    """Its place is that of its name; an estimate has no numbers of its own in the car."""
+    numbers = [*estimated_tmeasy("205/60R15 91")]
+    tyre = {"curve": "tmeasy", "combined": "normalized", "front_file": "", "rear_file": ""}
+
+    def free(**given):
+        values = [("*", f"vehicle.tyre.{name}", value) for name, value in (tyre | given).items()]
+        changed = graph("compact_ev", 0.01, Overrides(values=tuple(values)))
+        return free_parameters(["vehicle.tyre.rear_tmeasy.fym_pn"], changed)
+
+    (found,) = free(front_tmeasy=numbers, rear_tmeasy=numbers)
+    assert found.start == numbers[TMEASY_NAMES.index("fym_pn")]
+    with pytest.raises(
+        ParameterError, match=r"expected a car with tyres of curve tmeasy from files$"
+    ):
+        free(estimated_from="205/60R15 91")
