@@ -75,6 +75,12 @@ class Configuration:
         return bool(self.sensors == defaults(kind))
 
     @property
+    def options(self) -> list[str]:
+        """Switches among its parameters that are on."""
+        law = self.method.law
+        return law.switched_on(self.parameters, self.common.vehicle) if law else []
+
+    @property
     def given(self) -> Any:
         """The parameters for the method, with seeds that follow from that of the node."""
         return seeded(self.parameters, self.common.seed)

@@ -365,13 +365,9 @@ class Simulation:
                 quantity.name: each.delay for quantity, each in imperfect(configuration.sensors)
             }
             faults = [fault.text for fault in of_signals(configuration.faults)]
-            method = configuration.method
-            options = [
-                switch for switch in method.switches if getattr(configuration.parameters, switch)
-            ]
             found |= {
-                f"{role}.method": method.name,
-                f"options of {role}": options,
+                f"{role}.method": configuration.method.name,
+                f"options of {role}": configuration.options,
                 f"{role}.faults of signals": faults,
             }
             found[f"delays of sensors of {role}"] = errors
