@@ -56,7 +56,7 @@ FEW = (  # of asr_shootout, for what is judged on all of it
     *("--roads", "ice", "snow", "wet", "dry", "snow, bend of 25 m"),
 )
 STUDIES = [
-    ("diss.t3.1.right", "driver.level.factor=0.3"),
+    ("diss.t3.4.right", "driver.level.factor=0.3"),
     ("diss.t3.6.m3.mean", "driver.level.factor=1.4"),
     ("diss.t3.6.gap", "driver.level.factor=1.4"),
     ("diss.t5.6.wheel.m4", "driver.level.factor=1.4"),
@@ -306,8 +306,10 @@ def studied(id: str, *options: str) -> Verdict:
 
     def shorter(need: Need) -> Need:
         assert isinstance(need, StudyNeed)
-        kept = [word for word in need.options if word == "--without-f-surface"]
-        return dataclasses.replace(need, options=(*SHORT, *kept, *options))
+        # The roads without f_surface set the driver's k themselves.
+        flag = "--without-f-surface"
+        further = (flag,) if flag in need.options else options
+        return dataclasses.replace(need, options=(*SHORT, *further))
 
     return verdict_from(id, shorter)
 
