@@ -70,6 +70,28 @@ NEW = "import json, sys\nfrom compiling.edited_law import namespace, answers\n"
 EVERY = f"{NEW}for numbers in json.loads(sys.argv[1]):\n    print(*answers(namespace(numbers)))"
 
 
+def digits_of(text: str) -> str:
+    """Digits of the function `law` of a text."""
+    space: dict = {"__name__": "edited"}
+    exec(text, space)
+    return Reach(space["law"]).digits
+
+
+def test_words_compile_nothing_anew():
+    """Comments, docstrings and empty lines change nothing of what a function does."""
+    first = 'def law(x):\n    """The first text."""\n    return x + 1.0\n'
+    other = 'def law(x):\n    """Another one."""\n\n    # why\n    return x + 1.0\n'
+    assert digits_of(first) == digits_of(other)
+
+
+def test_a_docstring_that_is_used_as_a_value_counts():
+    """A text that stands first is more than words where an instruction loads it."""
+    text = 'def law(x):\n    "{0}"\n    return x == "{0}"\n'
+    assert digits_of(text.format("one")) != digits_of(text.format("two"))
+    alone = 'law = lambda x: x == "{0}"\n'
+    assert digits_of(alone.format("one")) != digits_of(alone.format("two"))
+
+
 def in_new_process(text: str, *arguments: str, folders: Sequence[Path]) -> list[str]:
     """Run a text in a new process and return its output line by line."""
     path = os.pathsep.join((*map(str, folders), os.environ.get("PYTHONPATH", "")))

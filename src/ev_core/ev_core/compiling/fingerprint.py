@@ -13,6 +13,7 @@ the order in which they are found. It keeps the objects that it has found at eac
 from __future__ import annotations
 
 import builtins
+import dis
 import hashlib
 import os
 import sys
@@ -176,11 +177,24 @@ def _code(code: CodeType) -> bytes:
     """A function's instructions, in bytes that do not depend on its place in a file."""
     constants = [
         _code(each) if isinstance(each, CodeType) else repr(each).encode()
-        for each in code.co_consts
+        for each in _used_constants(code)
     ]
     called = (code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, code.co_flags)
     names = repr((code.co_names, code.co_varnames, code.co_freevars, called)).encode()
     return b"\0".join((code.co_code, names, *constants))
+
+
+def _used_constants(code: CodeType) -> tuple[Any, ...]:
+    """A function's constants without its docstring, which changes nothing of what it does.
+
+    The docstring is the first constant. Instructions are pairs of an operation and its argument.
+    """
+    constants = code.co_consts
+    if not constants or not isinstance(constants[0], str):
+        return constants
+    pairs = zip(code.co_code[::2], code.co_code[1::2], strict=True)
+    is_used = any(operation in dis.hasconst and place == 0 for operation, place in pairs)
+    return constants if is_used else constants[1:]
 
 
 def _names(code: CodeType) -> Iterator[str]:
