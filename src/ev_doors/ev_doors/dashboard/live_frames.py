@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.node import Node
-from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
 
 from ev_core.vehicle.description import Vehicle
@@ -82,9 +82,9 @@ class Reported:
             self._new.append((text, about_time))
 
 
-# Of the messages between two looks only the last one counts, and no writer waits for a page or
-# sends to it again.
-_NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+# Of the messages between two looks only the last one counts. A lost one is sent again: while time
+# is paused no other one follows.
+_NEWEST = QoSProfile(depth=1)
 
 
 class _NewestReader(SignalReader):
