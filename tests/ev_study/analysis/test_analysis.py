@@ -21,7 +21,7 @@ from ev_core.vehicle.motor import Motor
 from ev_core.vehicle.tyre import Tyre
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
-from ev_sim.plant.planar.given import PlanarParameters
+from ev_sim.plant.planar.planar import PlanarPlantParameters
 from ev_sim.plant.planar.planar_state import VY, YAW_RATE
 from ev_sim.understeer import (
     axle_cornering_stiffnesses,
@@ -334,7 +334,7 @@ def test_linearised_plant_moves_as_the_nonlinear_one():
     """1e-4 rad about steady cornering, half a second of both, to 1 % of the yaw change."""
     angle, step = 0.05, 1e-4
     found = linearised(ICE, OperatingPoint(CAR.speed, angle))
-    parameters = PlanarParameters(initial_speed=CAR.speed, speed="held")
+    parameters = PlanarPlantParameters(initial_speed=CAR.speed, speed="held")
     plant = CompiledObject(find_method("plant", "planar"), parameters, ICE, 0.01)
     nothing = WheelTorqueCommand(NO_WHEELS)
     for _ in range(1000):

@@ -24,7 +24,7 @@ from ev_msgs_py.contract.frame import PLACES, Frame, numbers_of
 from ev_msgs_py.contract.signals import SteeringColumnState, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import NO_WHEELS, Wheels
 from ev_sim.plant.planar.body import Equations
-from ev_sim.plant.planar.given import PlanarParameters
+from ev_sim.plant.planar.planar import PlanarPlantParameters
 from ev_sim.plant.planar.planar_state import (
     INTEGRATED_PLACES,
     INTEGRATED_SIZE,
@@ -171,8 +171,8 @@ def _moved(middle: np.ndarray, places: list[int], change: np.ndarray) -> np.ndar
     return y
 
 
-def _parameters(point: OperatingPoint, initial_speed: float) -> PlanarParameters:
-    return PlanarParameters(
+def _parameters(point: OperatingPoint, initial_speed: float) -> PlanarPlantParameters:
+    return PlanarPlantParameters(
         initial_speed=initial_speed,
         speed="free" if point.accelerates else "held",
         road=RoadParameters(left=(point.surface,), right=(point.surface,)),

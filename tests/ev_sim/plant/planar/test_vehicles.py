@@ -16,7 +16,7 @@ from ev_core.vehicle.description import Vehicle
 from ev_core.vehicle.files import with_files
 from ev_msgs_py.contract.signals import TireForces, WheelTorqueCommand
 from ev_msgs_py.contract.wheels import WHEEL_NAMES, Wheels
-from ev_sim.plant.planar.given import PlanarParameters
+from ev_sim.plant.planar.planar import PlanarPlantParameters
 from ev_sim.plant.planar.planar_state import index
 
 CONFIG = Path(__file__).parents[4] / "config"
@@ -80,7 +80,7 @@ def test_readings_of_the_growth_of_rolling_resistance():
 def test_road_drives(path):
     road = flat(yaml.safe_load(path.read_text())["/**/plant"]["ros__parameters"])
     car = CompiledObject(
-        PLANAR, build(PlanarParameters, {**road, "initial_speed": 15.0}), Vehicle(), 0.01
+        PLANAR, build(PlanarPlantParameters, {**road, "initial_speed": 15.0}), Vehicle(), 0.01
     )
     friction = []
     for _ in range(500):
