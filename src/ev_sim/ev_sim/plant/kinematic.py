@@ -56,7 +56,7 @@ class KinematicPlantParameters(DriveParameters):
         unit="V",
         low=1.0,
         high=2000.0,
-        about="constant: the paper's second turn needs more than 381 V of EMF",
+        about="constant; the EMF of the paper's second turn is 190 V",
     )
     sub_step: float = setting(
         1e-3,
