@@ -9,9 +9,9 @@ on one core. Cores that share caches or execution units do not do as much togeth
 alone: the loop is measured on all cores at once, too, and `share_of_loops_at_once` is what the
 batch reaches of that.
 
-Each rate is what was done in the whole time that it took. One round measures all of them, one
-behind the other, because a machine does not keep its speed; the figures are medians over the
-rounds, the shares those of the ratios in one round.
+Shares are of rates per second of processor time, in alternating rounds (`rounds`), so that they hold
+on a busy machine; that a core waits for the last run does not count in them. Times and rates of the
+whole graph are by the clock.
 """
 
 from __future__ import annotations
@@ -19,13 +19,14 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import platform
 import statistics
 import time
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
 import numpy as np
+from rounds import alternating, as_json, machine, ratio_of
 
 from ev_core.compiled.part import CompiledPart
 from ev_core.compiling.machine_code import call
@@ -39,6 +40,7 @@ from ev_stack.scenarios.records import Overrides
 from ev_stack.scenarios.scenario import load_scenario
 
 DURATION = 10.0  # [s]
+GOAL = 0.85  # share of the fused loop
 FUSED_STEPS, FUSED_SECONDS = 3000, 1.0
 SENSORS = {"body_velocity": 0.05, "imu_yaw_rate": 0.002}  # noise [m/s], [rad/s]
 METRICS = {
@@ -49,15 +51,15 @@ METRICS = {
 
 
 def fused_loop_rate(plant: Configuration) -> float:
-    """Steps per second of the plant alone on one core."""
+    """Steps of the plant alone per second of processor time."""
     step = plant.parameters.step
     part = CompiledPart(plant.method, plant.parameters, plant.common.vehicle, FUSED_STEPS * step)
     now, then = np.zeros(frame.SIZE), np.zeros(frame.SIZE)
     now[frame.PLACES[WheelTorqueCommand]][:2] = 120.0
     now[frame.PLACES[SteeringColumnState]] = 0.0, 0.0, 0.0, 0.02, 0.0
     function, state, constants = part.addresses()
-    start, steps, begin = part.state.copy(), 0, time.perf_counter()
-    while (seconds := time.perf_counter() - begin) < FUSED_SECONDS:
+    start, steps, begin = part.state.copy(), 0, time.thread_time()
+    while (seconds := time.thread_time() - begin) < FUSED_SECONDS:
         part.state[:] = start
         call(function, now.ctypes.data, then.ctypes.data, state, constants)
         steps += FUSED_STEPS
@@ -65,7 +67,7 @@ def fused_loop_rate(plant: Configuration) -> float:
 
 
 def loops_at_once_rate(plant: Configuration, cores: int) -> float:
-    """Steps per second of as many plants as cores, together."""
+    """Steps of as many plants as cores, together, in a second of processor time of all cores."""
     with ThreadPoolExecutor(cores) as pool:
         return sum(pool.map(fused_loop_rate, [plant] * cores))
 
@@ -84,48 +86,52 @@ def main() -> None:
     )
     plant = configurations[MASTER]
 
-    def drive(runs: int) -> float:
-        """Seconds that it takes."""
-        vary = {"plant.initial_speed": np.linspace(18.0, 23.0, runs), "*.seed": range(runs)}
-        begin = time.perf_counter()
+    steps = given.runs * DURATION / plant.parameters.step
+
+    seconds = []
+
+    def batch_rate() -> float:
+        """Steps of all cars in a second of processor time of all cores."""
+        vary = {
+            "plant.initial_speed": np.linspace(18.0, 23.0, given.runs),
+            "*.seed": range(given.runs),
+        }
+        begin, used = time.perf_counter(), time.process_time()
         failed = batch(
             configurations, DURATION, vary, signals=("pose.y",), every=10, metrics=METRICS
         ).failed
         assert not failed, failed
-        return time.perf_counter() - begin
+        seconds.append(time.perf_counter() - begin)
+        return cores * steps / (time.process_time() - used)
 
-    drive(cores)  # compiles
-    rounds = [
-        (fused_loop_rate(plant), loops_at_once_rate(plant, cores), drive(given.runs))
-        for _ in range(given.rounds)
-    ]
-    alone, at_once, seconds = map(statistics.median, zip(*rounds, strict=True))
-    steps = given.runs * DURATION / plant.parameters.step
-    shares = [steps / took / (cores * one) for one, _, took in rounds]
-    share, share_at_once = (
-        statistics.median(shares),
-        statistics.median(steps / took / all_ for _, all_, took in rounds),
-    )
-    rate = steps / seconds
-    print(f"{given.runs} double lane changes of {DURATION:g} s on {cores} cores   {seconds:.2f} s")
+    measures = {
+        "alone": partial(fused_loop_rate, plant),
+        "at once": partial(loops_at_once_rate, plant, cores),
+        "batch": batch_rate,
+    }
+    rates = alternating(measures, given.rounds)
+    alone, at_once, _ = map(statistics.median, rates.values())
+    share = ratio_of(rates["batch"], [cores * each for each in rates["alone"]], GOAL)
+    share_at_once = ratio_of(rates["batch"], rates["at once"])
+    took = statistics.median(seconds[1:])  # the first one compiles
+    rate = steps / took
+    print(f"{given.runs} double lane changes of {DURATION:g} s on {cores} cores   {took:.2f} s")
     print(f"whole graph   {rate:12.0f} car steps of 1 ms per second")
     print(f"plant alone   {alone:12.0f} on one core")
     print(f"plants        {at_once:12.0f} on all cores at once")
-    print(f"share of the fused loop {share:.2f} ({min(shares):.2f} to {max(shares):.2f} by round)")
-    print(f"share of the loops at once {share_at_once:.2f}")
+    print(f"share of the fused loop {share}")
+    print(f"share of the loops at once {share_at_once}")
     if given.json:
         document = {
-            "machine": platform.processor() or platform.machine(),
-            "python": platform.python_version(),
+            **machine(),
             "cores": cores,
             "runs": given.runs,
-            "seconds": seconds,
+            "seconds": took,
             "car_steps_per_second": rate,
             "fused_loop_steps_per_second": alone,
-            "share_of_fused_loop": share,
-            "shares_by_round": shares,
             "loops_at_once_steps_per_second": at_once,
-            "share_of_loops_at_once": share_at_once,
+            "share_of_fused_loop": as_json(share),
+            "share_of_loops_at_once": as_json(share_at_once),
         }
         given.json.write_text(json.dumps(document, indent=2) + "\n")
 

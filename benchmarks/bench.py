@@ -3,17 +3,19 @@
     source scripts/setup.sh && chrt -r 5 python benchmarks/bench.py [--repeats N] [--json FILE]
 
 The first 24 s of the urban cycle, offline, period 5 ms: the whole graph in one compiled loop,
-recording included. All rows are measured in turn in one run, processor time, the best of all
-repeats, so their ratios hold on a busy machine.
+recording included. All rows are measured in alternating rounds, by processor time (`rounds`), so
+that their ratios hold on a busy machine.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-import platform
-import time
+import statistics
+from functools import partial
 from pathlib import Path
+
+from rounds import alternating, as_json, machine, processor_time, ratio_of
 
 from ev_core.lockstep.run import GraphRun
 from ev_msgs_py.contract import stamps
@@ -42,31 +44,28 @@ def seconds_per_period(run: Run) -> float:
     """Processor time of one control period, after everything was made."""
     periods = stamps.from_seconds(DURATION) // run.period
     graph = GraphRun(run.configurations, periods + 1)
-    start = time.process_time()
-    graph.drive(lambda time: None, lambda role, text: None)
-    return (time.process_time() - start) / periods
+    return processor_time(lambda: graph.drive(lambda time: None, lambda role, text: None)) / periods
 
 
 def main() -> None:
     """Print the table and, if asked for, write it as JSON."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--json", type=Path, help="write the table to this file")
-    parser.add_argument("--repeats", type=int, default=15, help="the best of so many counts")
+    parser.add_argument("--repeats", type=int, default=15, help="rounds")
     arguments = parser.parse_args()
     runs = {name: run_of(*row) for name, row in ROWS.items()}
-    best = {name: seconds_per_period(run) for name, run in runs.items()}  # compiles, too
-    for _ in range(arguments.repeats):
-        best = {name: min(seconds_per_period(run), best[name]) for name, run in runs.items()}
-    print(f"{'per control period of 5 ms':<44}{'us':>8}{'more than virtual':>20}")
-    for name, seconds in best.items():
-        print(f"{name:<44}{seconds * 1e6:>8.2f}{seconds / best[VIRTUAL] - 1.0:>20.0%}")
+    measures = {name: partial(seconds_per_period, run) for name, run in runs.items()}
+    seconds = alternating(measures, arguments.repeats)
+    ratios = {name: ratio_of(row, seconds[VIRTUAL]) for name, row in seconds.items()}
+    print(f"{'per control period of 5 ms':<44}{'us':>8}  times virtual")
+    for name, row in seconds.items():
+        print(f"{name:<44}{statistics.median(row) * 1e6:>8.2f}  {ratios[name]}")
     if arguments.json:
         rows = [
-            {"name": name, "seconds": seconds, "ratio": seconds / best[VIRTUAL]}
-            for name, seconds in best.items()
+            {"name": name, "seconds": statistics.median(row), **as_json(ratios[name])}
+            for name, row in seconds.items()
         ]
-        machine = platform.processor() or platform.machine()
-        arguments.json.write_text(json.dumps({"machine": machine, "rows": rows}, indent=2) + "\n")
+        arguments.json.write_text(json.dumps({**machine(), "rows": rows}, indent=2) + "\n")
 
 
 if __name__ == "__main__":

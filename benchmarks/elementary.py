@@ -2,7 +2,8 @@
 
     python benchmarks/elementary.py [--only NAME ...] [--json FILE]
 
-The arguments are random, so branches are foreseen as badly as they can be.
+The arguments are random, so branches are foreseen as badly as they can be. Both are measured in
+alternating rounds, by processor time (`rounds`).
 """
 
 from __future__ import annotations
@@ -10,16 +11,17 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import platform
-import time
+import statistics
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numba import njit
 from numba.extending import register_jitable
+from rounds import Ratio, alternating, as_json, machine, processor_time, ratio_of
 
 from ev_core import elementary
 from ev_msgs_py.compilable import FUNCTIONS
@@ -40,33 +42,58 @@ TWO = ("atan2", "hypot", "remainder")
 
 
 @dataclass(frozen=True)
+class Pair:
+    """A function of ours beside that of the C library: times per call [s], round by round.
+
+    Nothing where numba has no such function of the C library.
+    """
+
+    ours: list[float]
+    library: list[float]
+
+    @property
+    def medians(self) -> tuple[float, float | None]:
+        """Time per call of either."""
+        return statistics.median(self.ours), statistics.median(self.library or [0.0]) or None
+
+    @property
+    def ratio(self) -> Ratio | None:
+        """Ours over the C library's."""
+        return ratio_of(self.ours, self.library) if self.library else None
+
+    @property
+    def shown(self) -> str:
+        """Columns of the table."""
+        ours, library = self.medians
+        beside = f"{library * 1e9:.1f}" if library else "-"
+        return f"{ours * 1e9:>10.1f}{beside:>8}  {self.ratio or '-'!s:<22}"
+
+    @property
+    def entries(self) -> dict[str, Any]:
+        """Entries of the file."""
+        ours, library = self.medians
+        return {"seconds": ours, "library": library, **(as_json(self.ratio) if self.ratio else {})}
+
+
+@dataclass(frozen=True)
 class Row:
-    """One line of the table: times per call [s]; nothing where numba has no such function of the C library."""
+    """One line of the table."""
 
     name: str
     low: float
     high: float
-    compiled: float
-    compiled_library: float | None
-    python: float
-    python_library: float
-
-    @property
-    def ratios(self) -> tuple[float | None, float]:
-        """Ours over the C library's, compiled and interpreted."""
-        compiled = self.compiled / self.compiled_library if self.compiled_library else None
-        return compiled, self.python / self.python_library
+    compiled: Pair
+    python: Pair
 
 
-def best_time(repeats: int, call: Callable[..., Any], *arguments: Any) -> float:
-    """Shortest time per argument [s]: the other processes of the machine only ever add time."""
-    best = math.inf
-    call(*arguments)  # compiles
-    for _ in range(repeats):
-        start = time.perf_counter()
-        call(*arguments)
-        best = min(best, time.perf_counter() - start)
-    return best / COUNT
+def pair(repeats: int, ours: Callable[[], Any], library: Callable[[], Any] | None) -> Pair:
+    """Measure calls that take all arguments."""
+    measures = {"ours": partial(processor_time, ours)}
+    if library is not None:
+        measures["library"] = partial(processor_time, library)
+    found = alternating(measures, repeats)
+    per_call = {name: [seconds / COUNT for seconds in row] for name, row in found.items()}
+    return Pair(per_call["ours"], per_call.get("library", []))
 
 
 def compiled_loop(
@@ -114,15 +141,15 @@ def rows(names: Sequence[str], repeats: int) -> Iterator[Row]:
         for low, high in ranges:
             x, y = generator.uniform(low, high, (2, COUNT))
             lists = (x.tolist(), y.tolist()) if two else (x.tolist(),)
-            yield Row(
-                name,
-                low,
-                high,
-                best_time(repeats, fast, x, y),
-                best_time(repeats, fast_library, x, y) if fast_library else None,
-                best_time(slow_repeats, interpreted_loop, ours, *lists),
-                best_time(slow_repeats, interpreted_loop, library, *lists),
+            compiled = pair(
+                repeats, partial(fast, x, y), fast_library and partial(fast_library, x, y)
             )
+            python = pair(
+                slow_repeats,
+                partial(interpreted_loop, ours, *lists),
+                partial(interpreted_loop, library, *lists),
+            )
+            yield Row(name, low, high, compiled, python)
 
 
 def main() -> None:
@@ -132,29 +159,18 @@ def main() -> None:
     parser.add_argument(
         "--only", nargs="+", choices=RANGES, default=tuple(RANGES), metavar="NAME", help="functions"
     )
-    parser.add_argument("--repeats", type=int, default=60, help="the best of so many counts")
+    parser.add_argument("--repeats", type=int, default=60, help="rounds")
     arguments = parser.parse_args()
-    print(
-        f"{'ns per call':<12}{'arguments':>18}{'compiled':>10}{'C':>8}{'ratio':>8}{'Python':>10}{'C':>8}{'ratio':>8}"
-    )
+    head = f"{'':>4}{'ours':>6}{'C':>8}  {'ratio':<22}"
+    print(f"{'ns per call':<12}{'arguments':>14}  compiled{head}  Python{head}")
     table = []
     for row in rows(arguments.only, arguments.repeats):
-        compiled, python = row.ratios
-        library = f"{row.compiled_library * 1e9:.1f}" if row.compiled_library else "-"
-        print(
-            f"{row.name:<12}{f'{row.low:g} .. {row.high:g}':>18}"
-            f"{row.compiled * 1e9:>10.1f}{library:>8}{f'{compiled:.2f}' if compiled else '-':>8}"
-            f"{row.python * 1e9:>10.0f}{row.python_library * 1e9:>8.0f}{python:>8.1f}"
-        )
-        table.append({**asdict(row), "ratio compiled": compiled, "ratio Python": python})
+        limits = f"{row.low:g} .. {row.high:g}"
+        print(f"{row.name:<12}{limits:>18}{row.compiled.shown}{row.python.shown}", flush=True)
+        where = {"name": row.name, "low": row.low, "high": row.high}
+        table.append({**where, "compiled": row.compiled.entries, "Python": row.python.entries})
     if arguments.json:
-        machine = platform.processor() or platform.machine()
-        document = {
-            "machine": machine,
-            "python": platform.python_version(),
-            "seconds per": "call",
-            "rows": table,
-        }
+        document = {**machine(), "seconds per": "call", "rows": table}
         arguments.json.write_text(json.dumps(document, indent=2) + "\n")
 
 

@@ -1,4 +1,4 @@
-"""Lockstep steps per second of the full graph beside bare relays, measured in turn in one run.
+"""Lockstep steps per second of the full graph beside bare relays, measured in alternating rounds.
 
     source scripts/setup.sh && python benchmarks/lockstep.py [--steps N] [--repeats N] [--json FILE]
 
@@ -21,11 +21,13 @@ import subprocess
 import sys
 import tempfile
 import time
+from functools import partial
 from pathlib import Path
 
 import rclpy
 import relays
 from relays import SCENARIO, WARM_UP, Links, Relay, pattern_links, ring_links
+from rounds import alternating, as_json, ratio_of
 
 from ev_nodes.run_role import make_node
 from ev_nodes.stepping.spinning import spin
@@ -196,41 +198,36 @@ def main() -> None:
     """Print the table, and write it as JSON where asked for."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--steps", type=int, default=4000)
-    parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--repeats", type=int, default=5, help="rounds")
     parser.add_argument(
         "--only", choices=MEASURES, nargs="+", metavar="MEASURE", help="by default all"
     )
     parser.add_argument("--json", type=Path, metavar="FILE")
     given = parser.parse_args()
-    offline(given.steps)  # compiles what is not compiled yet
-    measures = [
-        measure for name, measure in MEASURES.items() if not given.only or name in given.only
-    ]
-    rates: dict[str, list[float]] = {measure.__name__: [] for measure in measures}
-    for _ in range(given.repeats):
-        for measure in measures:
-            rates[measure.__name__].append(measure(given.steps))
+    measures = {
+        name: partial(measure, given.steps)
+        for name, measure in MEASURES.items()
+        if not given.only or name in given.only
+    }
+    rates = alternating(measures, given.repeats)
     median = {name: statistics.median(values) for name, values in rates.items()}
-    ratio = {
-        f"{of} / {to}": _ratio(rates, of, to) for of, to in RATIOS if of in rates and to in rates
+    ratios = {
+        f"{of} / {to}": ratio_of(rates[of], rates[to])
+        for of, to in RATIOS
+        if of in rates and to in rates
     }
     for name, values in rates.items():
         print(f"{name:24} {median[name]:9.0f} steps/s   ({min(values):.0f} to {max(values):.0f})")
-    for name, value in ratio.items():
-        print(f"{name:48} {value:.2f}")
+    for name, ratio in ratios.items():
+        print(f"{name:48} {ratio}")
     if given.json:
         content = {
             "steps": given.steps,
             "steps_per_second": rates,
             "median": median,
-            "ratio": ratio,
+            "ratio": {name: as_json(ratio) for name, ratio in ratios.items()},
         }
         given.json.write_text(json.dumps(content, indent=2) + "\n")
-
-
-def _ratio(rates: dict[str, list[float]], of: str, to: str) -> float:
-    """Median of the ratios within each repeat: what disturbs the machine disturbs both."""
-    return statistics.median(a / b for a, b in zip(rates[of], rates[to], strict=True))
 
 
 if __name__ == "__main__":

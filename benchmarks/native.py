@@ -2,8 +2,8 @@
 
     source scripts/setup.sh && python benchmarks/native.py [--repeats N] [--seconds S] [SCENARIO ...]
 
-All parts of a scenario's first run. Library and compiled loop are measured in turn, processor time,
-the best of all repeats, so their ratio holds on a busy machine. The compiled loop records all
+All parts of a scenario's first run. Library and compiled loop are measured in alternating rounds, by
+processor time (`rounds`), so that their ratio holds on a busy machine. The compiled loop records all
 signals, the library keeps the last ones.
 """
 
@@ -11,11 +11,13 @@ from __future__ import annotations
 
 import argparse
 import ctypes
-import math
+import statistics
 import tempfile
-import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
+
+from rounds import alternating, processor_time, ratio_of
 
 from ev_core.lockstep.run import GraphRun
 from ev_doors.export.content import Content
@@ -53,40 +55,34 @@ def exported(run: Run, steps: int, folder: Path) -> Callable[[], None]:
     return drive
 
 
-def seconds(drive: Callable[[], None]) -> float:
-    """Processor time."""
-    start = time.process_time()
-    drive()
-    return time.process_time() - start
-
-
 def seconds_of_loop(run: Run, steps: int) -> float:
     """Processor time of the stack's loop from rest, after everything was made."""
     graph = GraphRun(run.configurations, steps + 1)
-    return seconds(lambda: graph.drive(lambda time: None, lambda role, text: None))
+    return processor_time(lambda: graph.drive(lambda time: None, lambda role, text: None))
 
 
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("scenarios", nargs="*", default=SCENARIOS)
-    parser.add_argument("--repeats", type=int, default=31, help="the best of so many")
+    parser.add_argument("--repeats", type=int, default=31, help="rounds")
     parser.add_argument(
         "--seconds", type=float, help="simulated time, by default that of the scenario"
     )
     given = parser.parse_args()
-    print(f"{'us per control period':<30}{'library':>10}{'compiled loop':>15}{'ratio':>8}")
+    print(f"{'us per control period':<30}{'library':>10}{'compiled loop':>15}  ratio")
     for scenario in given.scenarios:
         run = load_scenario(scenario, Overrides(duration=given.seconds)).runs[0]
         steps = stamps.from_seconds(run.duration) // run.period
-        seconds_of_loop(run, steps)  # compiles, too
-        library, loop = math.inf, math.inf
         with tempfile.TemporaryDirectory() as folder:
-            drive = exported(run, steps, Path(folder))
-            for _ in range(given.repeats):
-                library, loop = min(library, seconds(drive)), min(loop, seconds_of_loop(run, steps))
-        us = 1e6 / steps
-        print(f"{scenario:<30}{library * us:>10.2f}{loop * us:>15.2f}{library / loop:>8.2f}")
+            measures = {
+                "library": partial(processor_time, exported(run, steps, Path(folder))),
+                "loop": partial(seconds_of_loop, run, steps),
+            }
+            seconds = alternating(measures, given.repeats)
+        library, loop = (statistics.median(row) * 1e6 / steps for row in seconds.values())
+        ratio = ratio_of(seconds["library"], seconds["loop"])
+        print(f"{scenario:<30}{library:>10.2f}{loop:>15.2f}  {ratio}")
 
 
 if __name__ == "__main__":

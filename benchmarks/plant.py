@@ -2,6 +2,7 @@
 
     python benchmarks/plant.py [--json FILE]
 
+All rows are measured in alternating rounds, by processor time (`rounds`).
 Peers: pip install commonroad-vehicle-models. Rows that need a package which is not installed say
 so.
 """
@@ -12,16 +13,16 @@ import argparse
 import importlib
 import json
 import math
-import platform
-import time
+import statistics
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
+from rounds import alternating, as_json, machine, processor_time, ratio_of
 from scipy.integrate import solve_ivp
 
 from ev_core.compiled.part import CompiledPart
@@ -46,24 +47,17 @@ REFERENCE = "planar plant, one compiled loop"
 MAIN_PEER = "commonroad single-track drift, RK4"
 
 
-@dataclass(frozen=True)
-class Row:
-    """One line of the table: time per step [s], or why there is none."""
+class Row(NamedTuple):
+    """One line of the table: what makes a call, and how many steps the call takes; or why there is none."""
 
     name: str
-    seconds: float | None
+    make: Callable[[], Callable[[], Any]] | None
+    steps: int = 1
     note: str = ""
 
-
-def best_time(make: Callable[[], Callable[[], Any]], repeats: int) -> float:
-    """Shortest time [s] of a prepared call: the other processes of the machine only ever add time."""
-    best = math.inf
-    for _ in range(repeats):
-        call = make()
-        start = time.perf_counter()
-        call()
-        best = min(best, time.perf_counter() - start)
-    return best
+    def measure(self) -> float:
+        """Processor time of a step [s]; what comes before the call does not count."""
+        return processor_time(self.make()) / self.steps
 
 
 class PlanarPlant:
@@ -115,14 +109,14 @@ def bare_loop(steps: int) -> float:
     return total
 
 
-def own_rows(repeats: int) -> Iterator[Row]:
+def own_rows() -> Iterator[Row]:
     """The planar plant in its ways of use."""
     steps = 3000
-    PlanarPlant(STEP).advance()  # compiles
+    believable = vehicle_of("compact_ev")
 
     def fused(electrical: bool = False, vehicle: Vehicle = AUDI) -> Callable[[], Any]:
         car = PlanarPlant(steps * STEP, electrical, vehicle)
-        return lambda: car.advance()
+        return car.advance
 
     def one_call_per_step() -> Callable[[], Any]:
         car = PlanarPlant(STEP)
@@ -132,27 +126,17 @@ def own_rows(repeats: int) -> Iterator[Row]:
         car = PlanarPlant(10 * STEP)
         return lambda: [(car.advance(), car.outputs()) for _ in range(steps // 10)]
 
-    yield Row(REFERENCE, best_time(fused, repeats) / steps)
-    fused(electrical=True)()  # compiles
+    yield Row(REFERENCE, fused, steps)
+    yield Row("the same with its electrical side", partial(fused, electrical=True), steps)
+    yield Row("the same with real tyres (compact_ev)", partial(fused, vehicle=believable), steps)
+    yield Row("planar plant, 10 ms period with all signals", control_period, steps)
+    yield Row("planar plant, one call per step", one_call_per_step, steps)
     yield Row(
-        "the same with its electrical side",
-        best_time(lambda: fused(electrical=True), repeats) / steps,
+        "bare numba loop of about the same arithmetic", lambda: partial(bare_loop, steps), steps
     )
-    believable = vehicle_of("compact_ev")
-    yield Row(
-        "the same with real tyres (compact_ev)",
-        best_time(lambda: fused(vehicle=believable), repeats) / steps,
-    )
-    yield Row(
-        "planar plant, 10 ms period with all signals", best_time(control_period, repeats) / steps
-    )
-    yield Row("planar plant, one call per step", best_time(one_call_per_step, repeats) / steps)
-    bare_loop(10)
-    bare = best_time(lambda: lambda: bare_loop(steps), repeats) / steps
-    yield Row("bare numba loop of about the same arithmetic", bare)
 
 
-def scipy_row(repeats: int) -> Row:
+def scipy_row() -> Row:
     """The body and the wheels of the planar plant (no drives) by solve_ivp, as most scripts would call it."""
     car = PlanarPlant(STEP)
     car.advance()
@@ -168,15 +152,11 @@ def scipy_row(repeats: int) -> Row:
     def call() -> Any:
         return solve_ivp(right_hand_side, (0.0, 1.0), start, rtol=1e-6, atol=1e-9)
 
-    call()
-    return Row(
-        "the same wheels and body, scipy solve_ivp RK45",
-        best_time(lambda: call, repeats) / 1000,
-        "rtol 1e-6",
-    )
+    note = "rtol 1e-6"
+    return Row("the same wheels and body, scipy solve_ivp RK45", lambda: call, 1000, note)
 
 
-def commonroad_rows(repeats: int) -> Iterator[Row]:
+def commonroad_rows() -> Iterator[Row]:
     """CommonRoad's models by the same Runge-Kutta method and step, as installed, parameters as plain attributes."""
     models = (
         ("commonroad single-track, RK4", "vehicle_dynamics_st", None),
@@ -189,7 +169,7 @@ def commonroad_rows(repeats: int) -> Iterator[Row]:
         ).parameters_vehicle2()
     except ImportError:
         for name, _, _ in models:
-            yield Row(name, None, "pip install commonroad-vehicle-models")
+            yield Row(name, None, note="pip install commonroad-vehicle-models")
         return
     plain = plain_attributes(parameters)
     steps = 200
@@ -211,7 +191,7 @@ def commonroad_rows(repeats: int) -> Iterator[Row]:
                 k4 = np.array(function(x + STEP * k3, [0.0, 0.5], plain))
                 x += STEP / 6.0 * (k1 + 2.0 * (k2 + k3) + k4)
 
-        yield Row(name, best_time(lambda run=runge_kutta: run, repeats) / steps)
+        yield Row(name, lambda run=runge_kutta: run, steps)
 
 
 def plain_attributes(tree: Any) -> Any:
@@ -225,32 +205,24 @@ def main() -> None:
     """Print the table and, if asked for, write it as JSON."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--json", type=Path, help="write the table to this file")
-    parser.add_argument("--repeats", type=int, default=15, help="the best of so many counts")
+    parser.add_argument("--repeats", type=int, default=15, help="rounds")
     arguments = parser.parse_args()
-    rows = [
-        *own_rows(arguments.repeats),
-        scipy_row(arguments.repeats),
-        *commonroad_rows(arguments.repeats),
-    ]
-    reference = next(row.seconds for row in rows if row.name == REFERENCE)
-    print(f"{'per 1 ms step':<48}{'us':>10}{'ratio':>10}")
-    for row in rows:
-        if row.seconds is None:
-            print(f"{row.name:<48}{'-':>10}{'-':>10}  {row.note}")
-        else:
-            print(
-                f"{row.name:<48}{row.seconds * 1e6:>10.2f}{row.seconds / reference:>10.1f} "
-                f" {row.note}"
-            )
+    rows = {row.name: row for row in (*own_rows(), scipy_row(), *commonroad_rows())}
+    measures = {name: row.measure for name, row in rows.items() if row.make is not None}
+    seconds = alternating(measures, arguments.repeats)
+    print(f"{'per 1 ms step':<48}{'us':>10}  ratio")
+    table = []
+    for name, row in rows.items():
+        if row.make is None:
+            print(f"{name:<48}{'-':>10}  {row.note}")
+            table.append({"name": name, "seconds": None, "ratio": None, "note": row.note})
+            continue
+        took = statistics.median(seconds[name])
+        ratio = ratio_of(seconds[name], seconds[REFERENCE])
+        print(f"{name:<48}{took * 1e6:>10.2f}  {ratio}  {row.note}")
+        table.append({"name": name, "seconds": took, **as_json(ratio), "note": row.note})
     if arguments.json:
-        table = [{**asdict(row), "ratio": row.seconds and row.seconds / reference} for row in rows]
-        machine = platform.processor() or platform.machine()
-        document = {
-            "machine": machine,
-            "python": platform.python_version(),
-            "seconds per": "1 ms step",
-            "rows": table,
-        }
+        document = {**machine(), "seconds per": "1 ms step", "rows": table}
         arguments.json.write_text(json.dumps(document, indent=2) + "\n")
 
 
