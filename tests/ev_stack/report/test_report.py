@@ -212,7 +212,7 @@ def test_recording_refuses_what_it_could_not_save_exactly():
         (math.nextafter(1.0, 0.0), "", "not reproduced"),
         (math.nextafter(3.0, 4.0), "", "not reproduced"),
         (2.0, "a bus of 480 V", "reproduced with assumption a bus of 480 V"),
-        (4.0, "a bus of 480 V", "not reproduced"),
+        (4.0, "a bus of 480 V", "not reproduced: a bus of 480 V"),
         (math.nan, "", "not measured: the result is nan"),
         (-math.inf, "", "not measured: the result is -inf"),
     ],
