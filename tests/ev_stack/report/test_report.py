@@ -218,7 +218,7 @@ def test_recording_refuses_what_it_could_not_save_exactly():
     ],
 )
 def test_verdict(value, assumption, verdict):
-    """Both ends of the band belong to it."""
+    """Both ends of the band belong to it; what was assumed belongs to a failure, too."""
     assert (
         metric(
             lambda: value, "m", reference=Reference(2.0, (1.0, 3.0), "a source", assumption)
