@@ -22,7 +22,7 @@ def test_rounds_alternate_behind_a_first_one_that_does_not_count():
 
 @given(times=TIMES, speeds=st.lists(st.floats(0.1, 10.0), min_size=12, max_size=12))
 def test_a_ratio_does_not_depend_on_how_fast_the_machine_is_in_a_round(times, speeds):
-    """What slows one round slows both: the ratio of equal work stays what it is."""
+    """A slow round is slow for both: the ratio of equal work stays what it is."""
     slowed = [time * speed for time, speed in zip(times, speeds, strict=False)]
     ratio = ratio_of([2.0 * each for each in slowed], slowed)
     assert (ratio.median, ratio.spread) == pytest.approx((2.0, 0.0))
