@@ -22,7 +22,14 @@ from ev_stack.running.domain import free_domain
 from ev_stack.running.node_reports import enclave, observing
 
 _ELECTRICAL = ("motor_electrics", "motor_temperatures", "battery/cell")
-_NOT_KINEMATIC = (*_ELECTRICAL, "tire_forces", "battery", "bench/load_command", "speed_command")
+_NOT_KINEMATIC = (
+    *_ELECTRICAL,
+    "tire_forces",
+    "imu/roll",
+    "battery",
+    "bench/load_command",
+    "speed_command",
+)
 ALLOWED = permissions(NAMESPACE)
 SECURED = {
     "ROS_SECURITY_ENABLE": "true",
