@@ -145,7 +145,7 @@ def test_an_agent_observes_it():
 
 @pytest.mark.slow
 def test_exported_it_has_the_same_bits(tmp_path):
-    """As a C library in a program of its own, and as an FMU."""
+    """The C library in a program of its own, and the FMU."""
     (run,) = load_scenario("step_steer", Overrides(duration=2.5, vehicle="sedan"), ("left",)).runs
     plain = run_offline(run.configurations, 2.5)
     assert hash_on(run, TARGETS["x86_64-linux"], tmp_path) == signal_hash(plain)

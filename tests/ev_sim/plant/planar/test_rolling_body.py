@@ -96,7 +96,7 @@ def test_laws_count_with_the_weight_that_leans():
 
 
 def test_a_stiff_suspension_is_a_rigid_one():
-    """With springs a thousand times as stiff loads and yaw rate are those without roll.
+    """Springs a thousand times as stiff give loads and yaw rate of a body without roll.
 
     All mass is in the body, so that both have one height; 0.1 % is what the springs still give.
     """
@@ -202,7 +202,7 @@ def test_a_mirrored_rolling_car_is_mirrored_to_the_bit():
 
 
 def test_a_parked_car_leans_down_the_slope_and_rests():
-    """On a side slope of 10 % it begins in balance, and stays: no roll, no creep in 20 s."""
+    """It begins in balance on a side slope of 10 %, and stays: no roll, no creep in 20 s."""
     driven = plant(SEDAN, road__side_slope=(0.1,))
     before = float(driven.state[ROLL_ANGLE])
     # The left side is higher, so the body leans to the right.
