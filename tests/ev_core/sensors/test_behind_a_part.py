@@ -16,6 +16,14 @@ from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import ROLES
 from ev_msgs_py.contract.signals import WheelTorqueCommand
 
+ROLLS = {
+    "vehicle.suspension.sprung_mass": 1000.0,
+    "vehicle.suspension.front_roll_stiffness": 30e3,
+    "vehicle.suspension.rear_roll_stiffness": 30e3,
+    "vehicle.suspension.roll_inertia": 300.0,
+    "vehicle.suspension.front_roll_damping": 2e3,
+    "vehicle.suspension.rear_roll_damping": 2e3,
+}
 PLANT = [quantity.name for quantity in QUANTITIES if quantity.signal in ROLES["plant"].writes]
 
 
@@ -24,6 +32,7 @@ def frames(role: str, method: str, errors: dict[str, float], steps: int = 0) -> 
     values = {f"sensors.{name}": value for name, value in errors.items()}
     if method == "planar":
         values["electrical"] = True
+        values |= ROLLS
     parts = compiled_parts(configure(role, {"method": method, **values}))
     rows = np.zeros((steps + 1, frame.SIZE))
     for k in range(steps + 1):

@@ -24,7 +24,6 @@ _OF_CIRCUITS = (
     optional.BenchElectrical,
     optional.BenchTemperatures,
     optional.BenchCoolant,
-    optional.BatteryCoolant,
 )
 
 _MEASURED = (
@@ -42,6 +41,7 @@ _MEASURED = (
     signals.SteeringColumnState,
     optional.RearSteeringState,
     *_OF_CIRCUITS,
+    optional.BatteryCoolant,
 )
 
 # An angle is carried by two numbers of a quaternion, a charge is a share of the capacity: how, and
