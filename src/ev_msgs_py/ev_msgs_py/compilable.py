@@ -6,6 +6,7 @@ from typing import Any, TypeVar
 F = TypeVar("F", bound=Callable[..., Any])
 
 FUNCTIONS: list[Callable[..., Any]] = []
+INLINED: set[Callable[..., Any]] = set()
 
 
 def compilable(function: F) -> F:
@@ -16,9 +17,6 @@ def compilable(function: F) -> F:
     """
     FUNCTIONS.append(function)
     return function
-
-
-INLINED: set[Callable[..., Any]] = set()
 
 
 def inlined(function: F) -> F:

@@ -30,6 +30,17 @@ from ev_nodes.stepping.spinning import spin
 from ev_nodes.stepping.stepped_node import SteppedNode
 from ev_nodes.stepping.stop_request import KEPT, StopRequest, end, turn_deaf
 
+# What rclpy raises where the middleware cannot do something, or a library of messages cannot be
+# loaded.
+OF_ROS = (RuntimeError, UnsupportedTypeSupport)
+_QUIET: Any = {"enable_rosout": False, "start_parameter_services": False}
+_USAGE = """usage: {name} [--ros-args [-r __ns:=/NAME] [-p PARAMETER:=VALUE ...] [--params-file FILE] ...]
+Parameters: docs/parameters.md; of a running node: ev-stack param get {name}."""
+# Argument of ROS for the nodes of a run and for commands: what they log is in the output folder or
+# in the terminal, and ROS's own log file would need a home folder that can be written.
+NO_LOG_FILE = "--disable-external-lib-logs"
+SILENTLY = "EV_STACK_LEAVE_SILENTLY"  # variable of the environment: a runner sets it for its nodes
+
 
 def security_is_asked_for(environment: Mapping[str, str]) -> bool:
     """Return whether ROS 2 shall encrypt and authenticate.
@@ -63,11 +74,6 @@ def refuse_weak_security(environment: Mapping[str, str]) -> None:
         )
 
 
-# What rclpy raises where the middleware cannot do something, or a library of messages cannot be
-# loaded.
-OF_ROS = (RuntimeError, UnsupportedTypeSupport)
-
-
 def make_node(role: str, **node_arguments: Any) -> SteppedNode:
     """The node of a role; the plant is the master of time."""
     return MasterNode(**node_arguments) if role == MASTER else SteppedNode(role, **node_arguments)
@@ -79,9 +85,6 @@ def node_maker(role: str) -> Callable[..., Any]:
     modules = {import_module(point.module) for point in points}
     makers = [module.make for module in modules if hasattr(module, "make")]
     return makers[0] if len(makers) == len(modules) == 1 else partial(make_node, role)
-
-
-_QUIET: Any = {"enable_rosout": False, "start_parameter_services": False}
 
 
 def hidden_node(name: str, context: Context | None) -> Node:
@@ -126,10 +129,6 @@ def run_named_role() -> None:
     run_role(Path(sys.argv[0]).name)
 
 
-_USAGE = """usage: {name} [--ros-args [-r __ns:=/NAME] [-p PARAMETER:=VALUE ...] [--params-file FILE] ...]
-Parameters: docs/parameters.md; of a running node: ev-stack param get {name}."""
-
-
 def run_node(name: str, make: Callable[[], Any]) -> None:
     """Make a node, spin it, and turn refused input into one line and exit status 1.
 
@@ -167,12 +166,6 @@ def run_node(name: str, make: Callable[[], Any]) -> None:
         except KeyboardInterrupt:
             pass
         leave(node, trouble)
-
-
-# Argument of ROS for the nodes of a run and for commands: what they log is in the output folder or
-# in the terminal, and ROS's own log file would need a home folder that can be written.
-NO_LOG_FILE = "--disable-external-lib-logs"
-SILENTLY = "EV_STACK_LEAVE_SILENTLY"  # variable of the environment: a runner sets it for its nodes
 
 
 def leave(node: Any, trouble: str) -> NoReturn:

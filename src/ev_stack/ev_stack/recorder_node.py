@@ -31,6 +31,9 @@ from ev_stack.views.messages import CarViews, views_of_nodes
 _Add = Callable[[list[bytes], list[int]], None]  # takes messages, and when they came [ns]
 # s; several steps are taken in one go, which costs less than waking up for each message
 POLL_PERIOD = 0.01
+_PATIENCE = 2.0  # s
+_LONG = 3.0  # s for the first message of a topic
+_NOTHING = Frame()  # the progress is nothing but its stamp
 
 
 class RecorderInput:
@@ -113,11 +116,6 @@ class RecorderInput:
 def _one(add: _Add) -> Callable[[bytes], None]:
     """Executors of rclpy's own do not give the time at which a message came."""
     return lambda message: add([message], [time.time_ns()])
-
-
-_PATIENCE = 2.0  # s
-_LONG = 3.0  # s for the first message of a topic
-_NOTHING = Frame()  # the progress is nothing but its stamp
 
 
 class RecorderNode(Spinnable, Node):

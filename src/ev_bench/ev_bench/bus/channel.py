@@ -21,6 +21,11 @@ from ev_msgs_py.can.frame_length import Frame, Header, header, wire_bits
 from ev_msgs_py.refusal import quoted
 
 SUFFIXES = (".log", ".blf", ".mf4")
+_LONGEST = 8  # bytes of a classic frame
+# s: a reader too slow for its bus drops older frames, and so keeps up
+_OLDEST = 0.1
+# frames taken from a channel at one go: a bus that never falls silent shall not hold a node up
+_MOST = 500
 
 
 def bus_log(file: str) -> can.Listener:
@@ -74,11 +79,6 @@ class BusMeter:
         self.bits += wire_bits(*head, int.from_bytes(data, "little"), len(data))
         if identifier in self._awaited:
             self.latency = max(self.latency, latency)
-
-
-_LONGEST = 8  # bytes of a classic frame
-# s: a reader too slow for its bus drops older frames, and so keeps up
-_OLDEST = 0.1
 
 
 class Channel:
@@ -188,10 +188,6 @@ def _is_classic(message: can.Message) -> bool:
         message.is_extended_id or message.is_remote_frame or message.is_error_frame or message.is_fd
     )
     return not special and message.arbitration_id < 1 << 11 and len(message.data) <= _LONGEST
-
-
-# frames taken from a channel at one go: a bus that never falls silent shall not hold a node up
-_MOST = 500
 
 
 class Channels:

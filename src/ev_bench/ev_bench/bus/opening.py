@@ -26,6 +26,7 @@ _TIMESTAMPS = 35  # SO_TIMESTAMPNS of Linux
 # IP_MULTICAST_ALL: also what others on this machine have joined, wherever they have
 _ALL_GROUPS = 49
 _TIME = struct.Struct("@ll")  # s, ns
+_PATIENCE = 1.0  # s for a hub to answer
 
 
 class MulticastBus(can.BusABC):
@@ -90,9 +91,6 @@ class MulticastBus(can.BusABC):
         """Leave the group."""
         super().shutdown()
         self._socket.close()
-
-
-_PATIENCE = 1.0  # s for a hub to answer
 
 
 class BusError(RuntimeError):

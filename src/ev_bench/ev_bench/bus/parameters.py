@@ -12,6 +12,18 @@ from ev_msgs_py.can.database import Database, database_of
 from ev_msgs_py.refusal import ParameterError, quoted
 
 EV_BENCH = "can/ev_bench.dbc"
+INTERFACES = ("virtual", "udp_multicast", "socketcand", "socketcan")
+CIRCUITS = ("11", "12")  # right and left
+LOOPBACK = "127.0.0.1"  # from where no frame leaves this machine
+# Channels where none is named: right and left circuit.
+DEFAULT_CHANNELS = MappingProxyType(
+    {
+        "virtual": ("ev_bench_11", "ev_bench_12"),
+        "udp_multicast": ("239.192.11.11:28111", "239.192.11.12:28112"),
+        "socketcand": ("can11@127.0.0.1:29536", "can12@127.0.0.1:29536"),
+        "socketcan": ("can0", "can1"),
+    }
+)
 
 
 def load_database(name: str = EV_BENCH) -> Database:
@@ -28,21 +40,6 @@ def load_database(name: str = EV_BENCH) -> Database:
         raise ParameterError(f"CAN database {path}: {error.strerror or error}") from None
     except ParameterError as error:
         raise ParameterError(f"CAN database {path}: {error}") from None
-
-
-INTERFACES = ("virtual", "udp_multicast", "socketcand", "socketcan")
-CIRCUITS = ("11", "12")  # right and left
-LOOPBACK = "127.0.0.1"  # from where no frame leaves this machine
-
-# Channels where none is named: right and left circuit.
-DEFAULT_CHANNELS = MappingProxyType(
-    {
-        "virtual": ("ev_bench_11", "ev_bench_12"),
-        "udp_multicast": ("239.192.11.11:28111", "239.192.11.12:28112"),
-        "socketcand": ("can11@127.0.0.1:29536", "can12@127.0.0.1:29536"),
-        "socketcan": ("can0", "can1"),
-    }
-)
 
 
 @dataclass(frozen=True, slots=True)

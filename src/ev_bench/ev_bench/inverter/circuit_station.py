@@ -25,6 +25,8 @@ from ev_msgs_py.can.frames import SENT, TICK, BenchFrames, DeviceFrames, bench_f
 
 _NO_TORQUE = 1.0  # N m, the error of the torque transducer: below it a quick stop is over
 _CODES = tuple(float(fault.code) for fault in frames.FAULTS)
+_MADE_GOOD = 5  # cycles that are made up for at once
+_DAMAGED = 0xFF  # a payload with a wrong checksum
 
 
 @compilable
@@ -132,10 +134,6 @@ def advance_circuit(p: CircuitParameters, s: Circuit, period: float) -> None:
     s.speed = (s.speed + period * (s.drive.torque + s.load.torque) / inertia) / (
         1.0 + period * p.friction / inertia
     )
-
-
-_MADE_GOOD = 5  # cycles that are made up for at once
-_DAMAGED = 0xFF  # a payload with a wrong checksum
 
 
 class InverterStation:

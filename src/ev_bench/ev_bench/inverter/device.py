@@ -20,6 +20,29 @@ from ev_core.parameters.declaration import entries
 from ev_core.vehicle.motor import ThermalParameters, Winding
 from ev_msgs_py.can.frames import LONG_AGO
 
+# Entry of `Injected` and the value that makes a fault of it, with the thresholds of the default
+# parameters.
+INJECTIONS = MappingProxyType(
+    {
+        "trip": ("trip", 1.0),
+        "dc_link_loss": ("supply_lost", 1.0),
+        "hot_winding": ("winding_rise", 120.0),
+        "hot_inverter": ("inverter_rise", 80.0),
+        "over_voltage": ("voltage_rise", 200.0),
+        "over_current": ("current_rise", 700.0),
+        "silent": ("silent", 1.0),
+        "wrong_crc": ("wrong_crc", 1.0),
+        "frozen_counter": ("frozen_counter", 1.0),
+    }
+)
+_TABLE = "dissertation, table 1.1"
+_ASSUMED = "assumption, as in the vehicle dissertation_class_b"
+_LOST = (
+    "data of the 1PV5138-4WS24 are lost in the source: assumed to hold the machine under test up to"
+    " 10000 rpm"
+)
+_CELLS = "103 cells in series at 3.2 V; the voltage is not printed: assumption"
+
 
 @dataclass(slots=True)
 class Command:
@@ -124,23 +147,6 @@ class Circuit:
     tick: float = entry(unit="1", about="cycles of 1 ms since the start")
 
 
-# Entry of `Injected` and the value that makes a fault of it, with the thresholds of the default
-# parameters.
-INJECTIONS = MappingProxyType(
-    {
-        "trip": ("trip", 1.0),
-        "dc_link_loss": ("supply_lost", 1.0),
-        "hot_winding": ("winding_rise", 120.0),
-        "hot_inverter": ("inverter_rise", 80.0),
-        "over_voltage": ("voltage_rise", 200.0),
-        "over_current": ("current_rise", 700.0),
-        "silent": ("silent", 1.0),
-        "wrong_crc": ("wrong_crc", 1.0),
-        "frozen_counter": ("frozen_counter", 1.0),
-    }
-)
-
-
 def inject(s: Injected, names: Iterable[str]) -> None:
     """Put these faults in, and take all others away."""
     for field in fields(s):
@@ -148,10 +154,6 @@ def inject(s: Injected, names: Iterable[str]) -> None:
     for name in names:
         entry, value = INJECTIONS[name]
         setattr(s, entry, value)
-
-
-_TABLE = "dissertation, table 1.1"
-_ASSUMED = "assumption, as in the vehicle dissertation_class_b"
 
 
 @dataclass(frozen=True, slots=True)
@@ -222,12 +224,6 @@ def _as_in(of: type, name: str, **changed: Any) -> Any:
     return parameter(**{"default": known.default, **asdict(known.spec), **changed})
 
 
-_LOST = (
-    "data of the 1PV5138-4WS24 are lost in the source: assumed to hold the machine under test up to"
-    " 10000 rpm"
-)
-
-
 @dataclass(frozen=True, slots=True)
 class LoadMachine(Machine):
     """The asynchronous load machine; its limits by voltage are those of a synchronous one."""
@@ -240,9 +236,6 @@ class LoadMachine(Machine):
     torque_lag: float = _as_in(Machine, "torque_lag", default=0.001, source=_LOST)
     rotor_inertia: float = _as_in(Machine, "rotor_inertia", default=0.1, source=_LOST)
     winding: Winding = group(Winding, inductance=5e-5, largest_current=505.0)
-
-
-_CELLS = "103 cells in series at 3.2 V; the voltage is not printed: assumption"
 
 
 @dataclass(frozen=True, slots=True)

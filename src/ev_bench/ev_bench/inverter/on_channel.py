@@ -9,6 +9,9 @@ from ev_core.law import compilable, sqrt
 from ev_msgs_py.can import drive_states, frames
 from ev_msgs_py.can.payload import extracted, inserted, last_counter, next_counter
 
+MOTION, ELECTRICAL, TEMPERATURES, FAULTS = range(len(frames.SENT))
+_WRONG = 0xFF  # what a corrupted checksum is changed by
+
 
 @compilable
 def receive_set_point(
@@ -72,10 +75,6 @@ def missing_set_point(s: Inverter, timeout: float, period: float) -> int:
     if s.supervision.wrong_crc > 0.0:
         return frames.WRONG_CRC_FAULT
     return frames.WRONG_COUNTER if s.supervision.wrong_counter > 0.0 else frames.COMMAND_TIMEOUT
-
-
-MOTION, ELECTRICAL, TEMPERATURES, FAULTS = range(len(frames.SENT))
-_WRONG = 0xFF  # what a corrupted checksum is changed by
 
 
 @compilable

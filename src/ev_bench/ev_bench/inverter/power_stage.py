@@ -22,6 +22,9 @@ from ev_msgs_py.can.drive_states import (
 from ev_sim.drives import synchronous_motor
 from ev_sim.drives.electrical_side import coolant_outlet_temperature, derating_share, heated
 
+_COLD = 0.0  # heat of `limited_torque`: derating is by our own temperatures
+_HALF_STEP = 1.0 / 64.0  # N m, of torques in the frames: less is rounding and no limit
+
 
 @compilable
 def advance_dc_link(p: DcLinkParameters, s: Inverter, period: float) -> None:
@@ -118,10 +121,6 @@ def derating(p: ThermalParameters, s: Inverter) -> float:
     if winding <= p.winding_warm and inverter <= p.inverter_warm:  # as mostly, without a division
         return 1.0
     return derating_share(p, winding, inverter)
-
-
-_COLD = 0.0  # heat of `limited_torque`: derating is by our own temperatures
-_HALF_STEP = 1.0 / 64.0  # N m, of torques in the frames: less is rounding and no limit
 
 
 @compilable

@@ -44,6 +44,7 @@ LOADS = HEARTBEATS + 2  # place of the set-points of the load machines
 ALL_SET_POINTS = LOADS + 2 * SET_POINTS
 # In the order of `noted`.
 _DEVICES = ("right drive", "left drive", "right load machine", "left load machine")
+_PATIENCE = 2.0  # s; the slowest pre-charge that is no fault takes so long
 
 
 @inlined
@@ -165,9 +166,6 @@ def circuits_fit(parameters: LockstepGatewayParameters, vehicle: Vehicle) -> str
             f"a gear_ratio of {parameters.gear_ratio:g}, as its own, and not {vehicle.gear_ratio:g}"
         )
     return ""
-
-
-_PATIENCE = 2.0  # s; the slowest pre-charge that is no fault takes so long
 
 
 def notes(s: LockstepGateway) -> tuple[str, ...]:

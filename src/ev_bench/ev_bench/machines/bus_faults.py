@@ -17,6 +17,18 @@ from ev_core.law import ParameterError, compilable, entry, setting
 from ev_msgs_py.can.frames import TICK
 from ev_msgs_py.can.payload import NO_FRAME
 
+FAULTY_DRIVES = ("right", "left")
+# With these values nothing would be wrong.
+_WITHOUT_EFFECT = {
+    "hot_winding": 0.0,
+    "hot_inverter": 0.0,
+    "over_voltage": 0.0,
+    "over_current": 0.0,
+    "transducer_offset": 0.0,
+    "transducer_gain": 1.0,
+}
+_ROUNDING = 1e-9  # s, by which the time of a tick may be off
+
 
 class BusFault(IntEnum):
     """The kinds of faults, named as the parameter's choices."""
@@ -37,21 +49,6 @@ class BusFault(IntEnum):
     TRANSDUCER_OFFSET = 13
     TRANSDUCER_GAIN = 14
     LOAD_LIMIT = 15
-
-
-FAULTY_DRIVES = ("right", "left")
-
-
-# With these values nothing would be wrong.
-_WITHOUT_EFFECT = {
-    "hot_winding": 0.0,
-    "hot_inverter": 0.0,
-    "over_voltage": 0.0,
-    "over_current": 0.0,
-    "transducer_offset": 0.0,
-    "transducer_gain": 1.0,
-}
-_ROUNDING = 1e-9  # s, by which the time of a tick may be off
 
 
 def _first_tick(time: float) -> int:

@@ -26,6 +26,14 @@ from ev_msgs_py.can.frames import TICK, BenchFrames, DeviceFrames, is_due
 from ev_msgs_py.can.payload import NO_FRAME, are_words, joined, words
 from ev_msgs_py.contract.optional_signals import MOST_TICKS
 
+DRIVE, LOAD = range(2)  # the two devices of a channel
+# Places of frames on a channel, in the order of their identifiers; those of the load machine are
+# one higher.
+SET_POINT, HEARTBEAT = 4, 10
+PLACES_SENT = (2, 6, 8, 0)  # motion, electrical, temperatures, faults
+SET_POINT_WORDS = 2 * MOST_TICKS  # words of the set-points of a device in a control period
+FEEDBACK_WORDS = SET_POINT_WORDS + 6  # words of its feedback
+
 
 class CanConstants(NamedTuple):
     """Constants of a circuit that are computed once."""
@@ -102,15 +110,6 @@ def _follow(
         asked_speed,
         limit,
     )
-
-
-DRIVE, LOAD = range(2)  # the two devices of a channel
-# Places of frames on a channel, in the order of their identifiers; those of the load machine are
-# one higher.
-SET_POINT, HEARTBEAT = 4, 10
-PLACES_SENT = (2, 6, 8, 0)  # motion, electrical, temperatures, faults
-SET_POINT_WORDS = 2 * MOST_TICKS  # words of the set-points of a device in a control period
-FEEDBACK_WORDS = SET_POINT_WORDS + 6  # words of its feedback
 
 
 @dataclass(slots=True)

@@ -29,6 +29,8 @@ from ev_core.vehicle.losses import loss_power
 from ev_msgs_py.can.drive_states import OPERATION_ENABLED, SWITCH_ON_DISABLED
 from ev_msgs_py.can.frames import SPEED_MODE, TORQUE_MODE
 
+_NO_LIMIT = 2.0  # times its largest speed: the machine's own limit comes first
+
 
 class Motion(NamedTuple):
     """Over one step: torque in the shaft [N m], and the mean speeds of both machines [rad/s]."""
@@ -113,9 +115,6 @@ def _sent(path: SetPointState, periods: float, steps: int, step: int) -> float:
     back = 0 if step >= 0 else (steps - 1 - step) // steps
     period = int(periods) - back
     return path.line[period % KEPT_SET_POINTS] if period >= 0 else 0.0
-
-
-_NO_LIMIT = 2.0  # times its largest speed: the machine's own limit comes first
 
 
 class CircuitsConstants(NamedTuple):

@@ -45,6 +45,7 @@ from ev_msgs_py.refusal import ParameterError
 
 _ROUNDING = 1e-12  # a period of a whole number of steps gets no more than that
 _LEAST_VOLTAGE = 1.0  # V, below it a supply is none
+CHANNELS = (BenchShafts, BenchElectrical, BenchTemperatures, BenchEnergy)
 
 
 def prepare(
@@ -178,7 +179,6 @@ def _energy(p: CircuitsParameters, c: circuit.CircuitsConstants, s: CircuitsStat
     return BenchEnergy(battery, mains, resistor, machines, loads, shafts, stored)
 
 
-CHANNELS = (BenchShafts, BenchElectrical, BenchTemperatures, BenchEnergy)
 CIRCUITS: dict[str, Any] = {
     "state": CircuitsState,
     "prepare": prepare,

@@ -15,6 +15,7 @@ _ANY_RATE = 1e9
 
 ENABLED_CIRCUITS = ("none", "right", "left", "both")
 NONE, RIGHT, LEFT, BOTH = range(len(ENABLED_CIRCUITS))
+KEPT_SET_POINTS = 64  # set-points that are kept, one for each control period
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,9 +128,6 @@ class CanCircuitsParameters(CircuitsParameters):
     )
     dc_link: DcLinkParameters = group(DcLinkParameters)
     inject: BusFaultParameters = group(BusFaultParameters)
-
-
-KEPT_SET_POINTS = 64  # set-points that are kept, one for each control period
 
 
 @dataclass(slots=True)

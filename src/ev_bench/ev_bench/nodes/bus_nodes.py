@@ -26,6 +26,8 @@ from ev_nodes.stepping.reports import Reports
 from ev_nodes.stepping.spinning import Spinnable
 from ev_nodes.stepping.stepped_node import SteppedNode
 
+_MOST_REPORTED = 10  # troubles that are reported
+
 
 class Ticks:
     """Begins to count when it is made; the clock is monotonic."""
@@ -43,9 +45,6 @@ class Ticks:
     def until_next(self) -> float:
         """Seconds until the next one."""
         return max(self._start + (self._counted + 1) * TICK - time.monotonic(), 0.0)
-
-
-_MOST_REPORTED = 10  # troubles that are reported
 
 
 class WithBus(Spinnable):

@@ -25,6 +25,15 @@ from ev_msgs_py.contract.frame import TIME
 FINISHED, NOT_FINITE, FAILED = range(3)
 
 _EXPONENT = 0x7FF0000000000000  # of a float64: all ones in what is infinite or no number
+_TEXT = '''"""{function}: generated, do not edit."""
+
+from numba import njit
+
+
+@njit(error_model="numpy")
+def step({arguments}):
+    return function({arguments})
+'''
 
 
 class Parts(NamedTuple):
@@ -237,17 +246,6 @@ def run_through(
         stopped.ctypes.data,
     )
     return status
-
-
-_TEXT = '''"""{function}: generated, do not edit."""
-
-from numba import njit
-
-
-@njit(error_model="numpy")
-def step({arguments}):
-    return function({arguments})
-'''
 
 
 def compiled(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -39,6 +39,20 @@ from ev_msgs_py.refusal import ParameterError
 
 _LONGEST = 100  # characters of a name that becomes that of files in the cache
 _RULES = ("mistakes", "lists_of_state", "unassigned")  # modules that refuse laws
+_TEXT = '''"""Behind a part: generated, do not edit."""
+
+from numba import carray, cfunc, types
+
+P = types.voidptr
+
+
+@cfunc(types.int32(P, P, P, P), error_model="numpy")
+def step(now, next, state, constants):
+    head = carray(constants, {head}, FLOAT)
+    row = carray(constants, int(head[0]), FLOAT)
+    change(carray(next, {size}, FLOAT), carray(state, int(head[1]), FLOAT), row)
+    return 0
+'''
 
 
 def code_of(method: Method, given: Given) -> Code:
@@ -240,22 +254,6 @@ class CompiledPart:
         fill(self.given.values["s"], self._state.tolist())
         with in_law(self._method):
             return notes_of(self._notes)
-
-
-_TEXT = '''"""Behind a part: generated, do not edit."""
-
-from numba import carray, cfunc, types
-
-P = types.voidptr
-
-
-@cfunc(types.int32(P, P, P, P), error_model="numpy")
-def step(now, next, state, constants):
-    head = carray(constants, {head}, FLOAT)
-    row = carray(constants, int(head[0]), FLOAT)
-    change(carray(next, {size}, FLOAT), carray(state, int(head[1]), FLOAT), row)
-    return 0
-'''
 
 
 def _code(name: str, head: int, change: Callable[..., None]) -> Code:

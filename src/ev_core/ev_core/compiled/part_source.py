@@ -47,6 +47,29 @@ from ev_msgs_py.packages import OURS
 
 HEAD = ("total", "period")
 _RECORD = "record_"  # the name of a record of `c`, with its number
+_TEXT = '''"""{title}: generated, do not edit."""
+
+from numba import carray, cfunc, {njit}types
+
+P = types.voidptr
+
+{write}
+@cfunc(types.int32(P, P, P, P), error_model="numpy"{checks})
+def step(now, next, state, constants):
+    k = carray(constants, 1, CONSTANTS)[0]
+    row = carray(constants, int(k.total), FLOAT)
+    period = k.period
+{given}
+    there = carray(next, {size}, FLOAT)
+{body}
+'''
+_WRITE = """
+@njit(error_model="numpy", boundscheck=True)
+def write(there, output):
+{writing}
+
+"""
+_COPIED = 8192  # numbers of a state that the stack has room for
 
 
 def constants_type(trees: Mapping[str, Any], c: Any) -> np.dtype:
@@ -158,31 +181,6 @@ class Unpacking:
             return f"table(row, {place})"
         self._place += 1
         return f"row[{place}]"
-
-
-_TEXT = '''"""{title}: generated, do not edit."""
-
-from numba import carray, cfunc, {njit}types
-
-P = types.voidptr
-
-{write}
-@cfunc(types.int32(P, P, P, P), error_model="numpy"{checks})
-def step(now, next, state, constants):
-    k = carray(constants, 1, CONSTANTS)[0]
-    row = carray(constants, int(k.total), FLOAT)
-    period = k.period
-{given}
-    there = carray(next, {size}, FLOAT)
-{body}
-'''
-_WRITE = """
-@njit(error_model="numpy", boundscheck=True)
-def write(there, output):
-{writing}
-
-"""
-_COPIED = 8192  # numbers of a state that the stack has room for
 
 
 def is_checked(method: Method) -> bool:

@@ -46,6 +46,7 @@ TOUCHES = {
     "checks": "core.cpu:CPUTargetOptions.finalize core.targetconfig:ConfigStack.top_or_none "
     "cpython.mathimpl:registry core.imputils:builtin_registry cpython.builtins:cast_int",
 }
+_OPTIONS = ("targetoptions", "_sig", "types")  # of a function: njit, cfunc, vectorize
 
 
 @cache
@@ -254,8 +255,6 @@ def make_anew(made: Iterable[Any]) -> None:
 
 # options: what numba knows of what it has made, and no text shows. Plain: it is another one in each
 # process, so that nothing that reaches it is taken from disk.
-
-_OPTIONS = ("targetoptions", "_sig", "types")  # of a function: njit, cfunc, vectorize
 
 
 def options_of(found: Any) -> tuple[Any, ...]:

@@ -19,6 +19,16 @@ from ev_core.compiling.object_symbols import calls
 # overloads: what numba makes of functions that Python calls is kept in files of ours. Plain: each
 # process makes it.
 
+# Modules of numba with what compiled code may call, and how their functions are named there.
+_HELPERS = {"numba._helperlib": "numba_", "numba.core.runtime._nrt_python": "NRT_"}
+# In the compiler's text a call by which a function takes the interpreter, and the marks of one that
+# only an error leads to: C functions report exceptions, a C function that is called may have no
+# address, a library may be missing.
+_TAKEN = re.compile(r"\bcall [^\n]*@numba_gil_ensure\(")
+_ONLY_OF_ERRORS = re.compile(
+    r"^define [^\n]*@cfunc\.|\bcall [^\n]*(?:_get_wrapper_address\)|@Py_FatalError\()", re.M
+)
+
 
 def keep_overloads(
     function: Any,
@@ -67,8 +77,6 @@ def _with_names(kinds: Sequence[Any]) -> list[Any]:
 # object_code: machine code is taken out of numba, and loaded without it by llvmlite. Plain: each
 # process compiles.
 
-# Modules of numba with what compiled code may call, and how their functions are named there.
-_HELPERS = {"numba._helperlib": "numba_", "numba.core.runtime._nrt_python": "NRT_"}
 
 _engines: list[Any] = []  # what they have loaded lasts as long as they do
 
@@ -139,15 +147,6 @@ def _name_helpers(binding: Any) -> None:
     for name, address in helpers.items():
         if not binding.address_of_symbol(name):
             binding.add_symbol(name, address)
-
-
-# In the compiler's text a call by which a function takes the interpreter, and the marks of one that
-# only an error leads to: C functions report exceptions, a C function that is called may have no
-# address, a library may be missing.
-_TAKEN = re.compile(r"\bcall [^\n]*@numba_gil_ensure\(")
-_ONLY_OF_ERRORS = re.compile(
-    r"^define [^\n]*@cfunc\.|\bcall [^\n]*(?:_get_wrapper_address\)|@Py_FatalError\()", re.M
-)
 
 
 def takes_interpreter(step: Any) -> bool:

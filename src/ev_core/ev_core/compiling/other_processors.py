@@ -41,38 +41,6 @@ _SOFT = frozenset(
     sqrt
     """.split()  # noqa: SIM905
 )
-
-
-class Processor(NamedTuple):
-    """Settings of LLVM for a processor and its system.
-
-    `may_call` are the functions that its C compiler brings.
-    """
-
-    triple: str
-    cpu: str
-    features: str = ""
-    may_call: frozenset[str] = _EVERYWHERE
-
-    @property
-    def machine(self) -> Any:
-        """The code generator; the code may be loaded anywhere."""
-        from llvmlite import binding
-
-        binding.initialize_all_targets()
-        binding.initialize_all_asmprinters()
-        target = binding.Target.from_triple(self.triple)
-        return target.create_target_machine(self.cpu, self.features, 3, "pic", "default")
-
-
-X86_64_LINUX = Processor("x86_64-unknown-linux-gnu", "x86-64-v2")
-X86_64_WINDOWS = Processor("x86_64-w64-windows-gnu", "x86-64-v2", "", _EVERYWHERE | {_PAGES})
-AARCH64_LINUX = Processor("aarch64-unknown-linux-gnu", "generic")
-ARM_LINUX = Processor("armv7-unknown-linux-gnueabihf", "generic", "+vfp4", _EVERYWHERE | _OF_ARM)
-CORTEX_M4 = Processor(
-    "thumbv7em-unknown-none-eabihf", "cortex-m4", "", _EVERYWHERE | _OF_ARM | _SOFT
-)
-
 _CALLED = """
 define i32 @{symbol}(ptr %now, ptr %next, ptr %state, ptr %constants) {{
   %given = alloca i32
@@ -106,6 +74,37 @@ _EXPONENTS = re.compile(r"@numba_(frexp|ldexp)\b")
 # A structure with a pointer is shorter where pointers have 32 bits; the text may count its bytes
 # already.
 _OF_POINTERS = re.compile(r"= alloca [\[{][^\n]*\bptr\b")
+
+
+class Processor(NamedTuple):
+    """Settings of LLVM for a processor and its system.
+
+    `may_call` are the functions that its C compiler brings.
+    """
+
+    triple: str
+    cpu: str
+    features: str = ""
+    may_call: frozenset[str] = _EVERYWHERE
+
+    @property
+    def machine(self) -> Any:
+        """The code generator; the code may be loaded anywhere."""
+        from llvmlite import binding
+
+        binding.initialize_all_targets()
+        binding.initialize_all_asmprinters()
+        target = binding.Target.from_triple(self.triple)
+        return target.create_target_machine(self.cpu, self.features, 3, "pic", "default")
+
+
+X86_64_LINUX = Processor("x86_64-unknown-linux-gnu", "x86-64-v2")
+X86_64_WINDOWS = Processor("x86_64-w64-windows-gnu", "x86-64-v2", "", _EVERYWHERE | {_PAGES})
+AARCH64_LINUX = Processor("aarch64-unknown-linux-gnu", "generic")
+ARM_LINUX = Processor("armv7-unknown-linux-gnueabihf", "generic", "+vfp4", _EVERYWHERE | _OF_ARM)
+CORTEX_M4 = Processor(
+    "thumbv7em-unknown-none-eabihf", "cortex-m4", "", _EVERYWHERE | _OF_ARM | _SOFT
+)
 
 
 def object_file(code: Code, symbol: str, processor: Processor) -> bytes:

@@ -7,6 +7,44 @@ from ev_msgs_py.compilable import compilable
 
 COUNT = 32
 _BITS = 200
+# 2**k is COARSE[(k >> 5) + COARSE_ZERO] * (1 << (k & 31)) for -1022 <= k <= 1023.
+COARSE_ZERO = 32
+STEPS = 46.16624130844683  # 32 / ln 2
+STEP_HEAD = 0.021660849392446835  # ln 2 / 32, to 37 bits, so that up to 2**16 steps are exact,
+STEP_TAIL = 5.145609244655338e-14  # and the rest of it
+LOWEST, HIGHEST = -708.0, 709.7  # where 2**k is a normal number
+UNDERFLOW, OVERFLOW = -746.0, 709.782712893384  # beyond, the result is 0 or infinite
+LIFT, UNLIFT = 32 * 100, 2.0**-100
+C3, C4, C5, C6 = 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0, 1.0 / 720.0
+# Where e**x - 1 is formed directly, without e**x: up to ln(2) / 2.
+NEAR_ZERO = 0.3465735902799726
+Q1 = -3.33333333333331316428e-02
+Q2 = 1.58730158725481460165e-03
+Q3 = -7.93650757867487942473e-05
+Q4 = 4.00821782732936239552e-06
+Q5 = -2.01099218183624371326e-07
+# exp(x) / 2 is both sinh and cosh to all bits from here on; above HALVED_FROM it must not overflow
+# before it is halved.
+LARGE, HALVED_FROM = 22.0, 709.0
+# Taylor's series of sinh.
+S3, S5, S7, S9 = 1 / 6, 1 / 120, 1 / 5040, 1 / 362880
+S11, S13, S15, S17, S19 = (
+    1 / 39916800,
+    1 / 6227020800,
+    1 / 1307674368000,
+    1 / 355687428096000,
+    1 / 121645100408832000,
+)
+LN2_HEAD = 6.93147180369123816490e-01  # to 32 bits, so that multiples by an exponent are exact, and
+LN2_TAIL = 1.90821492927058770002e-10  # the rest of it
+SQRT_HALF, SQRT_2 = 0.7071067811865476, 1.4142135623730951
+L1 = 6.666666666666735130e-01
+L2 = 3.999999999940941908e-01
+L3 = 2.857142874366239149e-01
+L4 = 2.222219843214978396e-01
+L5 = 1.818357216161805012e-01
+L6 = 1.531383769920937332e-01
+L7 = 1.479819860511658591e-01
 
 
 def _roots() -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -30,8 +68,6 @@ def _roots() -> tuple[tuple[float, ...], tuple[float, ...]]:
 
 HEADS, TAILS = _roots()
 
-# 2**k is COARSE[(k >> 5) + COARSE_ZERO] * (1 << (k & 31)) for -1022 <= k <= 1023.
-COARSE_ZERO = 32
 COARSE = tuple(ldexp(1.0, 32 * k) for k in range(-COARSE_ZERO, 32))
 
 
@@ -39,24 +75,6 @@ COARSE = tuple(ldexp(1.0, 32 * k) for k in range(-COARSE_ZERO, 32))
 # Developed at SunSoft, a Sun Microsystems, Inc. business. Permission to use, copy, modify, and
 # distribute this software is freely granted, provided that this notice is preserved. (The
 # coefficients Q of expm1, and the logarithms; the exponential function is after Tang.)
-
-STEPS = 46.16624130844683  # 32 / ln 2
-STEP_HEAD = 0.021660849392446835  # ln 2 / 32, to 37 bits, so that up to 2**16 steps are exact,
-STEP_TAIL = 5.145609244655338e-14  # and the rest of it
-
-LOWEST, HIGHEST = -708.0, 709.7  # where 2**k is a normal number
-UNDERFLOW, OVERFLOW = -746.0, 709.782712893384  # beyond, the result is 0 or infinite
-LIFT, UNLIFT = 32 * 100, 2.0**-100
-
-C3, C4, C5, C6 = 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0, 1.0 / 720.0
-
-# Where e**x - 1 is formed directly, without e**x: up to ln(2) / 2.
-NEAR_ZERO = 0.3465735902799726
-Q1 = -3.33333333333331316428e-02
-Q2 = 1.58730158725481460165e-03
-Q3 = -7.93650757867487942473e-05
-Q4 = 4.00821782732936239552e-06
-Q5 = -2.01099218183624371326e-07
 
 
 @compilable
@@ -123,21 +141,6 @@ def expm1(x: float) -> float:
     if x < 0.0:
         return -1.0
     return exp(x)
-
-
-# exp(x) / 2 is both sinh and cosh to all bits from here on; above HALVED_FROM it must not overflow
-# before it is halved.
-LARGE, HALVED_FROM = 22.0, 709.0
-
-# Taylor's series of sinh.
-S3, S5, S7, S9 = 1 / 6, 1 / 120, 1 / 5040, 1 / 362880
-S11, S13, S15, S17, S19 = (
-    1 / 39916800,
-    1 / 6227020800,
-    1 / 1307674368000,
-    1 / 355687428096000,
-    1 / 121645100408832000,
-)
 
 
 @compilable
@@ -213,18 +216,6 @@ def half_exp(x: float) -> float:
         head, tail, scale = parts_of_exp(x, -64)
         return (head + tail) * scale * 2.0
     return x * 1e308
-
-
-LN2_HEAD = 6.93147180369123816490e-01  # to 32 bits, so that multiples by an exponent are exact, and
-LN2_TAIL = 1.90821492927058770002e-10  # the rest of it
-SQRT_HALF, SQRT_2 = 0.7071067811865476, 1.4142135623730951
-L1 = 6.666666666666735130e-01
-L2 = 3.999999999940941908e-01
-L3 = 2.857142874366239149e-01
-L4 = 2.222219843214978396e-01
-L5 = 1.818357216161805012e-01
-L6 = 1.531383769920937332e-01
-L7 = 1.479819860511658591e-01
 
 
 @compilable

@@ -14,6 +14,12 @@ QUARTER_PI, QUARTER_PI_TAIL = 0.25 * PI, 0.25 * PI_TAIL
 
 ROUND = 1.5 * 2.0**52  # adding and subtracting it rounds to an integer, half way to the even one
 SPLIT = 2.0**27 + 1.0
+# A shorter side below this part of the longer one is less than half an ulp of the result.
+NEGLIGIBLE = 2.0**-54
+# Between these the squares, and products of sides with what is left, neither overflow nor lose
+# bits.
+SMALL, LARGE = 2.0**-459, 2.0**511
+UP, DOWN = 2.0**600, 2.0**-600
 
 
 @compilable
@@ -25,14 +31,6 @@ def upper_half(x: float) -> float:
     """
     shifted = x * SPLIT
     return shifted - (shifted - x)
-
-
-# A shorter side below this part of the longer one is less than half an ulp of the result.
-NEGLIGIBLE = 2.0**-54
-# Between these the squares, and products of sides with what is left, neither overflow nor lose
-# bits.
-SMALL, LARGE = 2.0**-459, 2.0**511
-UP, DOWN = 2.0**600, 2.0**-600
 
 
 @compilable

@@ -17,6 +17,45 @@ from ev_core.elementary.parts import (
 from ev_msgs_py.compilable import compilable
 
 UNIT, PER_UNIT = 2.0**24, 2.0**-24
+HALF_PI_HIGH = upper_half(HALF_PI)
+HALF_PI_LOW = HALF_PI - HALF_PI_HIGH
+QUARTERS = 0.6366197723675814  # 2 / pi
+# pi / 2 in parts of 33 bits, with exact multiples up to 2**20, each with the rest that is missing
+# behind it.
+PART_1, BEHIND_1 = 1.57079632673412561417, 6.07710050650619224932e-11
+PART_2, PART_3, BEHIND_3 = (
+    6.07710050630396597660e-11,
+    2.02226624871116645580e-21,
+    8.47842766036889956997e-32,
+)
+MODERATE = 2.0**20  # [rad], below 2**20 quarter turns
+PLAIN = 1e-8  # a rest above this part of the quarters is not spoilt by cancellation
+S1 = 1.66666666666666324348e-01
+S2 = 8.33333333332248946124e-03
+S3 = -1.98412698298579493134e-04
+S4 = 2.75573137070700676789e-06
+S5 = -2.50507602534068634195e-08
+S6 = 1.58969099521155010221e-10
+C1 = 4.16666666666666019037e-02
+C2 = -1.38888888888741095749e-03
+C3 = 2.48015872894767294178e-05
+C4 = -2.75573143513906633035e-07
+C5 = 2.08757232129817482790e-09
+C6 = -1.13596475577881948265e-11
+WIDE = 0.67434
+T0 = 3.33333333333334091986e-01
+T1 = 1.33333333333201242699e-01
+T2 = 5.39682539762260521377e-02
+T3 = 2.18694882948595424599e-02
+T4 = 8.86323982359930005737e-03
+T5 = 3.59207910759131235356e-03
+T6 = 1.45620945432529025516e-03
+T7 = 5.88041240820264096874e-04
+T8 = 2.46463134818469906812e-04
+T9 = 7.81794442939557092300e-05
+T10 = 7.14072491382608190305e-05
+T11 = -1.85586374855275456654e-05
+T12 = 2.59073051863633712884e-05
 
 
 def _digits() -> tuple[float, ...]:
@@ -32,9 +71,6 @@ def _digits() -> tuple[float, ...]:
 
 
 TWO_OVER_PI = _digits()
-
-HALF_PI_HIGH = upper_half(HALF_PI)
-HALF_PI_LOW = HALF_PI - HALF_PI_HIGH
 
 
 @compilable
@@ -123,20 +159,6 @@ def times_half_pi(rest: float, tail: float) -> tuple[float, float]:
 # Developed at SunSoft, a Sun Microsystems, Inc. business. Permission to use, copy, modify, and
 # distribute this software is freely granted, provided that this notice is preserved.
 
-QUARTERS = 0.6366197723675814  # 2 / pi
-
-# pi / 2 in parts of 33 bits, with exact multiples up to 2**20, each with the rest that is missing
-# behind it.
-PART_1, BEHIND_1 = 1.57079632673412561417, 6.07710050650619224932e-11
-PART_2, PART_3, BEHIND_3 = (
-    6.07710050630396597660e-11,
-    2.02226624871116645580e-21,
-    8.47842766036889956997e-32,
-)
-
-MODERATE = 2.0**20  # [rad], below 2**20 quarter turns
-PLAIN = 1e-8  # a rest above this part of the quarters is not spoilt by cancellation
-
 
 @compilable
 def reduced(x: float) -> tuple[int, float, float]:
@@ -173,20 +195,6 @@ def reduced_again(n: int, first: float, quarters: float) -> tuple[int, float, fl
     lost -= quarters * BEHIND_3
     rest = third + lost
     return n, rest, (third - rest) + lost
-
-
-S1 = 1.66666666666666324348e-01
-S2 = 8.33333333332248946124e-03
-S3 = -1.98412698298579493134e-04
-S4 = 2.75573137070700676789e-06
-S5 = -2.50507602534068634195e-08
-S6 = 1.58969099521155010221e-10
-C1 = 4.16666666666666019037e-02
-C2 = -1.38888888888741095749e-03
-C3 = 2.48015872894767294178e-05
-C4 = -2.75573143513906633035e-07
-C5 = 2.08757232129817482790e-09
-C6 = -1.13596475577881948265e-11
 
 
 @compilable
@@ -248,22 +256,6 @@ def sin_cos(x: float) -> tuple[float, float]:
     if n & 1:
         sine, cosine = cosine, -sine
     return (-sine, -cosine) if n & 2 else (sine, cosine)
-
-
-WIDE = 0.67434
-T0 = 3.33333333333334091986e-01
-T1 = 1.33333333333201242699e-01
-T2 = 5.39682539762260521377e-02
-T3 = 2.18694882948595424599e-02
-T4 = 8.86323982359930005737e-03
-T5 = 3.59207910759131235356e-03
-T6 = 1.45620945432529025516e-03
-T7 = 5.88041240820264096874e-04
-T8 = 2.46463134818469906812e-04
-T9 = 7.81794442939557092300e-05
-T10 = 7.14072491382608190305e-05
-T11 = -1.85586374855275456654e-05
-T12 = 2.59073051863633712884e-05
 
 
 @compilable

@@ -8,6 +8,11 @@ from ev_core.parameters.declaration import setting
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 
+SYNTAX = "KIND WHERE [VALUE] [from SECONDS] [until SECONDS]"
+BATTERY = "battery"
+_NEVER = 1e18  # periods: finite, so that compiled code may count with it
+_TOLERANCE = 1e-6  # of a period: 0.3 s are 30 periods of 0.01 s, though 0.3/0.01 is a little less
+
 
 @dataclass(frozen=True, slots=True)
 class Kind:
@@ -77,10 +82,6 @@ OF_THE_CAR = {
 }
 KINDS = {**OF_SIGNALS, **OF_THE_CAR}
 
-SYNTAX = "KIND WHERE [VALUE] [from SECONDS] [until SECONDS]"
-BATTERY = "battery"
-_NEVER = 1e18  # periods: finite, so that compiled code may count with it
-_TOLERANCE = 1e-6  # of a period: 0.3 s are 30 periods of 0.01 s, though 0.3/0.01 is a little less
 # Wheels by what a fault may name: one wheel, an axle, a side, or all.
 _SOME_WHEELS: dict[str, tuple[str, ...]] = {name: (name,) for name in WHEEL_NAMES}
 for _side in ("front", "rear", "left", "right"):

@@ -44,6 +44,10 @@ FAULTS_HEAD = 4
 
 # The last word of the counter is the purpose of a random number; sensors have 0 and 1.
 FOR_NOISE, FOR_LOSS = 2, 3
+_CODES = list(OF_SIGNALS)
+_PAIR = 2
+# Kinds that remember one number; a delay remembers one for each period.
+_KEEP_ONE = ("frozen", "lost", "reordered", "restarted")
 
 
 @compilable
@@ -131,12 +135,6 @@ def is_drawn(c: Sequence[float], period: int) -> bool:
     """
     w0, w1, _, _ = words(c, period, 0, FOR_LOSS)
     return uniform(w0, w1) < c[VALUE]
-
-
-_CODES = list(OF_SIGNALS)
-_PAIR = 2
-# Kinds that remember one number; a delay remembers one for each period.
-_KEEP_ONE = ("frozen", "lost", "reordered", "restarted")
 
 
 def of_signals(texts: tuple[str, ...]) -> list[Fault]:

@@ -19,6 +19,11 @@ from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract.frame import PLACES, SIZE, Frame
 from ev_msgs_py.contract.stamps import RUN, RUNS
 
+ROWS = 8  # steps with kept inputs at most
+NEVER = -(1 << 62)  # the stamp of an answer or step that has not been yet
+# Places in `Steps.done`: the last step, the last answer, the answer before it
+LAST, ANSWER, BEFORE = range(3)
+
 
 class Arrival(Enum):
     """Judgement of a message."""
@@ -33,10 +38,6 @@ class Arrival(Enum):
 # Compiled code knows an arrival by its place.
 _ARRIVALS = tuple(Arrival)
 NEW, REPEATED, OLD, GAP, RESTART = range(len(_ARRIVALS))
-ROWS = 8  # steps with kept inputs at most
-NEVER = -(1 << 62)  # the stamp of an answer or step that has not been yet
-# Places in `Steps.done`: the last step, the last answer, the answer before it
-LAST, ANSWER, BEFORE = range(3)
 
 
 class Steps(NamedTuple):

@@ -30,6 +30,8 @@ from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.frame import TIME, Frame
 from ev_msgs_py.contract.roles import INTEGRATED, MASTER, ROLES, RoleKind
 
+WRITERS = writers(ROLES)
+
 
 class Answer(NamedTuple):
     """The output of a node for one instant: the numbers of what it writes, in a frame."""
@@ -38,7 +40,6 @@ class Answer(NamedTuple):
     frame: Frame
 
 
-WRITERS = writers(ROLES)
 _ORDER = {role: place for place, role in enumerate(sequence(ROLES))}
 _ARRIVAL = {role: place for place, role in enumerate(arrival_order(ROLES, MASTER))}
 _FIRST_TO_ANSWER = ROLES[next(role for role in step_order(ROLES))]

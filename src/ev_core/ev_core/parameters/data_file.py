@@ -35,6 +35,19 @@ _GROUP = "ev_stack.config"  # of entry points: packages that have a folder `conf
 
 
 _all_entry_points: Callable[[], Any] = cache(metadata.entry_points)
+MEGABYTE = 2**20
+# The largest size of a file, by its kind.
+TEXT = 4 * MEGABYTE
+TABLE = 64 * MEGABYTE
+SIGNALS = 4096 * MEGABYTE
+_KINDS = (
+    (stat.S_ISDIR, "a folder"),
+    (stat.S_ISFIFO, "a pipe"),
+    (stat.S_ISSOCK, "a socket"),
+    (stat.S_ISREG, ""),
+)
+T = TypeVar("T")
+TIME = "time"  # [s], what the array of the instants is called
 
 
 def entry_points(**wanted: str) -> Iterable[metadata.EntryPoint]:
@@ -92,19 +105,8 @@ def files_in_config(kind: str) -> Mapping[str, Path]:
     return found
 
 
-MEGABYTE = 2**20
-# The largest size of a file, by its kind.
-TEXT = 4 * MEGABYTE
-TABLE = 64 * MEGABYTE
-SIGNALS = 4096 * MEGABYTE
 # The dictionaries of `files_read`, for each block around the present place.
 _listening: ContextVar[tuple[dict[str, str], ...]] = ContextVar("listening", default=())
-_KINDS = (
-    (stat.S_ISDIR, "a folder"),
-    (stat.S_ISFIFO, "a pipe"),
-    (stat.S_ISSOCK, "a socket"),
-    (stat.S_ISREG, ""),
-)
 
 
 class TextOfFile(str):
@@ -209,9 +211,6 @@ def read_data(path: Path | str, most: int, is_input: bool = True) -> bytes:
     return content
 
 
-T = TypeVar("T")
-
-
 def find_file(name: str) -> Path:
     """The file that a parameter names.
 
@@ -251,9 +250,6 @@ def read_csv(
         raise ParameterError(f"{parameter}: {path}: {reason}") from None
     except ParameterError as error:
         raise ParameterError(f"{parameter}: {path}: {error}") from None
-
-
-TIME = "time"  # [s], what the array of the instants is called
 
 
 class RecordingError(ValueError):

@@ -44,6 +44,8 @@ ACCEPTED: dict[str, dict[str, tuple[float, float]]] = {
     "Hz": {"kHz": _KILO},
 }
 _FORM = re.compile(r"\s*(?P<number>[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?)\s*(?P<unit>\S.*?)\s*")
+P = TypeVar("P")
+_ELEMENTS = {float: "numbers", int: "whole numbers", bool: "true or false", str: "texts"}
 
 
 def units_for(unit: str) -> tuple[str, ...]:
@@ -59,10 +61,6 @@ def number_of(text: str, unit: str) -> float | None:
         return None
     multiplier, divisor = ACCEPTED.get(unit, {}).get(found["unit"], (1.0, 1.0))
     return float(found["number"]) * multiplier / divisor
-
-
-P = TypeVar("P")
-_ELEMENTS = {float: "numbers", int: "whole numbers", bool: "true or false", str: "texts"}
 
 
 def check(entry: Entry, value: Any) -> Any:

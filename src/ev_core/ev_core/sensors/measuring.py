@@ -23,15 +23,41 @@ from ev_core.sensors.random_numbers import TAU, WORD, normals, philox, uniform
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.refusal import ParameterError
 
+_NO_RANGE = 1e30
+# How the frame carries what is measured: as numbers one after the other; as two numbers of a
+# quaternion about one axis; as a share and the amount that it is of the whole.
+NUMBERS, HEADING, SHARE = range(3)
+# The settings of a sensor. Three places: of the first number, or of z and w, or of share, amount
+# and whole; MEMORY is that of its own numbers in the state, FIRST how many pairs of its numbers are
+# measured in front of these.
+SENSOR_WIDTH = 20
+(
+    KIND,
+    PLACE,
+    SECOND,
+    THIRD,
+    COUNT,
+    ROUNDS,
+    MEMORY,
+    BIAS,
+    NOISE,
+    QUANTISATION,
+    DELAY,
+    DROPOUT,
+    SEED,
+    SENSOR_NAME,
+) = range(14)
+GAIN, LOWEST, HIGHEST, DISTRIBUTION, NOISE_OF_READING, FIRST = range(14, SENSOR_WIDTH)
+SENSORS_HEAD = 3
+# The last word of the counter is the purpose of a random number.
+FOR_NOISE, FOR_DROPOUT = range(2)
+
 
 class Distribution(Choice):
     """Distributions of a random error."""
 
     GAUSSIAN = auto()
     UNIFORM = auto()
-
-
-_NO_RANGE = 1e30
 
 
 @cache
@@ -141,44 +167,12 @@ def sensor_parameters(unit: str, largest: float) -> type:
     return SensorParameters
 
 
-# How the frame carries what is measured: as numbers one after the other; as two numbers of a
-# quaternion about one axis; as a share and the amount that it is of the whole.
-NUMBERS, HEADING, SHARE = range(3)
-
-# The settings of a sensor. Three places: of the first number, or of z and w, or of share, amount
-# and whole; MEMORY is that of its own numbers in the state, FIRST how many pairs of its numbers are
-# measured in front of these.
-SENSOR_WIDTH = 20
-(
-    KIND,
-    PLACE,
-    SECOND,
-    THIRD,
-    COUNT,
-    ROUNDS,
-    MEMORY,
-    BIAS,
-    NOISE,
-    QUANTISATION,
-    DELAY,
-    DROPOUT,
-    SEED,
-    SENSOR_NAME,
-) = range(14)
-GAIN, LOWEST, HIGHEST, DISTRIBUTION, NOISE_OF_READING, FIRST = range(14, SENSOR_WIDTH)
-SENSORS_HEAD = 3
-
-
 class Numbers(Protocol):
     """A row of numbers that are changed in place: a list, an array, the memory of a frame."""
 
     def __getitem__(self, place: int, /) -> float: ...
 
     def __setitem__(self, place: int, number: float, /) -> None: ...
-
-
-# The last word of the counter is the purpose of a random number.
-FOR_NOISE, FOR_DROPOUT = range(2)
 
 
 @compilable

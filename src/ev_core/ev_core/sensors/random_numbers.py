@@ -25,6 +25,9 @@ M0, M1 = 0xD2511F53, 0xCD9E8D57  # multipliers of a round
 W0, W1 = 0x9E3779B9, 0xBB67AE85
 TAU = 6.283185307179586
 LAST_BIT = 2.0**-53
+P = TypeVar("P")
+FOR_SEED = 4  # the last word of the counter; sensors and faults have those below
+_OWN = "seed"
 
 
 @compilable
@@ -58,12 +61,6 @@ def normals(w0: int, w1: int, w2: int, w3: int) -> tuple[float, float]:
     radius = sqrt(-2.0 * log(1.0 - uniform(w0, w1)))
     sine, cosine = sin_cos(TAU * uniform(w2, w3))
     return radius * cosine, radius * sine
-
-
-P = TypeVar("P")
-
-FOR_SEED = 4  # the last word of the counter; sensors and faults have those below
-_OWN = "seed"
 
 
 def seeded(parameters: P, seed: int, prefix: str = "") -> P:

@@ -13,6 +13,11 @@ from ev_core.vehicle.tyre import Tyre
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError
 
+LOAD_TRANSFERS = ("both", "longitudinal", "lateral", "none")
+GRAVITY = 9.81  # [m/s^2], as in all sources
+# Share that the rolling radius may be off from that of the tyre's size: rules for it differ by 2 %.
+_RADIUS_OFF = 0.05
+
 
 @dataclass(frozen=True, slots=True)
 class RoadLoad:
@@ -31,12 +36,6 @@ class RoadLoad:
     quadratic: float = setting(
         0.0, unit="N s^2/m^2", low=0.0, high=100.0, about="part that grows with its square, C"
     )
-
-
-LOAD_TRANSFERS = ("both", "longitudinal", "lateral", "none")
-GRAVITY = 9.81  # [m/s^2], as in all sources
-# Share that the rolling radius may be off from that of the tyre's size: rules for it differ by 2 %.
-_RADIUS_OFF = 0.05
 
 
 @dataclass(frozen=True, slots=True)

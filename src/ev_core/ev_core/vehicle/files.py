@@ -25,6 +25,36 @@ _COLUMNS = (
     {"torque_nm": 1.0},
     {"efficiency": 1.0},
 )
+# Which formula a file is meant for, by FITTYP, and whether it takes the tangent of the slip angle.
+_FIT_TYPES = {6.0: False, 21.0: False, 52.0: False, 60.0: True, 61.0: True, 62.0: True}
+_FORMATS = {"PAC2002": False, "MF_05": False}
+# The scale factors that multiply a coefficient.
+_SCALED = {
+    **{
+        "LFZO": "fnomin",
+        "LCX": "pcx1",
+        "LMUX": "pdx1 pdx2",
+        "LEX": "pex1 pex2 pex3",
+        "LKX": "pkx1 pkx2",
+    },
+    **{
+        "LCY": "pcy1",
+        "LMUY": "pdy1 pdy2",
+        "LEY": "pey1 pey2",
+        "LKY": "pky1",
+        "LXAL": "rbx1",
+        "LYKA": "rby1",
+    },
+}
+# By coefficient, what multiplies it at another pressure than the nominal one: 1 + these times the
+# relative change and its square. They are those of an upright tyre.
+_BY_PRESSURE = {
+    **dict.fromkeys(("pkx1", "pkx2"), ("PPX1", "PPX2")),
+    **dict.fromkeys(("pdx1", "pdx2"), ("PPX3", "PPX4")),
+    **dict.fromkeys(("pdy1", "pdy2"), ("PPY3", "PPY4")),
+    **{"pky1": ("PPY1", ""), "pky2": ("PPY2", "")},
+}
+_UNITS = {"LENGTH": "meter", "FORCE": "newton", "ANGLE": "radians"}
 
 
 def with_map_from_file(vehicle: Vehicle) -> Vehicle:
@@ -71,38 +101,7 @@ def _grid(
     }
 
 
-# Which formula a file is meant for, by FITTYP, and whether it takes the tangent of the slip angle.
-_FIT_TYPES = {6.0: False, 21.0: False, 52.0: False, 60.0: True, 61.0: True, 62.0: True}
-_FORMATS = {"PAC2002": False, "MF_05": False}
-
-# The scale factors that multiply a coefficient.
-_SCALED = {
-    **{
-        "LFZO": "fnomin",
-        "LCX": "pcx1",
-        "LMUX": "pdx1 pdx2",
-        "LEX": "pex1 pex2 pex3",
-        "LKX": "pkx1 pkx2",
-    },
-    **{
-        "LCY": "pcy1",
-        "LMUY": "pdy1 pdy2",
-        "LEY": "pey1 pey2",
-        "LKY": "pky1",
-        "LXAL": "rbx1",
-        "LYKA": "rby1",
-    },
-}
 _SCALES = {name: scale for scale, names in _SCALED.items() for name in names.split()}
-# By coefficient, what multiplies it at another pressure than the nominal one: 1 + these times the
-# relative change and its square. They are those of an upright tyre.
-_BY_PRESSURE = {
-    **dict.fromkeys(("pkx1", "pkx2"), ("PPX1", "PPX2")),
-    **dict.fromkeys(("pdx1", "pdx2"), ("PPX3", "PPX4")),
-    **dict.fromkeys(("pdy1", "pdy2"), ("PPY3", "PPY4")),
-    **{"pky1": ("PPY1", ""), "pky2": ("PPY2", "")},
-}
-_UNITS = {"LENGTH": "meter", "FORCE": "newton", "ANGLE": "radians"}
 
 
 def with_tyres_from_files(vehicle: Vehicle) -> Vehicle:

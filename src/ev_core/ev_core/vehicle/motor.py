@@ -15,6 +15,9 @@ _of_winding = partial(
     parameter,
     source="assumption for a YASA-400; its curves (figure 1.22 of the dissertation) are lost",
 )
+# share of the maximum speed over which the drive torque fades; it softens a corner
+SPEED_FADE = 0.02
+LEAST_SPEED = 1e-9  # [rad/s], of a power divided by it
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,11 +192,6 @@ class Motor:
             axis = getattr(self, name)
             if len(axis) == 1 or any(b <= a for a, b in pairwise(axis)):
                 raise ParameterError(f"{name} needs at least two elements and must rise")
-
-
-# share of the maximum speed over which the drive torque fades; it softens a corner
-SPEED_FADE = 0.02
-LEAST_SPEED = 1e-9  # [rad/s], of a power divided by it
 
 
 @inlined

@@ -20,6 +20,25 @@ from ev_msgs_py.refusal import ParameterError, quoted
 LARGEST_LOAD = 3.0
 _LN_10 = 2.302585092994046
 _GRAVITY = 9.81  # [m/s^2], as `car.GRAVITY`; that module imports this one
+_OF_A_CURVE = ("df{}0", "s{}m", "f{}m", "s{}s", "f{}s")
+_SIZE = re.compile(r"(\d{3})/(\d{2}) ?Z?R ?(\d{2}) (\d{2,3})[A-Z]?")
+# By number of a curve at the nominal load and at twice that: a slip, or a force over the load.
+# Pattern of passenger car tyres of ChTMeasyTire::GuessPassCar70Par, Project Chrono (BSD-3-Clause),
+# which has it from data that Pacejka prints; nominal load is half of the largest.
+_ALONG = (
+    (18.3741, 19.4669),
+    (0.13913, 0.13913),
+    (1.1292, 1.0896),
+    (0.66667, 0.66667),
+    (0.80149, 0.76917),
+)
+_ACROSS = (
+    (15.9826, 12.8509),
+    (0.14852, 0.18504),
+    (1.0009, 0.91367),
+    (0.96524, 1.0714),
+    (0.8336, 0.77336),
+)
 
 
 @dataclass(slots=True)
@@ -47,7 +66,6 @@ class TmeasyTyre:
     across: TmeasyCurve = part(TmeasyCurve)
 
 
-_OF_A_CURVE = ("df{}0", "s{}m", "f{}m", "s{}s", "f{}s")
 # As in a file, in the order of the record.
 TMEASY_NAMES = (
     "pn",
@@ -139,9 +157,6 @@ class TyreSize(NamedTuple):
         return side_wall + 0.5 * self.rim - 0.08 * side_wall / 3.0
 
 
-_SIZE = re.compile(r"(\d{3})/(\d{2}) ?Z?R ?(\d{2}) (\d{2,3})[A-Z]?")
-
-
 def tyre_size(text: str) -> TyreSize:
     """Size and load index of a text such as 205/55R16 91V; ParameterError if it is none."""
     found = _SIZE.fullmatch(text.strip().upper())
@@ -152,25 +167,6 @@ def tyre_size(text: str) -> TyreSize:
         )
     width, aspect, rim, load_index = (int(number) for number in found.groups())
     return TyreSize(width / 1e3, aspect / 100.0, rim * 0.0254, load_index)
-
-
-# By number of a curve at the nominal load and at twice that: a slip, or a force over the load.
-# Pattern of passenger car tyres of ChTMeasyTire::GuessPassCar70Par, Project Chrono (BSD-3-Clause),
-# which has it from data that Pacejka prints; nominal load is half of the largest.
-_ALONG = (
-    (18.3741, 19.4669),
-    (0.13913, 0.13913),
-    (1.1292, 1.0896),
-    (0.66667, 0.66667),
-    (0.80149, 0.76917),
-)
-_ACROSS = (
-    (15.9826, 12.8509),
-    (0.14852, 0.18504),
-    (1.0009, 0.91367),
-    (0.96524, 1.0714),
-    (0.8336, 0.77336),
-)
 
 
 def estimated_tmeasy(text: str) -> tuple[float, ...]:

@@ -11,6 +11,25 @@ from ev_msgs_py.refusal import ParameterError
 # What a file may leave out, and what it then is; the others have to be there.
 _ZERO = "pdx2 pex1 pex2 pex3 pex4 pkx2 pkx3 pdy2 pey1 pey2 rex1 rex2 rey1 rey2 rhy1 rhy2"
 OPTIONAL = {**dict.fromkeys(_ZERO.split(), 0.0), "pky4": 2.0}
+# The polynomials of the plant are good for so much (`elementary.unbranched`), which is beyond what
+# tyres have.
+_LIMITS = {
+    **dict.fromkeys(("pcx1", "pcy1", "pky4", "rcx1", "rcy1"), (0.0, 3.0)),
+    "pkx3": (-2.0, 2.0),
+}
+# How many of the coefficients of a curve give no friction unless they are positive.
+POSITIVE_COEFFICIENTS = {
+    "burckhardt": 0,
+    "rational": 2,
+    "two_exponential": 3,
+    "magic_formula": 3,
+    "linear": 1,
+    "mf_tyre": 0,
+    "dry_friction": 4,
+    "tmeasy": 0,
+}
+# Curves with load dependence of their own, axle by axle, and the combination of slips of each.
+OF_LOAD = {"mf_tyre": "weighted", "tmeasy": "normalized"}
 
 
 @dataclass(slots=True)
@@ -75,12 +94,6 @@ class MfTyres:
 
 
 MF_NAMES = tuple(f.name for f in fields(MfTyres))
-# The polynomials of the plant are good for so much (`elementary.unbranched`), which is beyond what
-# tyres have.
-_LIMITS = {
-    **dict.fromkeys(("pcx1", "pcy1", "pky4", "rcx1", "rcy1"), (0.0, 3.0)),
-    "pkx3": (-2.0, 2.0),
-}
 
 
 def mf_tyres(front: Sequence[float], rear: Sequence[float]) -> MfTyres:
@@ -112,21 +125,6 @@ def refuse_mf_tyre(axle: str, numbers: Sequence[float]) -> None:
             raise ParameterError(
                 f"{name.upper()} of the {axle} tyres is {value:g}, expected {low:g} to {high:g}"
             )
-
-
-# How many of the coefficients of a curve give no friction unless they are positive.
-POSITIVE_COEFFICIENTS = {
-    "burckhardt": 0,
-    "rational": 2,
-    "two_exponential": 3,
-    "magic_formula": 3,
-    "linear": 1,
-    "mf_tyre": 0,
-    "dry_friction": 4,
-    "tmeasy": 0,
-}
-# Curves with load dependence of their own, axle by axle, and the combination of slips of each.
-OF_LOAD = {"mf_tyre": "weighted", "tmeasy": "normalized"}
 
 
 @dataclass(frozen=True, slots=True)

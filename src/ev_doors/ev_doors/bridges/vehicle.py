@@ -27,6 +27,7 @@ _EXCHANGE_PERIOD = 0.01  # s of wall time between looks for commands
 _REPORT_PERIOD = stamps.from_seconds(0.02)  # ns of simulated time
 _FASTEST = 1e3  # m/s
 _AT_ONCE = 1e9  # m/s^2 or rad/s, where a command names no limit
+_COMMANDS, _STATUS = "/control/command", "/vehicle/status"
 
 
 class Language(Protocol):
@@ -131,9 +132,6 @@ class Ackermann:
 
     def report(self, stamp: Any, state: dict[str, float]) -> None:
         """There are no reports: the topics of the graph have what the car does."""
-
-
-_COMMANDS, _STATUS = "/control/command", "/vehicle/status"
 
 
 class Autoware:

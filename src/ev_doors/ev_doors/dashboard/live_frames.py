@@ -32,6 +32,11 @@ from ev_stack.report.page.plot_groups import groups_of
 from ev_stack.views.car import PREFIX, car_of, vehicle_in, view_channels
 
 _MOST = 1000  # different ones that are remembered
+# Of the messages between two looks only the last one counts. A lost one is sent again: while time
+# is paused no other one follows.
+_NEWEST = QoSProfile(depth=1)
+# of the master, at every instant: one topic never goes back, several overtake each other
+_TELLS_TIME = BodyVelocity
 
 
 class Reported:
@@ -82,11 +87,6 @@ class Reported:
             self._new.append((text, about_time))
 
 
-# Of the messages between two looks only the last one counts. A lost one is sent again: while time
-# is paused no other one follows.
-_NEWEST = QoSProfile(depth=1)
-
-
 class _NewestReader(SignalReader):
     quality = _NEWEST
 
@@ -100,10 +100,6 @@ class _Refusals:
     def warn_once(self, what: str, text: str) -> None:
         """Report several nodes of one name."""
         self.note(what, text)
-
-
-# of the master, at every instant: one topic never goes back, several overtake each other
-_TELLS_TIME = BodyVelocity
 
 
 class LiveFrames:

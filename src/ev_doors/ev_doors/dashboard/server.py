@@ -44,6 +44,9 @@ _POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; connect-src 'self';"
     " img-src data:"
 )
+_NODE = "dashboard"  # in the graph
+_PERIOD = 0.05  # s of wall time between two looks
+_PATIENCE = 10.0  # s for a graph to be found to which we are to attach
 
 
 def listening(port: int) -> list[socket]:
@@ -192,11 +195,6 @@ class _Socket(_Local, tornado.websocket.WebSocketHandler):
     async def _left(sent: Any) -> None:
         with suppress(tornado.websocket.WebSocketClosedError, tornado.iostream.StreamClosedError):
             await sent
-
-
-_NODE = "dashboard"  # in the graph
-_PERIOD = 0.05  # s of wall time between two looks
-_PATIENCE = 10.0  # s for a graph to be found to which we are to attach
 
 
 async def attached(

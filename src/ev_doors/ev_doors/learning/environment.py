@@ -33,6 +33,9 @@ from ev_stack.interface.changes import Changes, Name, listing_changes
 from ev_stack.interface.simulation import Simulation, SteppedLaw
 
 Frame = Mapping[str, float]
+# Of a scenario.
+_LARGEST_SEED = 2**31 - 1
+OBSERVED = ("driver.command", "steering_column.state", "twist", "imu", "wheel_states.velocity")
 
 
 @dataclass(frozen=True)
@@ -112,11 +115,6 @@ ACTIONS = {
         np.asarray,
     ),
 }
-
-
-# Of a scenario.
-_LARGEST_SEED = 2**31 - 1
-OBSERVED = ("driver.command", "steering_column.state", "twist", "imu", "wheel_states.velocity")
 
 
 def never(frame: Mapping[str, float]) -> bool:

@@ -28,6 +28,8 @@ _SIZES = re.compile(
 
 _MOST_BITS = 64
 _LONGEST_SIGNAL = 32  # bits; a float64 and compiled code hold such numbers exactly
+_SMALLEST = 1e-9
+_LARGEST = 1e9
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,9 +89,6 @@ class FrameLayout:
 
 if TYPE_CHECKING:
     from cantools.database.can import Message, Signal
-
-_SMALLEST = 1e-9
-_LARGEST = 1e9
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,6 +20,9 @@ SENT = ("Motion", "Electrical", "Temperatures", "Faults")  # by each device
 # Ticks between frames; after more than 5 without one, profile 1 starts again
 # (`checking.TOLERANCES`).
 _SELDOM = 6
+NO_MODE, TORQUE_MODE, SPEED_MODE = range(3)  # of a set-point
+DRIVES, LOADS = ("Drive11", "Drive12"), ("Load11", "Load12")
+DEVICES = (*DRIVES, *LOADS)
 
 
 class Fault(NamedTuple):
@@ -77,9 +80,6 @@ def names_of(latch: int) -> tuple[str, ...]:
     return tuple(fault.name for place, fault in enumerate(FAULTS) if latch >> place & 1)
 
 
-NO_MODE, TORQUE_MODE, SPEED_MODE = range(3)  # of a set-point
-
-
 @compilable
 def is_due(every: float, before: float, now: float) -> bool:
     """Return true if a cycle of so many ticks ends after tick `before` and not after `now`."""
@@ -96,10 +96,6 @@ def ticks_of(period: float, most: int) -> float:
             f"of {TICK:g} s"
         )
     return float(ticks)
-
-
-DRIVES, LOADS = ("Drive11", "Drive12"), ("Load11", "Load12")
-DEVICES = (*DRIVES, *LOADS)
 
 
 @dataclass(frozen=True, slots=True)

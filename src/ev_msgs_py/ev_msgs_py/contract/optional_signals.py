@@ -13,6 +13,7 @@ from ev_msgs_py.contract.fields import Field, leftward, magnitude
 from ev_msgs_py.contract.wheels import Wheels
 
 MOST_TICKS = 5  # of 1 ms, in a control period
+_WARM = "battery_coolant_temperature"
 
 
 def _halves(name: str, frame: str) -> list[tuple[str, Any]]:
@@ -303,9 +304,6 @@ class BenchTemperatures(NamedTuple):
 
 def _flow(about: str, place: str, sensor: str = "bench_coolant_flow") -> Field:
     return Field("l/min", about, place, sensor, largest=100.0)
-
-
-_WARM = "battery_coolant_temperature"
 
 
 class BenchCoolant(NamedTuple):

@@ -21,6 +21,9 @@ LONGEST = 1e7  # simulated time of a run [s]; a stamp holds 2e9
 RECORDER_LAG = 200  # steps that the recorder may be behind; less than topics.QUEUE_DEPTH
 _DIGITS = (1.0, 2.0, 5.0)
 EDGES = tuple(digit * 10.0**power for power in range(-6, 1) for digit in _DIGITS)  # of bins [s]
+_COMMAND = frame.PLACES[WheelTorqueCommand]
+_DRIVE = slice(_COMMAND.start, _COMMAND.start + 4)
+_BRAKE = slice(_COMMAND.start + 4, _COMMAND.stop)
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,11 +120,6 @@ class MasterParameters:
                 " torque of every command has faded in part",
                 name,
             )
-
-
-_COMMAND = frame.PLACES[WheelTorqueCommand]
-_DRIVE = slice(_COMMAND.start, _COMMAND.start + 4)
-_BRAKE = slice(_COMMAND.start + 4, _COMMAND.stop)
 
 
 class FadingInputs(HeldInputs):

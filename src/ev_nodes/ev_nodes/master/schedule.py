@@ -18,6 +18,13 @@ from ev_nodes.master.real_time import RECORDER_LAG, FadingInputs, MasterParamete
 from ev_nodes.stepping.reports import Reports
 from ev_nodes.stepping.runner_line import TIME_SERVICE, Word
 
+TIME_SERVICES = {  # the text by which each reports what it has done
+    "pause": "paused",
+    "resume": "running",
+    "step": "one more step granted",
+    "reset": "time is zero again,",
+}
+
 
 class Pace:
     """Simulated time against wall time, which both count from the last call of `start`.
@@ -275,14 +282,6 @@ class Schedule:
         overruns = self.timing.overruns
         late = f", {overruns} steps came more than a period late" if overruns else ""
         return self._pace.summary(self.now, self._stepper.period) + late
-
-
-TIME_SERVICES = {  # the text by which each reports what it has done
-    "pause": "paused",
-    "resume": "running",
-    "step": "one more step granted",
-    "reset": "time is zero again,",
-}
 
 
 def serve_time(node: Node, schedule: Schedule, reset: Callable[[], None], reports: Reports) -> None:

@@ -30,6 +30,8 @@ from ev_nodes.node_loop.steps import FAILED, INPUT, LOOP, NOT_FINITE, ODD, OUTPU
 from ev_nodes.rcl.taking import GID, INFO_WORDS, MESSAGE_WORDS, End, prepare_message, rcl
 
 VARIABLE = "EV_STACK_NODE_LOOP"
+_LOOP_FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 8)
+_NO_PUBLISHER = b"\xff" * 16  # no identity
 
 
 def is_switched_on() -> bool:
@@ -80,7 +82,6 @@ def addresses() -> dict[str, int]:
     }
 
 
-_LOOP_FUNCTION = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 8)
 # Places of fields in the record of the loop, which is read and written as a row of integers.
 _PLACES = {name: place for place, name in enumerate(LOOP.names or ())}
 _LIMIT = _PLACES["limit"]
@@ -94,7 +95,6 @@ _ODD = _PLACES["odd"]
 _FUNCTION = _PLACES["function"]
 _STATE = _PLACES["state"]
 _CONSTANTS = _PLACES["constants"]
-_NO_PUBLISHER = b"\xff" * 16  # no identity
 
 
 class Block:

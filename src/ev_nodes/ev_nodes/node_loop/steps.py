@@ -33,6 +33,46 @@ from ev_msgs_py.contract.stamps import NANOSECONDS
 from ev_msgs_py.wire import STAMP_AT
 from ev_nodes.rcl.taking import GID
 
+# Why the loop has ended: nothing came in time; a message is for Python to judge; the last step that
+# may be taken was taken; the part has failed, or has written what is not finite.
+IDLE, ODD, LIMIT, FAILED, NOT_FINITE = range(5)
+_NOTHING, _KEPT = range(-2, 0)  # what else can become of a message
+_AT_ONCE = 100  # messages of one input that are taken between two looks at the others
+_TEXT = f'''"""The ordinary steps of nodes: generated, do not edit."""
+
+import numpy as np
+from numba import carray, cfunc, types
+
+P = types.voidptr
+
+
+@cfunc(types.int32(P, P, P, P, P, P, P, P), error_model="numpy")
+def step(head, steps, inputs, outputs, runs, admitted, frames, block):
+    h = carray(head, 1, LOOP)[0]
+    s = carray(steps, {3 + 2 * ROWS}, np.int64)
+    memory = Memory(
+        carray(block, h.size, np.uint8),
+        carray(block, h.size // 8, np.int64),
+        carray(block, h.size // 4, np.int32),
+        carray(block, h.size // 8, np.float64),
+        carray(block, h.size // 4, np.float32),
+    )
+    return take_steps(
+        Work(
+            h,
+            Steps(
+                s[:3], s[3:{3 + ROWS}], s[{3 + ROWS}:], h.inputs, h.heralds, h.followed, h.period, h.lead, h.may_skip
+            ),
+            carray(inputs, h.topics, INPUT),
+            carray(outputs, h.publishers, OUTPUT),
+            carray(runs, h.runs, RUN),
+            carray(admitted, (h.topics, 2), np.int64),
+            carray(frames, ({ROWS + 2}, {SIZE}), np.float64),
+            memory,
+        )
+    )
+'''
+
 
 class Memory(NamedTuple):
     """One block as bytes and as numbers.
@@ -127,14 +167,6 @@ def write_message(memory: Any, topic: Any, runs: Any, stamp: int, numbers: Any) 
                 memory.singles[begin // 4 + n] = numbers[place + n]
             else:
                 memory.doubles[begin // 8 + n] = numbers[place + n]
-
-
-# Why the loop has ended: nothing came in time; a message is for Python to judge; the last step that
-# may be taken was taken; the part has failed, or has written what is not finite.
-IDLE, ODD, LIMIT, FAILED, NOT_FINITE = range(5)
-_NOTHING, _KEPT = range(-2, 0)  # what else can become of a message
-
-_AT_ONCE = 100  # messages of one input that are taken between two looks at the others
 
 
 @compilable
@@ -279,40 +311,6 @@ LOOP = np.dtype(
 INPUT = np.dtype([*TOPIC, *integers("subscription")])
 OUTPUT = np.dtype([*TOPIC, *integers("publisher", "message")])
 
-_TEXT = f'''"""The ordinary steps of nodes: generated, do not edit."""
-
-import numpy as np
-from numba import carray, cfunc, types
-
-P = types.voidptr
-
-
-@cfunc(types.int32(P, P, P, P, P, P, P, P), error_model="numpy")
-def step(head, steps, inputs, outputs, runs, admitted, frames, block):
-    h = carray(head, 1, LOOP)[0]
-    s = carray(steps, {3 + 2 * ROWS}, np.int64)
-    memory = Memory(
-        carray(block, h.size, np.uint8),
-        carray(block, h.size // 8, np.int64),
-        carray(block, h.size // 4, np.int32),
-        carray(block, h.size // 8, np.float64),
-        carray(block, h.size // 4, np.float32),
-    )
-    return take_steps(
-        Work(
-            h,
-            Steps(
-                s[:3], s[3:{3 + ROWS}], s[{3 + ROWS}:], h.inputs, h.heralds, h.followed, h.period, h.lead, h.may_skip
-            ),
-            carray(inputs, h.topics, INPUT),
-            carray(outputs, h.publishers, OUTPUT),
-            carray(runs, h.runs, RUN),
-            carray(admitted, (h.topics, 2), np.int64),
-            carray(frames, ({ROWS + 2}, {SIZE}), np.float64),
-            memory,
-        )
-    )
-'''
 _RECORDS = {"LOOP": LOOP, "INPUT": INPUT, "OUTPUT": OUTPUT, "RUN": RUN}
 _TUPLES = {"Memory": Memory, "Steps": Steps, "Work": Work}
 CODE = Code("node_steps", _TEXT, {**_RECORDS, **_TUPLES, "take_steps": take_steps})

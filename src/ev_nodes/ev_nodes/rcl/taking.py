@@ -14,6 +14,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+# `rcutils_uint8_array_t`, and room for more than `rmw_message_info_t`, in words of 8 bytes.
+MESSAGE_WORDS, INFO_WORDS = 8, 32
+CAPACITY = 4096  # bytes of a message that need not be asked for
+# Words of the information on a message: when it was received [ns], and the identity of its
+# publisher, which is two words long.
+_RECEIVED, GID = 1, 5
+_RCL_TAKE = ctypes.PYFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 4)
+
 
 class Taken(NamedTuple):
     """A message, the identity of its publisher, and when the middleware received it [ns], 0 if it does not know."""
@@ -28,15 +36,6 @@ class End(NamedTuple):
 
     address: int
     format: Any
-
-
-# `rcutils_uint8_array_t`, and room for more than `rmw_message_info_t`, in words of 8 bytes.
-MESSAGE_WORDS, INFO_WORDS = 8, 32
-CAPACITY = 4096  # bytes of a message that need not be asked for
-# Words of the information on a message: when it was received [ns], and the identity of its
-# publisher, which is two words long.
-_RECEIVED, GID = 1, 5
-_RCL_TAKE = ctypes.PYFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 4)
 
 
 @cache

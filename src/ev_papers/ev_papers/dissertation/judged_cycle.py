@@ -29,6 +29,13 @@ _KILOMETRE_PER_HOUR = 1 / 3.6  # [m/s]
 _CYCLE_TIME = 580.0  # [s]
 _LEFT = "front_left"
 _FREE = "rear_left"
+# What the report has of each of them.
+_REPORTED: Mapping[str, Callable[[CircuitSums], float]] = {
+    "wheel": lambda circuit: circuit.efficiency,
+    "drive": lambda circuit: circuit.drive_efficiency,
+    "total": lambda circuit: circuit.total_efficiency,
+    "energy": lambda circuit: circuit.energy(_CYCLE_TIME),
+}
 
 
 def _model(driven: ScenarioRuns) -> Recording:
@@ -128,15 +135,6 @@ class _Samples:
     def energy(self) -> float:
         """Eq 2.40 of one circuit [W s]."""
         return float(self.electrical.sum() * _CYCLE_TIME / len(self.electrical))
-
-
-# What the report has of each of them.
-_REPORTED: Mapping[str, Callable[[CircuitSums], float]] = {
-    "wheel": lambda circuit: circuit.efficiency,
-    "drive": lambda circuit: circuit.drive_efficiency,
-    "total": lambda circuit: circuit.total_efficiency,
-    "energy": lambda circuit: circuit.energy(_CYCLE_TIME),
-}
 
 
 def beyond_the_formula(driven: ScenarioRuns, name: str) -> float:

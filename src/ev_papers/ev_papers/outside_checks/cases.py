@@ -37,25 +37,6 @@ from ev_stack.scenarios.slow_ramp import AT_CROSSING
 from ev_study.studies.study import Case, Results
 
 Values = tuple[tuple[str, str, Any], ...]
-
-
-class Manoeuvre(NamedTuple):
-    """Scenario, its run, duration [s], and what differs from the file."""
-
-    scenario: str
-    run: str
-    duration: float
-    values: Values = ()
-
-
-class Setting(NamedTuple):
-    """Car, manoeuvre and road of a case, by their names."""
-
-    car: str
-    manoeuvre: str
-    road: str
-
-
 LAW = "electronic_differential"
 DRAWS = 10
 SEED = 34
@@ -71,15 +52,6 @@ ROADS = {"dry": "dry_asphalt", "wet": "wet_asphalt_2", "snow": "packed_snow_1"}
 RAMP = "slowly_increasing_steer"
 # Scaled by one, so that the angles are those of the file, whatever the car.
 _AS_IN_THE_FILE: Values = (("steering_column", "scale", 1.0),)
-MANOEUVRES: Mapping[str, Manoeuvre] = {
-    "ramp": Manoeuvre("sine_with_dwell", RAMP, 5.0, _AS_IN_THE_FILE),
-    "step": Manoeuvre("step_steer", "left", 5.0, (("steering_column", "scale", 2.0),)),
-    # Beyond any grip on a wet road.
-    "hard_step": Manoeuvre("step_steer", "left", 6.0, (("steering_column", "scale", 3.0),)),
-    "sine": Manoeuvre("sine_with_dwell", "times_3_5", 5.0, _AS_IN_THE_FILE),
-    "lane_change": Manoeuvre("double_lane_change", "", 8.0),
-    "lap": Manoeuvre("lap", "", 70.0),
-}
 TRUTH = "truth"
 SENSORS = "estimated"
 BASE = "equal_torque"
@@ -110,6 +82,34 @@ _BOUNDS: Mapping[str, tuple[float, float]] = {
     "wheel_speed": (0.0, 0.1),  # [rad/s]
     "front": (0.6, 1.4),
     "rear": (0.6, 1.4),
+}
+
+
+class Manoeuvre(NamedTuple):
+    """Scenario, its run, duration [s], and what differs from the file."""
+
+    scenario: str
+    run: str
+    duration: float
+    values: Values = ()
+
+
+class Setting(NamedTuple):
+    """Car, manoeuvre and road of a case, by their names."""
+
+    car: str
+    manoeuvre: str
+    road: str
+
+
+MANOEUVRES: Mapping[str, Manoeuvre] = {
+    "ramp": Manoeuvre("sine_with_dwell", RAMP, 5.0, _AS_IN_THE_FILE),
+    "step": Manoeuvre("step_steer", "left", 5.0, (("steering_column", "scale", 2.0),)),
+    # Beyond any grip on a wet road.
+    "hard_step": Manoeuvre("step_steer", "left", 6.0, (("steering_column", "scale", 3.0),)),
+    "sine": Manoeuvre("sine_with_dwell", "times_3_5", 5.0, _AS_IN_THE_FILE),
+    "lane_change": Manoeuvre("double_lane_change", "", 8.0),
+    "lap": Manoeuvre("lap", "", 70.0),
 }
 
 

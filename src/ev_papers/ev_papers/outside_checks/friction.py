@@ -29,6 +29,17 @@ from ev_papers.outside_checks.cases import (
 from ev_stack.measures.metric import Metric, metric
 from ev_study.studies.study import Case, Results
 
+ABOUT = (
+    "De Novellis 2014: PI and two second-order sliding modes that believe in a wrong friction, "
+    "with and without a sideslip loop"
+)
+FACTORS = (0.5, 0.75, 1.0, 1.25, 1.5)  # believed friction over the true one
+LOOP = " + sideslip"  # ends the name of a law with a reference that limits the sideslip
+MANOEUVRE = "hard_step"
+HEADING = "largest sideslip angle [deg], median with its 95 % interval, and draws below 10 deg"
+LEFT = 4
+SUMS = ()
+
 
 class Cell(NamedTuple):
     """Car and road, and what the laws know there: with the truth the factor alone is wrong."""
@@ -46,12 +57,6 @@ class Law(NamedTuple):
     reference: str
 
 
-ABOUT = (
-    "De Novellis 2014: PI and two second-order sliding modes that believe in a wrong friction, "
-    "with and without a sideslip loop"
-)
-FACTORS = (0.5, 0.75, 1.0, 1.25, 1.5)  # believed friction over the true one
-LOOP = " + sideslip"  # ends the name of a law with a reference that limits the sideslip
 LAWS = (
     Law("pi", "pi", "understeer"),
     Law(f"pi{LOOP}", "pi", "sideslip_limit"),
@@ -60,7 +65,6 @@ LAWS = (
     Law("suboptimal", "suboptimal", "understeer"),
     Law(f"suboptimal{LOOP}", "suboptimal", "sideslip_limit"),
 )
-MANOEUVRE = "hard_step"
 CELLS = (
     Cell("all", "wet", TRUTH),
     Cell("all", "wet", SENSORS),
@@ -75,9 +79,6 @@ COLUMNS = (
     "law",
     *(f"given {factor:g}" for factor in FACTORS),
 )
-HEADING = "largest sideslip angle [deg], median with its 95 % interval, and draws below 10 deg"
-LEFT = 4
-SUMS = ()
 
 measure = drawn_cases.measure
 

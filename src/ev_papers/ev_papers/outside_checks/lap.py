@@ -33,26 +33,11 @@ from ev_stack.recording.recording import Recording
 from ev_stack.scenarios.records import Run
 from ev_study.studies.study import Case, Results
 
-
-class Cell(NamedTuple):
-    """Car and setup, and what a law knows there."""
-
-    car: str = "all"
-    setup: str = ""
-    known: str = TRUTH
-
-    def name_of(self, of_law: str) -> str:
-        """Name of the laps of a law; equal torques know nothing."""
-        known = "" if of_law == BASE else self.known
-        return " ".join(word for word in (self.car, self.setup, known, of_law) if word)
-
-
 ABOUT = (
     "Broere 2021: the best clean lap with torque vectoring against a fixed split, "
     "over the driver's speed"
 )
 DRAWS = 5
-SCALES = tuple(n / 100 for n in range(78, 99))  # of the speed profile
 VECTORED = "pi_neutral_least_squares"
 LESS = "accelerates less"
 MORE_FRONT = "80 % of the brakes front"
@@ -68,15 +53,6 @@ SETUPS: Mapping[str, Values] = {
     ),
 }
 BALANCES = ("", MORE_FRONT, FRONT_BRAKES)  # setups that differ in the brakes alone
-CELLS: Mapping[Cell, tuple[str, ...]] = {  # with their laws
-    Cell(): (BASE, "pi", "pi_neutral", VECTORED),
-    Cell(known=SENSORS): (VECTORED,),
-    Cell(setup=LESS): (BASE, VECTORED),
-    Cell(setup=MORE_FRONT): (BASE, VECTORED),
-    Cell(setup=FRONT_BRAKES): (BASE, VECTORED),
-    Cell("front"): (BASE, VECTORED),
-    Cell("rear"): (BASE, VECTORED),
-}
 COLUMNS = (
     "driven wheels",
     "setup",
@@ -92,6 +68,31 @@ HEADING = (
 )
 LEFT = 4
 SUMS = ()
+
+
+class Cell(NamedTuple):
+    """Car and setup, and what a law knows there."""
+
+    car: str = "all"
+    setup: str = ""
+    known: str = TRUTH
+
+    def name_of(self, of_law: str) -> str:
+        """Name of the laps of a law; equal torques know nothing."""
+        known = "" if of_law == BASE else self.known
+        return " ".join(word for word in (self.car, self.setup, known, of_law) if word)
+
+
+SCALES = tuple(n / 100 for n in range(78, 99))  # of the speed profile
+CELLS: Mapping[Cell, tuple[str, ...]] = {  # with their laws
+    Cell(): (BASE, "pi", "pi_neutral", VECTORED),
+    Cell(known=SENSORS): (VECTORED,),
+    Cell(setup=LESS): (BASE, VECTORED),
+    Cell(setup=MORE_FRONT): (BASE, VECTORED),
+    Cell(setup=FRONT_BRAKES): (BASE, VECTORED),
+    Cell("front"): (BASE, VECTORED),
+    Cell("rear"): (BASE, VECTORED),
+}
 
 
 def cases(given: argparse.Namespace) -> Sequence[Case]:

@@ -29,16 +29,6 @@ from ev_papers.outside_checks.cases import (
 from ev_stack.measures.metric import Metric, metric
 from ev_study.studies.study import Case, Results
 
-
-class Cell(NamedTuple):
-    """Car and manoeuvre, what is known there, and the laws that drive it."""
-
-    car: str
-    manoeuvre: str
-    known: str
-    laws: tuple[str, ...] = CONTROLLERS
-
-
 ABOUT = (
     "Asperti 2024 and others: torque vectoring part by part on known friction, "
     "and with wrong tyres in the law"
@@ -46,22 +36,6 @@ ABOUT = (
 WRONG = "wrong tyres"  # ends what is known where a law believes in drawn stiffnesses
 ROAD_OF = {"ramp": "dry", "step": "dry", "sine": "wet", "lane_change": "snow"}
 EVERY = (*CONTROLLERS, "pi_neutral", "pi_load", "pi_least_squares")
-CELLS = (
-    Cell("all", "ramp", TRUTH, EVERY),
-    Cell("all", "ramp", SENSORS, EVERY),
-    Cell("all", "step", TRUTH, EVERY),
-    Cell("all", "step", SENSORS, EVERY),
-    Cell("all", "sine", TRUTH, EVERY),
-    Cell("all", "sine", SENSORS, EVERY),
-    Cell("all", "lane_change", TRUTH, EVERY),
-    Cell("all", "lane_change", SENSORS, EVERY),
-    Cell("front", "step", TRUTH),
-    Cell("front", "sine", TRUTH),
-    Cell("rear", "step", TRUTH),
-    Cell("rear", "sine", TRUTH),
-    Cell("all", "step", f"{TRUTH}, {WRONG}"),
-    Cell("all", "step", f"{SENSORS}, {WRONG}"),
-)
 COLUMNS = (
     "driven wheels",
     "manoeuvre",
@@ -84,6 +58,33 @@ _SHOWN = (
     ("sideslip", math.degrees(1.0)),
     ("energy", 1e-3),
     ("angle", math.degrees(1.0)),
+)
+
+
+class Cell(NamedTuple):
+    """Car and manoeuvre, what is known there, and the laws that drive it."""
+
+    car: str
+    manoeuvre: str
+    known: str
+    laws: tuple[str, ...] = CONTROLLERS
+
+
+CELLS = (
+    Cell("all", "ramp", TRUTH, EVERY),
+    Cell("all", "ramp", SENSORS, EVERY),
+    Cell("all", "step", TRUTH, EVERY),
+    Cell("all", "step", SENSORS, EVERY),
+    Cell("all", "sine", TRUTH, EVERY),
+    Cell("all", "sine", SENSORS, EVERY),
+    Cell("all", "lane_change", TRUTH, EVERY),
+    Cell("all", "lane_change", SENSORS, EVERY),
+    Cell("front", "step", TRUTH),
+    Cell("front", "sine", TRUTH),
+    Cell("rear", "step", TRUTH),
+    Cell("rear", "sine", TRUTH),
+    Cell("all", "step", f"{TRUTH}, {WRONG}"),
+    Cell("all", "step", f"{SENSORS}, {WRONG}"),
 )
 
 measure = drawn_cases.measure

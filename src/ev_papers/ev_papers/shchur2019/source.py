@@ -28,6 +28,7 @@ ORDER = 0  # among the sources, in tables
 MEASURES = measures_of(measures)
 RUN = "shchur2019"
 END = 50.0  # of the cycle [s]
+_STEPS_OF_A = ("1.steady", "1.overshoot", "1.settling", "2.steady", "2.overshoot", "2.settling")
 
 
 def metrics(runs: Runs, vehicle: Vehicle, parameters: Parameters) -> dict[str, Metric]:
@@ -140,7 +141,6 @@ def _of_cycle(quantity: str, *ids: str) -> PublishedPanel:
     return PublishedPanel("4", quantity, "Driving cycle", named, needs, draw)
 
 
-_STEPS_OF_A = ("1.steady", "1.overshoot", "1.settling", "2.steady", "2.overshoot", "2.settling")
 PANELS = (
     _of_steps("a", *_STEPS_OF_A, "damped"),
     _of_steps("b", "start", "minimum", "end"),

@@ -51,6 +51,8 @@ from ev_sim.drives.brushless_motor import (
 
 CURRENT_CONTROLS = ("hysteresis", "pwm")
 HYSTERESIS, PWM = range(len(CURRENT_CONTROLS))
+DRIVE_MODELS = ("ideal", "averaged", "switched")
+IDEAL_DRIVE, AVERAGED_DRIVE, SWITCHED_DRIVE = range(len(DRIVE_MODELS))
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,10 +95,6 @@ class SwitchedDriveParameters:
                 f"pwm_frequency = {self.pwm_frequency:g} in rad/s, beyond which the sampled loop "
                 f"overshoots"
             )
-
-
-DRIVE_MODELS = ("ideal", "averaged", "switched")
-IDEAL_DRIVE, AVERAGED_DRIVE, SWITCHED_DRIVE = range(len(DRIVE_MODELS))
 
 
 @dataclass(frozen=True, slots=True)

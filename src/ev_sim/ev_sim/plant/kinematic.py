@@ -46,6 +46,14 @@ from ev_sim.plant.guard import (
     guarded_torques,
 )
 
+_SIGNALS = (
+    signals.WheelStates,
+    signals.MotorStates,
+    signals.InertialMeasurement,
+    signals.BodyVelocity,
+    signals.BodyPose,
+)
+
 
 @dataclass(frozen=True, slots=True)
 class KinematicPlantParameters(DriveParameters):
@@ -103,15 +111,6 @@ class KinematicPlantState:
     wheels: list[RollingWheelState] = each_wheel(RollingWheelState)
     drives: list[DriveState] = each_wheel(DriveState)
     guard: GuardState = part(GuardState)
-
-
-_SIGNALS = (
-    signals.WheelStates,
-    signals.MotorStates,
-    signals.InertialMeasurement,
-    signals.BodyVelocity,
-    signals.BodyPose,
-)
 
 
 @compilable

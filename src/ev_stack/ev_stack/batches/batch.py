@@ -44,6 +44,7 @@ from ev_stack.measures.named import NamedMetric, driven_run
 from ev_stack.recording.offline import written_topics
 
 _NOTHING = (0, 0)  # is written
+_PORTIONS = 16  # for each thread
 
 
 class _Placed(NamedTuple):
@@ -205,9 +206,6 @@ def _refuse_states(role: str, states: np.ndarray, size: int) -> None:
         )
     for run in np.flatnonzero(~np.isfinite(states).all(axis=1)):
         raise ParameterError(f"initial_states of {role} are not finite in run {run}")
-
-
-_PORTIONS = 16  # for each thread
 
 
 @dataclass(frozen=True, repr=False)

@@ -20,6 +20,25 @@ from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract import frame
 
 MINIMUM, MAXIMUM, LARGEST_MAGNITUDE, LAST, MEAN, ROOT_MEAN_SQUARE = range(6)
+# Numbers of the constants before the places: every, channels, reductions, samples.
+HEAD = 4
+# It reads `next`, which the parts before it have written: behind those that answer that is the
+# frame of the instant itself, behind those that integrate the frame of the next one.
+_TEXT = f'''"""The observer of a batch: generated, do not edit."""
+
+from numba import carray, cfunc, types
+
+P = types.voidptr
+
+
+@cfunc(types.int32(P, P, P, P), error_model="numpy")
+def step(now, next, state, constants):
+    head = carray(constants, {HEAD}, FLOAT)
+    asked = carray(constants, {HEAD} + int(head[1] + 2.0 * head[2]), FLOAT)
+    kept = carray(state, 1 + int(head[2] + head[1] * head[3]), FLOAT)
+    observe(carray(next, {frame.SIZE}, FLOAT), kept, asked)
+    return 0
+'''
 
 
 class Reduction(NamedTuple):
@@ -43,10 +62,6 @@ def result(kind: int, reduced: np.ndarray, instants: int) -> np.ndarray:
     if kind == MEAN:
         return reduced / instants
     return np.sqrt(reduced / instants) if kind == ROOT_MEAN_SQUARE else reduced.copy()
-
-
-# Numbers of the constants before the places: every, channels, reductions, samples.
-HEAD = 4
 
 
 @compilable
@@ -86,25 +101,6 @@ def reduced(kind: float, before: float, value: float) -> float:
     if kind == LAST:
         return value
     return before + (value if kind == MEAN else value * value)
-
-
-# It reads `next`, which the parts before it have written: behind those that answer that is the
-# frame of the instant itself, behind those that integrate the frame of the next one.
-_TEXT = f'''"""The observer of a batch: generated, do not edit."""
-
-from numba import carray, cfunc, types
-
-P = types.voidptr
-
-
-@cfunc(types.int32(P, P, P, P), error_model="numpy")
-def step(now, next, state, constants):
-    head = carray(constants, {HEAD}, FLOAT)
-    asked = carray(constants, {HEAD} + int(head[1] + 2.0 * head[2]), FLOAT)
-    kept = carray(state, 1 + int(head[2] + head[1] * head[3]), FLOAT)
-    observe(carray(next, {frame.SIZE}, FLOAT), kept, asked)
-    return 0
-'''
 
 
 OBSERVER = Code("observer", _TEXT, {"FLOAT": np.float64, "observe": observe})

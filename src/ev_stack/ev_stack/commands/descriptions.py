@@ -26,6 +26,13 @@ from ev_stack.recording.recording import PARAMETERS
 from ev_stack.scenarios.about import ScenarioParameters
 from ev_stack.scenarios.files import vehicle_of
 
+_ABOUT_PARAMETERS = """
+ev-stack parameters SCENARIO: all parameters of every node of a run, as a ROS parameter file, and how it is started. For
+starting nodes by other means than scripts/run.sh, such as launch files (launch/scenario.launch.py).
+"""
+_NUMBER = r"^\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*"
+_TYPES = {float: "number", int: "integer", bool: "boolean", str: "string"}
+
 
 def print_header(argv: list[str]) -> None:
     """ev-stack header"""
@@ -45,12 +52,6 @@ def print_urdf(argv: list[str]) -> None:
     except (ParameterError, OSError) as error:
         refuse(error)
     print(urdf(car), end="")
-
-
-_ABOUT_PARAMETERS = """
-ev-stack parameters SCENARIO: all parameters of every node of a run, as a ROS parameter file, and how it is started. For
-starting nodes by other means than scripts/run.sh, such as launch files (launch/scenario.launch.py).
-"""
 
 
 def write_parameters(argv: list[str]) -> None:
@@ -90,10 +91,6 @@ def write_parameters(argv: list[str]) -> None:
         "rviz": str(layout),
     }
     print(json.dumps(started_by, indent=2))
-
-
-_NUMBER = r"^\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*"
-_TYPES = {float: "number", int: "integer", bool: "boolean", str: "string"}
 
 
 def print_schema(argv: list[str]) -> None:

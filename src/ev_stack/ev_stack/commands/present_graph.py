@@ -25,6 +25,7 @@ _STABLE = 0.5  # s in which no node has come or gone, after which a look into th
 _PATIENCE = 4.0  # s for a node to be found, which takes up to 3 s by the middleware's own discovery
 _GLANCE = 0.02  # s
 Found = TypeVar("Found")
+_ROS_OWN = ("/parameter_events", "/rosout")
 
 
 def full_names(node: Node) -> list[str]:
@@ -113,9 +114,6 @@ def awaited(node: Node, look: Callable[[], Found]) -> Found:
             if now - changed > _PATIENCE:
                 raise
         time.sleep(_GLANCE)
-
-
-_ROS_OWN = ("/parameter_events", "/rosout")
 
 
 def topics_of(node: Node) -> dict[str, list[str]]:

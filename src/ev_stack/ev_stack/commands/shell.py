@@ -39,6 +39,13 @@ from ev_stack.recording.outcome import RunFailed
 
 _NAME = "ev_stack_shell"
 _PATIENCE = 5.0  # s for a node to answer
+_ABOUT_TIME = {
+    "pause": "Let simulated time stand still.",
+    "resume": "Let simulated time go on.",
+    "step": "Let one step pass, or several, and stand still then.",
+    "reset": "Restart at time zero, with the parameters as they are.",
+}
+_SILENCE = 2.0  # s of wall time without a message that are reported
 
 
 class Shell:
@@ -188,12 +195,6 @@ def _positive(text: str) -> int:
     return count
 
 
-_ABOUT_TIME = {
-    "pause": "Let simulated time stand still.",
-    "resume": "Let simulated time go on.",
-    "step": "Let one step pass, or several, and stand still then.",
-    "reset": "Restart at time zero, with the parameters as they are.",
-}
 pause, resume, step, reset = (partial(_control_time, service) for service in _ABOUT_TIME)
 
 
@@ -280,7 +281,6 @@ def _dump(shell: Shell, given: Any) -> str:
 
 
 _VERBS = {"list": _list, "get": _get, "describe": _describe, "set": _set, "dump": _dump}
-_SILENCE = 2.0  # s of wall time without a message that are reported
 
 
 def messages(node: Node, name: str) -> Iterator[str]:

@@ -12,6 +12,11 @@ from ev_stack.figures.sheets import Sheet
 from ev_stack.figures.strokes import HUES, stroke
 
 _SHAPE = 0.62  # of a map: height over width
+# below and from the limit on; the number in the cell is the distance
+_FINE, _BEYOND = "#CFE3F0", "#E8A27C"
+_LOWEST, _HIGHEST = 0.19, 0.6  # of a plan view: height over width
+# times that a narrow course is drawn across
+_MAGNIFIED = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 
 
 def contours(
@@ -30,10 +35,6 @@ def contours(
         axes.clabel(axes.contour(x[1], y[1], values, levels=levels, linewidths=0.8))
 
     return Panel(title, y[0], ground=lines, xlabel=x[0], shape=_SHAPE)
-
-
-# below and from the limit on; the number in the cell is the distance
-_FINE, _BEYOND = "#CFE3F0", "#E8A27C"
 
 
 def number_map(
@@ -132,11 +133,6 @@ def band(title: str, x: tuple[str, np.ndarray], quantity: str, values: np.ndarra
             )
 
     return Panel(title, quantity, ground=lines, xlabel=x[0])
-
-
-_LOWEST, _HIGHEST = 0.19, 0.6  # of a plan view: height over width
-# times that a narrow course is drawn across
-_MAGNIFIED = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 
 
 def plan_view(

@@ -14,6 +14,9 @@ from ev_stack.measures import motion
 from ev_stack.measures.metric import LOWER, Metric, NotMeasured, Runs, channel, metric, run_named
 from ev_stack.recording.recording import Recording
 
+LAUNCH_SPEED = 5.0  # [m/s], the launch is timed up to it
+ROLLING_SPEED = 0.1  # [m/s], above it slip is more than the first turn of a wheel
+
 
 def split_friction_figures(
     name: str, runs: Runs, vehicle: Vehicle, wheels: Sequence[str]
@@ -47,10 +50,6 @@ def split_friction_figures(
         for key, run in runs.items()
     ]
     return {name: Sheet(panels), "path": plan_view("Path of the centre of mass", tracks)}
-
-
-LAUNCH_SPEED = 5.0  # [m/s], the launch is timed up to it
-ROLLING_SPEED = 0.1  # [m/s], above it slip is more than the first turn of a wheel
 
 
 def metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:

@@ -31,6 +31,38 @@ from ev_stack.measures.registry import METRICS
 
 # characters, and parts of an expression: its tree is walked by recursion
 _LONGEST, _MOST = 500, 200
+REDUCTIONS: Mapping[str, Callable[[np.ndarray], float]] = {
+    "minimum": np.min,
+    "maximum": np.max,
+    "largest_magnitude": lambda values: np.abs(values).max(),
+    "first": lambda values: values[0],
+    "last": lambda values: values[-1],
+    "mean": np.mean,
+    "root_mean_square": lambda values: np.sqrt(np.mean(values * values)),
+    "standard_deviation": np.std,
+}
+_ARITHMETIC: Mapping[type, Callable[[Any, Any], Any]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    # numpy's, for Python's own raise where a number is divided by 0, and make roots of negative
+    # numbers complex.
+    ast.Div: np.true_divide,
+    ast.Pow: np.power,
+}
+_COMPARISONS: Mapping[type, Callable[[Any, Any], Any]] = {
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
+}
+_LOGIC: Mapping[type, Callable[[Any, Any], Any]] = {
+    ast.BitAnd: np.logical_and,
+    ast.BitOr: np.logical_or,
+}
+AT = "at"  # at(VALUES, TIME)
 
 
 class Kind(NamedTuple):
@@ -58,16 +90,6 @@ def _chosen(values: np.ndarray, condition: np.ndarray) -> np.ndarray:
     return values[condition]
 
 
-REDUCTIONS: Mapping[str, Callable[[np.ndarray], float]] = {
-    "minimum": np.min,
-    "maximum": np.max,
-    "largest_magnitude": lambda values: np.abs(values).max(),
-    "first": lambda values: values[0],
-    "last": lambda values: values[-1],
-    "mean": np.mean,
-    "root_mean_square": lambda values: np.sqrt(np.mean(values * values)),
-    "standard_deviation": np.std,
-}
 # of values and time
 OVER_TIME: Mapping[str, tuple[Kind, Callable[[np.ndarray, np.ndarray], Any]]] = {
     "integral": (_NUMBER, np.trapezoid),
@@ -103,28 +125,6 @@ ELEMENTWISE: Mapping[str, tuple[int, Callable[..., Any]]] = {  # number of argum
         "where": (3, np.where),
     },
 }
-_ARITHMETIC: Mapping[type, Callable[[Any, Any], Any]] = {
-    ast.Add: operator.add,
-    ast.Sub: operator.sub,
-    ast.Mult: operator.mul,
-    # numpy's, for Python's own raise where a number is divided by 0, and make roots of negative
-    # numbers complex.
-    ast.Div: np.true_divide,
-    ast.Pow: np.power,
-}
-_COMPARISONS: Mapping[type, Callable[[Any, Any], Any]] = {
-    ast.Lt: operator.lt,
-    ast.LtE: operator.le,
-    ast.Gt: operator.gt,
-    ast.GtE: operator.ge,
-    ast.Eq: operator.eq,
-    ast.NotEq: operator.ne,
-}
-_LOGIC: Mapping[type, Callable[[Any, Any], Any]] = {
-    ast.BitAnd: np.logical_and,
-    ast.BitOr: np.logical_or,
-}
-AT = "at"  # at(VALUES, TIME)
 FUNCTIONS = sorted({*REDUCTIONS, *OVER_TIME, *ELEMENTWISE, AT})
 
 

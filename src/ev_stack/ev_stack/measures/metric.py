@@ -19,6 +19,7 @@ NOT_MEASURED = "not measured"
 NOT_JUDGED = "not judged"
 FROM_INPUTS = "follows from the inputs"
 LOWER, HIGHER = "lower", "higher"  # which values of a metric are better; empty where neither is
+TYRES = "tire_forces."  # begins the channels that only a plant with tyres has
 
 
 class NotMeasured(Exception):
@@ -181,7 +182,6 @@ def within(value: float, *, relative: float = 0.0, absolute: float = 0.0) -> Ban
 
 Runs = Mapping[str, Recording]  # name of the run -> its signals
 Parameters = Mapping[str, Mapping[str, Any]]  # node -> dotted parameter name -> value
-TYRES = "tire_forces."  # begins the channels that only a plant with tyres has
 
 
 def run_named(runs: Runs, name: str) -> Recording:

@@ -16,6 +16,12 @@ ROLL = "imu.roll.orientation_w"  # of cars with a body that rolls
 ROAD_WHEEL_ANGLE = "steering_column.state.road_wheel_angle"
 HAND_TORQUE = "steering_column.state.hand_torque"
 DRIVER_HAND_TORQUE = "driver.command.hand_torque"
+STEERING_WHEEL_ANGLE = "steering_column.state.angle"
+YAW_RATE = "imu.yaw_rate"
+LATERAL_ACCELERATION = "imu.lateral_acceleration"
+DRIVE_TORQUE = "driver.command.drive_torque"
+BRAKE_TORQUE = "driver.command.brake_torque"
+SLOWEST = 1.0  # [m/s], below which the direction of travel and slip ratios have little meaning
 
 
 def right_minus_left(recording: Recording, quantity: str) -> np.ndarray:
@@ -86,15 +92,6 @@ def mean_while_held(
             f"{math.degrees(held):.2f} deg are held instead of {math.degrees(angle):g} deg"
         )
     return mean_between(recording, values, start, end)
-
-
-STEERING_WHEEL_ANGLE = "steering_column.state.angle"
-YAW_RATE = "imu.yaw_rate"
-LATERAL_ACCELERATION = "imu.lateral_acceleration"
-DRIVE_TORQUE = "driver.command.drive_torque"
-BRAKE_TORQUE = "driver.command.brake_torque"
-
-SLOWEST = 1.0  # [m/s], below which the direction of travel and slip ratios have little meaning
 
 
 def heading(run: Recording) -> np.ndarray:

@@ -21,6 +21,9 @@ from ev_stack.recording.recording import Recording
 
 # of entry points: the name of a package, and its module with METRICS, a tuple
 OFFERED = "ev_stack.metrics"
+_TWIST, _ANGLE = "twist.", motion.ROAD_WHEEL_ANGLE
+_ACCELERATION = ("imu.longitudinal_acceleration", motion.LATERAL_ACCELERATION)
+_FORCES = ("tire_forces.longitudinal_force.", "tire_forces.lateral_force.")
 
 
 def _largest(values: np.ndarray) -> float:
@@ -65,12 +68,9 @@ def _friction_use_of_car(run: Recording) -> np.ndarray:
     return force / np.maximum(available, 1.0)
 
 
-_TWIST, _ANGLE = "twist.", motion.ROAD_WHEEL_ANGLE
-_ACCELERATION = ("imu.longitudinal_acceleration", motion.LATERAL_ACCELERATION)
 _SLIP_RATIO, _SLIP_ANGLE, _FRICTION = (
     f"tire_forces.{of}." for of in ("slip_ratio", "slip_angle", "friction_coefficient")
 )
-_FORCES = ("tire_forces.longitudinal_force.", "tire_forces.lateral_force.")
 
 _OF_ANY_RUN = (
     NamedMetric(

@@ -26,15 +26,14 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
+# What ROS 2 writes for "no limit": the longest duration that it can express.
+UNLIMITED = QosTime(sec=9223372036, nsec=854775807)
+
 
 @cache
 def ros_types() -> Typestore:
     """Definitions of messages, also of packages that are not installed."""
     return get_typestore(Stores.ROS2_KILTED)
-
-
-# What ROS 2 writes for "no limit": the longest duration that it can express.
-UNLIMITED = QosTime(sec=9223372036, nsec=854775807)
 
 
 class BagWriter:

@@ -20,6 +20,9 @@ from ev_stack.recording.recording import Recording, recording_of_series
 if TYPE_CHECKING:
     from ev_core.lockstep.run import GraphRun
 
+# The test bench is not among them: what its transducers show is what the source measured by.
+OF_THE_CAR = ("plant", "steering_column", "rear_steering")
+
 
 def run_offline(
     configurations: Mapping[str, Configuration],
@@ -54,10 +57,6 @@ def written_topics(configurations: Mapping[str, Configuration]) -> list[Topic]:
         for signal in configuration.method.writes
     }
     return [topic for signal, topic in TOPICS.items() if signal in written]
-
-
-# The test bench is not among them: what its transducers show is what the source measured by.
-OF_THE_CAR = ("plant", "steering_column", "rear_steering")
 
 
 def true_motion(recording: Recording, configurations: Mapping[str, Configuration]) -> Recording:

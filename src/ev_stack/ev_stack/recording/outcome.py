@@ -14,6 +14,9 @@ from tqdm import tqdm
 from ev_stack.recording.recording import Recording
 
 Progress = Callable[[float], None]  # is called with the simulated time now and then
+_FORMAT = "{desc} {percentage:3.0f} %|{bar:30}| {n:.1f}/{total:.1f} s simulated, {unit} x real time"
+_ENOUGH = 0.05  # s of wall time from which on a real-time factor has a meaning
+_COUNTING = "compiling (once) {n} of {total} |{bar:30}| {elapsed}<{remaining}"
 
 
 class RunFailed(RuntimeError):
@@ -33,11 +36,6 @@ class Outcome:
     not_reproducible: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     timing: Mapping[str, Any] = field(default_factory=dict)
-
-
-_FORMAT = "{desc} {percentage:3.0f} %|{bar:30}| {n:.1f}/{total:.1f} s simulated, {unit} x real time"
-
-_ENOUGH = 0.05  # s of wall time from which on a real-time factor has a meaning
 
 
 def announce(text: str) -> None:
@@ -75,9 +73,6 @@ def progress_bar(name: str, duration: float) -> Iterator[Progress]:
     with bar:
         yield progress
         bar.refresh()
-
-
-_COUNTING = "compiling (once) {n} of {total} |{bar:30}| {elapsed}<{remaining}"
 
 
 def bar_of_code(total: int) -> tqdm:

@@ -21,6 +21,19 @@ from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.topics import Topic
 from ev_msgs_py.refusal import ParameterError
 
+# of a file system without hard links, such as FAT
+_NO_LINKS = (errno.EPERM, errno.ENOTSUP, errno.ENOSYS)
+BAG = "bag"
+SIGNALS = "signals.npz"
+PARAMETERS = "parameters.yaml"
+LOG = "log"
+SUMMARY = "summary.json"
+PAGE = "report.html"
+_LITTLE_ENDIAN = np.dtype("<f8")
+# instants that are turned over at once: they fit into the cache, as frames and as series
+_BLOCK = 256
+_MAGIC = b"\x89MCAP0\r\n"  # a whole MCAP file begins and ends with it
+
 
 @contextmanager
 def atomic_file(path: Path | str, replaces: bool = False) -> Iterator[IO[bytes]]:
@@ -56,10 +69,6 @@ def naming(path: Path) -> Iterator[None]:
         raise OSError(error.errno, error.strerror, str(path)) from None
 
 
-# of a file system without hard links, such as FAT
-_NO_LINKS = (errno.EPERM, errno.ENOTSUP, errno.ENOSYS)
-
-
 def _linked(unfinished: Path, path: Path) -> bool:
     """Give a file its name if nothing has it, else FileExistsError.
 
@@ -86,19 +95,6 @@ def free_path(path: Path) -> Path:
         for each in (Path(f"{path}{number}") for number in count(1))
         if not os.path.lexists(each)
     )
-
-
-BAG = "bag"
-SIGNALS = "signals.npz"
-PARAMETERS = "parameters.yaml"
-LOG = "log"
-SUMMARY = "summary.json"
-PAGE = "report.html"
-
-
-_LITTLE_ENDIAN = np.dtype("<f8")
-# instants that are turned over at once: they fit into the cache, as frames and as series
-_BLOCK = 256
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -195,9 +191,6 @@ def load(path: Path | str) -> Recording:
         return Recording(channels.pop(TIME), channels)
     except (KeyError, ValueError) as error:
         raise RecordingError(f"{path} holds no signals: {error}") from None
-
-
-_MAGIC = b"\x89MCAP0\r\n"  # a whole MCAP file begins and ends with it
 
 
 def refuse_unfinished(bag: Path) -> None:

@@ -21,6 +21,8 @@ from ev_msgs_py.contract.frame import PLACES
 from ev_msgs_py.contract.topics import Topic
 from ev_msgs_py.wire import STAMP_AT, MessageError, format_of
 
+BLOCK = 1024  # steps
+
 
 class MessageTable:
     """The serialized form of one topic's messages, with the places of stamp and numbers."""
@@ -96,9 +98,6 @@ def put_stamps(messages: np.ndarray, place: int, stamps_ns: np.ndarray) -> None:
     seconds, nanoseconds = np.divmod(stamps_ns, stamps.NANOSECONDS)
     put(messages, place, seconds.astype("<i4"))
     put(messages, place + 4, nanoseconds.astype("<u4"))
-
-
-BLOCK = 1024  # steps
 
 
 class Spool:

@@ -28,6 +28,12 @@ from ev_stack.scenarios.about import REPORTS
 from ev_stack.scenarios.records import Run
 
 ARGUMENTS = ("runs", "vehicle", "parameters", "course")
+_OVERVIEW = (
+    "final_speed",
+    "maximum_speed",
+    "maximum_total_drive_torque",
+    "maximum_road_wheel_angle",
+)
 
 
 class Report(NamedTuple):
@@ -65,14 +71,6 @@ def _of_all(function: Callable[..., Any]) -> Callable[..., Any]:
         return function(**{name: by_name[name] for name in names})
 
     return called
-
-
-_OVERVIEW = (
-    "final_speed",
-    "maximum_speed",
-    "maximum_total_drive_torque",
-    "maximum_road_wheel_angle",
-)
 
 
 def _any_metrics(runs: Runs, vehicle: Vehicle) -> dict[str, Metric]:

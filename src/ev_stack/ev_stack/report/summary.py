@@ -27,6 +27,7 @@ from ev_stack.scenarios.records import Run, Scenario
 COMMAND_LINE, SCENARIO_FILE = "command line", "scenario"
 EVERY_NODE = "every node"
 _OF_THE_CAR = "vehicle."
+PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "rclpy")
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,9 +120,6 @@ def _together(members: list[str], driven: Scenario) -> str:
     if len(members) != len(roles) * len(driven.runs):
         return ", ".join(members)
     return EVERY_NODE if len(roles) == len(driven.runs[0].configurations) else ", ".join(roles)
-
-
-PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "rclpy")
 
 
 @dataclass(frozen=True)

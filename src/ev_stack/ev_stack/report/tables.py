@@ -26,6 +26,15 @@ from ev_stack.measures.metric import Metric
 from ev_stack.recording.recording import atomic_file
 from ev_stack.report.latex import DIGITS, latex_table
 
+METRIC_COLUMNS = ("metric", "value", "unit", "reference", "band", "verdict")
+NARROW = (
+    ("metric", "value", "unit", "reference", "verdict"),
+    ("metric", "value", "unit", "verdict"),
+)
+WIDTH_OF_A_PIPE = 120
+_TEXT = ("metric", "unit", "band", "verdict")
+_SHOWN = 12  # metrics, where a line of Python shows a result
+
 
 def write_tables(
     folder: Path,
@@ -142,15 +151,6 @@ class Table:
         return text_table(self.columns, self.rows, self.columns[: self.left])
 
 
-METRIC_COLUMNS = ("metric", "value", "unit", "reference", "band", "verdict")
-NARROW = (
-    ("metric", "value", "unit", "reference", "verdict"),
-    ("metric", "value", "unit", "verdict"),
-)
-WIDTH_OF_A_PIPE = 120
-_TEXT = ("metric", "unit", "band", "verdict")
-
-
 def print_metrics(metrics: Mapping[str, Metric], file: TextIO | None = None) -> None:
     """Print the metrics; a narrow terminal omits bands, angles in degrees and references."""
     print(metric_table(metrics, _terminal_width()), file=file or sys.stdout)
@@ -180,9 +180,6 @@ def metric_table(metrics: Mapping[str, Metric], width: int = WIDTH_OF_A_PIPE) ->
             note, max(width, 40), initial_indent=indent, subsequent_indent=" " * len(indent)
         )
     return "\n".join(lines)
-
-
-_SHOWN = 12  # metrics, where a line of Python shows a result
 
 
 def short_lines(metrics: Mapping[str, Metric]) -> list[str]:

@@ -18,6 +18,8 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 _SET_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of Linux
+_QUERY = 0xFFFFFFFF  # of the Linux system call `personality`: change nothing, return what is set
+_ADDR_NO_RANDOMIZE = 0x0040000
 
 
 def ends_with_us() -> Callable[[], None] | None:
@@ -49,10 +51,6 @@ def ending_with_us(group: int) -> subprocess.Popen:
     """
     words = ["bash", "-c", 'read -r _; kill -KILL -- "-$0"', str(group)]
     return subprocess.Popen(words, stdin=subprocess.PIPE, start_new_session=True)
-
-
-_QUERY = 0xFFFFFFFF  # of the Linux system call `personality`: change nothing, return what is set
-_ADDR_NO_RANDOMIZE = 0x0040000
 
 
 @contextmanager

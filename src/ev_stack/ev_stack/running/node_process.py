@@ -32,6 +32,11 @@ from ev_stack.running.domain import Place
 from ev_stack.running.node_reports import NodeReports, enclave
 from ev_stack.scenarios.records import Run
 
+_ROOM = 65536  # bytes; with less a node cannot even write what went wrong
+# s for processes to stop when they are asked to: all of them have last words if the run has come to
+# its end.
+_PATIENCE, _AT_THE_END = 2.0, 10.0
+
 
 def package_of(node: str) -> str:
     """The package with the node of a role, or with the recorder; LookupError as `node_package`."""
@@ -57,9 +62,6 @@ def command(name: str) -> list[str]:
         f"executable {package} {name} is not found: source scripts/setup.sh, or"
         " install/local_setup.bash of a workspace of your own"
     )
-
-
-_ROOM = 65536  # bytes; with less a node cannot even write what went wrong
 
 
 @dataclass
@@ -172,11 +174,6 @@ def _before_exec(ours: bool) -> Callable[[], None]:
             dies_with_us()
 
     return before
-
-
-# s for processes to stop when they are asked to: all of them have last words if the run has come to
-# its end.
-_PATIENCE, _AT_THE_END = 2.0, 10.0
 
 
 @contextmanager

@@ -33,6 +33,8 @@ from ev_nodes.stepping.runner_line import (
 from ev_stack.recording.outcome import Outcome, RunFailed, announce
 from ev_stack.recording.recording import Recording
 
+_NAMED = 20  # warnings; more than these are counted only
+
 
 @contextmanager
 def observing(namespace: str, domain: int, name: str) -> Iterator[Node]:
@@ -77,9 +79,6 @@ def enclave(node: str, namespace: str) -> list[str]:
         if security_is_asked_for(os.environ)
         else []
     )
-
-
-_NAMED = 20  # warnings; more than these are counted only
 
 
 class NodeReports:

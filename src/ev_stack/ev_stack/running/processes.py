@@ -28,6 +28,8 @@ from ev_stack.running.watching import RunWatcher
 from ev_stack.scenarios.records import Run
 
 _LOOK_PERIOD = 0.05  # s of wall time between looks at the processes
+_OBSERVER = "run_scenario"  # the name of what is in the graph beside the nodes
+_GLANCE_PERIOD = 0.1  # s of wall time between looks at simulated time
 
 
 def run_in_processes(
@@ -73,10 +75,6 @@ def run_in_processes(
     if reached < watcher.last - 0.5 * stamps.to_seconds(run.period):
         raise RunFailed(f"node {RECORDER} was stopped, at {reached:g} s of simulated time")
     return reports.outcome(recording, watcher.wall_time)
-
-
-_OBSERVER = "run_scenario"  # the name of what is in the graph beside the nodes
-_GLANCE_PERIOD = 0.1  # s of wall time between looks at simulated time
 
 
 def run_in_process(run: Run, directory: Path, bag: bool, progress: Progress) -> Outcome:

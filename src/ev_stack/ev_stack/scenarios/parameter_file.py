@@ -16,6 +16,7 @@ from ev_core.parameters.section import matches
 from ev_msgs_py.refusal import ParameterError
 
 _DEEPEST = 100  # brackets in brackets: the parser in C would overflow its stack
+_SECTION = "ros__parameters"
 
 
 class _Loader(yaml.CSafeLoader):
@@ -84,7 +85,6 @@ def _refuse_aliases_and_depth(text: str) -> None:
             raise yaml.YAMLError("it is nested too deeply")
 
 
-_SECTION = "ros__parameters"
 # written without the mark
 yaml.SafeDumper.add_representer(TextOfFile, yaml.SafeDumper.represent_str)
 

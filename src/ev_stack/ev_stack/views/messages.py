@@ -38,6 +38,12 @@ VIEWS = (TF, TF_STATIC, ODOMETRY, FORCES, DESCRIPTION)
 _FORCE = (0.75, 0.16, 0.26, 1.0)  # colour
 _SHAFT, _HEAD = 0.04, 0.1  # m, diameters of an arrow
 _LENGTH = 1.5  # m, of the arrow of a mean wheel load, as on the page
+_MARKED_STAMP = (0x5E0C0DE5, 0x2A0C0DE5)  # s, ns: what nothing else in a message has
+_MARKED_NUMBER = 1e9  # and more
+# and ParameterType
+# bool stands before int: to Python True is an int.
+_FIELDS = {bool: ("bool", 1), int: ("integer", 2), float: ("double", 3), str: ("string", 4)}
+_ARRAYS = 5  # what ParameterType has an array of them above
 
 
 def message(kind: str, **given: Any) -> Any:
@@ -64,10 +70,6 @@ def _empty(field: tuple[Any, Any]) -> Any:
 def serialized(kind: str, content: Any) -> bytes:
     """The bytes of a message, CDR."""
     return bytes(ros_types().serialize_cdr(content, kind))
-
-
-_MARKED_STAMP = (0x5E0C0DE5, 0x2A0C0DE5)  # s, ns: what nothing else in a message has
-_MARKED_NUMBER = 1e9  # and more
 
 
 class Template:
@@ -246,12 +248,6 @@ def _arrows(stamp: Any, numbers: Sequence[float]) -> Any:
         arrow.pose.orientation.w = 1.0
         found.append(arrow)
     return message(FORCES.message_type, markers=found)
-
-
-# and ParameterType
-# bool stands before int: to Python True is an int.
-_FIELDS = {bool: ("bool", 1), int: ("integer", 2), float: ("double", 3), str: ("string", 4)}
-_ARRAYS = 5  # what ParameterType has an array of them above
 
 
 def _parameter(name: str, value: Any) -> Any:

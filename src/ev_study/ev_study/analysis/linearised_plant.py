@@ -59,6 +59,7 @@ _SETTLING = 10.0  # [s], long against every motion of a car but its acceleration
 _STEADY = 1e-6
 # of the central differences, in the unit of each state: far below any of them, far above rounding
 _STEP = 1e-6
+_FREQUENCIES = np.logspace(-1.0, 1.5, 200)  # [Hz]; a driver steers with up to about 3 Hz
 
 
 @dataclass(frozen=True, slots=True)
@@ -226,9 +227,6 @@ def _outputs(vehicle: Vehicle, y: np.ndarray, angle: float) -> np.ndarray:
         # Against the axes of ISO, in which a slip angle to the left of the wheel is positive.
         [v, r, angle - math.atan((v + front_arm * r) / u), -math.atan((v - rear_arm * r) / u)]
     )
-
-
-_FREQUENCIES = np.logspace(-1.0, 1.5, 200)  # [Hz]; a driver steers with up to about 3 Hz
 
 
 def bode_figure(model: SideSlipModel, plant: LinearisedPlant) -> Sheet:

@@ -27,6 +27,18 @@ _ELEMENTS = {
     **dict.fromkeys(_MF.values(), MF_NAMES),
     **{f"vehicle.tyre.{name}_tmeasy": TMEASY_NAMES for name in AXLES},
 }
+# Least and largest coefficients of the Magic Formula that tyres of cars have, wide: their
+# declaration knows no ends.
+_MF_ENDS = {
+    **{
+        "pdy1": (0.3, 3.0),
+        "pdy2": (-1.0, 0.5),
+        "pcy1": (1.0, 2.0),
+        "pey1": (-10.0, 1.0),
+        "pey2": (-10.0, 10.0),
+    },
+    **{"pky1": (3.0, 100.0), "pky2": (0.2, 10.0), "rby1": (1.0, 40.0)},
+}
 
 
 # Both axles: a car with different tyres in front and behind has two sets of coefficients.
@@ -49,19 +61,6 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
         "vehicle.tyre.coefficients.1",
         "vehicle.tyre.load_sensitivity",
     ),
-}
-
-# Least and largest coefficients of the Magic Formula that tyres of cars have, wide: their
-# declaration knows no ends.
-_MF_ENDS = {
-    **{
-        "pdy1": (0.3, 3.0),
-        "pdy2": (-1.0, 0.5),
-        "pcy1": (1.0, 2.0),
-        "pey1": (-10.0, 1.0),
-        "pey2": (-10.0, 10.0),
-    },
-    **{"pky1": (3.0, 100.0), "pky2": (0.2, 10.0), "rby1": (1.0, 40.0)},
 }
 
 

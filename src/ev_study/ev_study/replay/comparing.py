@@ -19,6 +19,18 @@ from ev_stack.report.tables import cell, text_table, write_tables
 from ev_study.replay.recorded import Recorded
 
 _JITTER, _LATENCY = "jitter", "latency"
+_SHOWN = (
+    "channel",
+    "unit",
+    "differing",
+    "step",
+    "time",
+    "recorded",
+    "replayed",
+    "largest",
+    "at",
+    "rms",
+)
 
 
 def latency_of(recorded: Recorded) -> dict[str, Any]:
@@ -140,20 +152,6 @@ def difference_of(
     return Difference(
         name, unit, compared, len(differ), first, begin, *pair, float(apart[most]), at, rms
     )
-
-
-_SHOWN = (
-    "channel",
-    "unit",
-    "differing",
-    "step",
-    "time",
-    "recorded",
-    "replayed",
-    "largest",
-    "at",
-    "rms",
-)
 
 
 def table_of(found: Sequence[Difference]) -> str:

@@ -35,6 +35,8 @@ from ev_stack.recording.spool import MessageTable
 from ev_stack.scenarios.about import NAMESPACE
 from ev_stack.scenarios.parameter_file import ParameterFile
 
+_METADATA = "metadata.yaml"
+
 
 @dataclass(frozen=True)
 class Recorded:
@@ -296,9 +298,6 @@ def _notes(
                 " is held"
             )
     return tuple(notes)
-
-
-_METADATA = "metadata.yaml"
 
 
 def find_recorded(path: Path, namespace: str = "") -> Recorded:

@@ -33,6 +33,10 @@ from ev_stack.scenarios.about import REPORTS
 SOURCES = "ev_stack.sources"  # of entry points; reports may measure by their published.csv
 _GROUPS = (STUDIES, REPORTS, SOURCES, "ev_stack.methods")
 _INSTALLED = frozenset(("site-packages", "dist-packages"))
+# Code that changes no number of a run: an edit of it leaves what was driven.
+NEVER_DRIVES = ("ev_stack/commands", "ev_study/commands", "ev_doors", "ev_stack/report/page")
+# 96 bits: no two contents of a store will ever have one digest by chance.
+_LENGTH = 24  # hexadecimal digits
 
 
 def digest_of(file: Path) -> str:
@@ -94,12 +98,6 @@ def _imports(module: str, file: Path) -> Iterator[str]:
                 parts = name.split(".")
                 # A package is executed on the way to its modules, so its __init__ counts, too.
                 yield from (".".join(parts[: n + 1]) for n in range(len(parts)))
-
-
-# Code that changes no number of a run: an edit of it leaves what was driven.
-NEVER_DRIVES = ("ev_stack/commands", "ev_study/commands", "ev_doors", "ev_stack/report/page")
-# 96 bits: no two contents of a store will ever have one digest by chance.
-_LENGTH = 24  # hexadecimal digits
 
 
 def text_of_method(method: Method) -> str:

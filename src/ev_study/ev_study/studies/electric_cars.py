@@ -33,6 +33,25 @@ _ONE, _TWO = "one machine", "two machines"
 _MOST = 1 << 22  # bytes of a file
 _LARGEST = 1e4  # of an assumption in its unit: no car has 10 kW of auxiliaries
 _INTERVAL = 0.2  # s, of the sums
+_DRIVEN_AXLES = {
+    "2-Wheel Drive, Front": 1,
+    "2-Wheel Drive, Rear": 1,
+    "All Wheel Drive": 2,
+    "4-Wheel Drive": 2,
+    "Part-time 4-Wheel Drive": 2,
+}
+# Of compact_ev, which the plant drives: wheels, and a rotor with its gear, as mass [kg]; slip
+# stiffness over load [1].
+WHEELS, ROTOR, SLIP_STIFFNESS = 43.0, 13.8, 20.0
+_BOUNDS = {  # lowest, highest, expected before anything is known, and how firmly
+    "gear_efficiency": (0.85, 0.99, 0.95, 0.02),
+    "copper": (0.0, 1e-2, 2e-4, 1e-3),
+    "auxiliary_power": (100.0, 600.0, 300.0, 100.0),
+    "charger_efficiency": (0.80, 0.95, 0.88, 0.03),
+    "idle": (0.0, 500.0, 0.0, 50.0),
+    "recovery": (0.3, 2.5, 1.2, 0.5),
+}
+_SPREAD = 0.03  # relative deviation of the measured consumption beyond which a row weighs less
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,15 +144,6 @@ def read_cars(file: Path | str) -> list[ElectricCar]:
     return cars
 
 
-_DRIVEN_AXLES = {
-    "2-Wheel Drive, Front": 1,
-    "2-Wheel Drive, Rear": 1,
-    "All Wheel Drive": 2,
-    "4-Wheel Drive": 2,
-    "Part-time 4-Wheel Drive": 2,
-}
-
-
 def _rows(file: Path | str) -> list[tuple[int, dict[str, str]]]:
     """The rows below the header, with their lines in the file.
 
@@ -213,11 +223,6 @@ def _cycle(name: str) -> tuple[np.ndarray, np.ndarray, float]:
     return (speeds[1:] + speeds[:-1]) / 2, np.diff(speeds) / _INTERVAL, _INTERVAL
 
 
-# Of compact_ev, which the plant drives: wheels, and a rotor with its gear, as mass [kg]; slip
-# stiffness over load [1].
-WHEELS, ROTOR, SLIP_STIFFNESS = 43.0, 13.8, 20.0
-
-
 def consumption(car: ElectricCar, cycle: str, a: Assumptions) -> float:
     """Consumption from the wall [W h/km] by sums over the cycle."""
     speed, acceleration, h = _cycle(cycle)
@@ -245,17 +250,6 @@ def consumption(car: ElectricCar, cycle: str, a: Assumptions) -> float:
     power += a.idle[car.drive] * size * speed + a.auxiliary_power
     # J per m over 3.6 are W h per km.
     return float(power.sum() * h / 3.6 / (speed.sum() * h) / a.charger_efficiency)
-
-
-_BOUNDS = {  # lowest, highest, expected before anything is known, and how firmly
-    "gear_efficiency": (0.85, 0.99, 0.95, 0.02),
-    "copper": (0.0, 1e-2, 2e-4, 1e-3),
-    "auxiliary_power": (100.0, 600.0, 300.0, 100.0),
-    "charger_efficiency": (0.80, 0.95, 0.88, 0.03),
-    "idle": (0.0, 500.0, 0.0, 50.0),
-    "recovery": (0.3, 2.5, 1.2, 0.5),
-}
-_SPREAD = 0.03  # relative deviation of the measured consumption beyond which a row weighs less
 
 
 def fit(cars: Sequence[ElectricCar]) -> Assumptions:

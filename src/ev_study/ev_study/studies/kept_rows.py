@@ -34,6 +34,9 @@ from ev_study.studies.result_store import Results
 from ev_study.studies.study import Case, Measure, run_of
 
 Row = TypeVar("Row")  # a dataclass
+# What JSON does not know is an object with one of these keys, which no metric can have as its name.
+_ARRAY = "\0array"
+_TUPLE = "\0tuple"
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,11 +169,6 @@ class MeasureAndSave:
         # The same case under another name, or another command, may write the same bits here.
         save(recording.shown or recording, self.path, replaces=True)
         return self.measure(recording, run)
-
-
-# What JSON does not know is an object with one of these keys, which no metric can have as its name.
-_ARRAY = "\0array"
-_TUPLE = "\0tuple"
 
 
 def as_json(row: Any) -> bytes:

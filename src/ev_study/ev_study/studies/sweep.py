@@ -43,6 +43,7 @@ ABOUT = (
     " maps"
 )
 SEED = "seed"
+MOST = 100_000  # runs of a sweep
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -70,9 +71,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--seeds", type=int, default=1, metavar="N", help="runs of each, with the seeds 0 to N - 1"
     )
     add_metrics(parser, "default: those of the scenario")
-
-
-MOST = 100_000  # runs of a sweep
 
 
 def variations(given: argparse.Namespace) -> dict[str, list[Any]]:

@@ -27,6 +27,8 @@ from ev_study.verdicts.measure import (
 )
 from ev_study.verdicts.need import Need
 
+SHOWN = "shown"  # in place of a value: the number is shown and not judged
+
 
 @dataclass(frozen=True, slots=True)
 class Tolerance:
@@ -184,9 +186,6 @@ class Check:
         return replace(
             self, measure=self.measure.renamed(words), than=self.than and self.than.renamed(words)
         )
-
-
-SHOWN = "shown"  # in place of a value: the number is shown and not judged
 
 
 def check_of(row: Mapping[str, str], measures: Measures, needs: tuple[Need, ...]) -> Check:

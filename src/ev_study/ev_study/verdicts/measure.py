@@ -25,6 +25,9 @@ from ev_study.verdicts.need import Need, ScenarioRuns, StudyNeed
 # raise NotMeasured.
 Measure = Callable[..., Any]
 Measures = Mapping[str, Measure]
+_NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
+_CALLS = re.compile(r"\{([^{}]*)\}")
+_OF_RUN = re.compile(r"(\w+):\s+(.*)")
 
 
 def measures_of(*modules: ModuleType) -> dict[str, Measure]:
@@ -48,10 +51,6 @@ def parameter(driven: ScenarioRuns, node: str, name: str) -> float:
 
 
 COMMON: Measures = {"parameter": parameter}  # that every source may name
-
-_NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
-_CALLS = re.compile(r"\{([^{}]*)\}")
-_OF_RUN = re.compile(r"(\w+):\s+(.*)")
 
 
 @dataclass(frozen=True, slots=True)

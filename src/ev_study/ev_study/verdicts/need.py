@@ -38,6 +38,8 @@ from ev_study.studies.run_study import arguments, study_cases
 from ev_study.studies.study import Case, CaseResult, Measure, Results, study_named, study_names
 
 Value = tuple[str, str, Any]  # node, parameter, value
+# Of the same kind: the signals that are kept do not depend on how they are judged or drawn.
+_ONLY_JUDGES = (*NEVER_DRIVES, "ev_study/verdicts", "ev_stack/figures")
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,10 +144,6 @@ class StudyCases:
 
 
 Driven = ScenarioRuns | StudyCases
-
-
-# Of the same kind: the signals that are kept do not depend on how they are judged or drawn.
-_ONLY_JUDGES = (*NEVER_DRIVES, "ev_study/verdicts", "ev_stack/figures")
 
 
 def kept_by_user(folder: Path | None = None) -> ResultStore:

@@ -15,6 +15,7 @@ from ev_study.verdicts.need import Driven, Need
 from ev_study.verdicts.sources import source_named
 
 Draw = Callable[..., Sheet]  # takes what was driven, one argument for each of the needs
+INDEX = "index.html"
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,9 +76,6 @@ def scheme(figure: str, of: str, id: str) -> PublishedPanel:
     return cannot_be_drawn(
         figure, "", "Schemes", f"a scheme of {of}, no quantity over another one", id
     )
-
-
-INDEX = "index.html"
 
 
 def panels(source: str) -> tuple[PublishedPanel, ...]:

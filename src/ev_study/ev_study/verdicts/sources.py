@@ -25,6 +25,18 @@ from ev_study.verdicts.measure import COMMON, EMPTY, Measures, Template
 from ev_study.verdicts.need import Driven, Need, need_of
 
 GROUP = "ev_stack.sources"  # of entry points: the name of a source, and its module
+KINDS = ("printed", "follows", "words", "axes", "lost")
+ASSUMPTION, FITTED, INPUTS, IN_PART = "assumption", "fitted", "inputs", "in part"
+NO_VERDICT = ("not judgeable", "no verdict")
+WITH_ADDITION = (ASSUMPTION, FITTED, IN_PART)  # notes that name what was added to the source
+NOTES = (*WITH_ADDITION, INPUTS, *NO_VERDICT)
+# Of an id further rows have its further numbers, and nothing in the columns up to printed. What is
+# driven stands in its first row, or in each where that differs; the note stands in one of them.
+COLUMNS = (
+    *("id", "kind", "where", "quantity", "printed", "driven", "note"),
+    *("name", "measure", "unit", "value", "tolerance", "why"),
+)
+_CELLS_OF_ID = COLUMNS[1:5]
 
 
 @cache
@@ -44,13 +56,6 @@ def source_named(name: str) -> ModuleType:
     Raises ParameterError that lists the known ones if there is none.
     """
     return offered_module(GROUP, "source", name)
-
-
-KINDS = ("printed", "follows", "words", "axes", "lost")
-ASSUMPTION, FITTED, INPUTS, IN_PART = "assumption", "fitted", "inputs", "in part"
-NO_VERDICT = ("not judgeable", "no verdict")
-WITH_ADDITION = (ASSUMPTION, FITTED, IN_PART)  # notes that name what was added to the source
-NOTES = (*WITH_ADDITION, INPUTS, *NO_VERDICT)
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,13 +114,6 @@ class Published:
         )
 
 
-# Of an id further rows have its further numbers, and nothing in the columns up to printed. What is
-# driven stands in its first row, or in each where that differs; the note stands in one of them.
-COLUMNS = (
-    *("id", "kind", "where", "quantity", "printed", "driven", "note"),
-    *("name", "measure", "unit", "value", "tolerance", "why"),
-)
-_CELLS_OF_ID = COLUMNS[1:5]
 _Row = Mapping[str, str]  # text by column, and in `place` file and line
 
 

@@ -46,6 +46,8 @@ SORTS = (
     *NO_VERDICT,
     NOT_MEASURED,
 )
+COLUMNS = ("id", "kind", "what", "printed", "ours", "tolerance", "verdict", "driven")
+_SHORT = ("id", "verdict", "ours")
 
 
 def sort_of(text: str) -> str:
@@ -207,10 +209,6 @@ def _is_plain(need: Need, scenario: str) -> bool:
         and need.scenario == scenario
         and not (need.values or need.duration)
     )
-
-
-COLUMNS = ("id", "kind", "what", "printed", "ours", "tolerance", "verdict", "driven")
-_SHORT = ("id", "verdict", "ours")
 
 
 def plain_table(verdicts: Sequence[Verdict], width: int) -> str:

@@ -31,6 +31,24 @@ from ev_study.verdicts.panels_page import Draw, PublishedPanel, cannot_be_drawn,
 # Draws a run, given its car and the parameters of its driver.
 _OfRun = Callable[[Recording, Vehicle, Mapping[str, Any]], Sheet]
 _FIGURES_OF_A_METHOD = 5
+_CYCLES = "Speed over time of urban cycles"
+_NO_DATA = "the source draws it from a catalogue, no data are in the text"
+_ROW = "Characteristics of the YASA-400; limits as printed; losses, winding and voltages assumed"
+_CAR = ScenarioNeed("urban_mixed", duration=0.01)  # for the car alone
+_CELL = 3.2  # V
+_SPEED = "shaft speed [rad/s]"
+_ROWS = {
+    "1": (
+        "Layouts, differentials, surveyed slip controls, machine",
+        (*range(1, 5), *range(6, 13), *range(14, 22)),
+    ),
+    "2": (
+        "Schemes of car, wheel, body and control, screens of the model",
+        (*range(1, 8), *range(14, 22)),
+    ),
+    "4": ("The test bench", range(1, 12)),
+}
+_WHY = "a scheme, a photograph or a screen, no quantity over another one"
 
 
 def _needs(scenario: str) -> dict[int, ScenarioNeed]:
@@ -132,10 +150,6 @@ _BENCH_PANELS = (
 )
 
 
-_CYCLES = "Speed over time of urban cycles"
-_NO_DATA = "the source draws it from a catalogue, no data are in the text"
-
-
 _slip_curve = _of_run(lambda run, vehicle, driver: slip_curve_figure(run, vehicle))
 
 
@@ -158,12 +172,6 @@ _CYCLE_PANELS = (
         "2.13", "", "Cycle and road", ("diss.fig2.13",), (CYCLES[1],), _of_run(cycle_figure)
     ),
 )
-
-
-_ROW = "Characteristics of the YASA-400; limits as printed; losses, winding and voltages assumed"
-_CAR = ScenarioNeed("urban_mixed", duration=0.01)  # for the car alone
-_CELL = 3.2  # V
-_SPEED = "shaft speed [rad/s]"
 
 
 def _speeds(driven: ScenarioRuns) -> np.ndarray:
@@ -225,20 +233,6 @@ _MACHINE_PANELS = (
     PublishedPanel("1.22", "a", _ROW, ("diss.fig1.22",), (_CAR,), over_time(_limits, _SPEED)),
     PublishedPanel("1.22", "b", _ROW, ("diss.fig1.22",), (_CAR,), _efficiency),
 )
-
-
-_ROWS = {
-    "1": (
-        "Layouts, differentials, surveyed slip controls, machine",
-        (*range(1, 5), *range(6, 13), *range(14, 22)),
-    ),
-    "2": (
-        "Schemes of car, wheel, body and control, screens of the model",
-        (*range(1, 8), *range(14, 22)),
-    ),
-    "4": ("The test bench", range(1, 12)),
-}
-_WHY = "a scheme, a photograph or a screen, no quantity over another one"
 
 
 def _scheme(row: str, figure: str) -> PublishedPanel:

@@ -18,6 +18,24 @@ from ev_study.studies.study import Case
 
 SCENARIO, BENCH = "urban_mixed", "urban_mixed_bench"
 Values = tuple[tuple[str, str, Any], ...]
+FIVE = ("1", "2", "3", "4", "5")  # as printed
+# Without table 2.2: surfaces of table 2.3 alone; f_0 and the driver's k are fitted to table 3.6 by
+# eq 2.37 in full, two numbers for five.
+WITHOUT_F_SURFACE: Values = (
+    ("plant", "road.rolling_resistance_scale", 0.0),
+    ("*", "vehicle.rolling_resistance", 0.005),
+    ("driver", "level.rolling_resistance", 0.005),
+    ("driver", "level.factor", 1.095),
+)
+DRIVERS = ("tracking", "imposed_speed", "pulse")
+SIDES = ("right", "left")
+QUANTITIES: dict[str, Callable[[CircuitSums], float]] = {
+    "wheel_efficiency": lambda circuit: circuit.efficiency,
+    "wheel_speed_efficiency": lambda circuit: circuit.speed_efficiency,
+    "wheel_power_efficiency": lambda circuit: circuit.power_efficiency,
+    "drive_efficiency": lambda circuit: circuit.drive_efficiency,
+    "total_efficiency": lambda circuit: circuit.total_efficiency,
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,24 +62,6 @@ METHODS = {
     "3": Method(3, "limited slip", "limited_slip", "off"),
     "4": Method(4, "limited slip, variable", "limited_slip_variable", "off"),
     "5": Method(5, "by adhesion", "adhesion_share", "off"),
-}
-FIVE = ("1", "2", "3", "4", "5")  # as printed
-# Without table 2.2: surfaces of table 2.3 alone; f_0 and the driver's k are fitted to table 3.6 by
-# eq 2.37 in full, two numbers for five.
-WITHOUT_F_SURFACE: Values = (
-    ("plant", "road.rolling_resistance_scale", 0.0),
-    ("*", "vehicle.rolling_resistance", 0.005),
-    ("driver", "level.rolling_resistance", 0.005),
-    ("driver", "level.factor", 1.095),
-)
-DRIVERS = ("tracking", "imposed_speed", "pulse")
-SIDES = ("right", "left")
-QUANTITIES: dict[str, Callable[[CircuitSums], float]] = {
-    "wheel_efficiency": lambda circuit: circuit.efficiency,
-    "wheel_speed_efficiency": lambda circuit: circuit.speed_efficiency,
-    "wheel_power_efficiency": lambda circuit: circuit.power_efficiency,
-    "drive_efficiency": lambda circuit: circuit.drive_efficiency,
-    "total_efficiency": lambda circuit: circuit.total_efficiency,
 }
 
 

@@ -37,6 +37,18 @@ STANDING = 0.3  # as good as stopped [m/s]
 ROLLING = 2.0  # fast enough for a slip [m/s]
 FAST = 80 / 3.6  # [m/s]
 LONGEST_STOP = 20.0  # [s]
+# Heading of the column, and digits.
+QUANTITIES = {
+    "distance": ("distance [m]", 1),
+    "mean_slip": ("mean slip", 3),
+    "peak_slip": ("peak slip", 2),
+    "heading": ("heading [deg]", 1),
+    "aside": ("aside [m]", 2),
+    "recovered": ("recovered [kJ]", 1),
+    "share": ("of the kinetic energy", 2),
+}
+LEFT = 2
+SUMS = ("distance_", "recovered_")
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,20 +89,8 @@ SITUATIONS = {
     "snow left, dry right": Situation(FAST, 9000.0, ("packed_snow_1",), ("dry_asphalt",)),
     "ice left, dry right": Situation(FAST, 9000.0, ("ice",), ("dry_asphalt",)),
 }
-# Heading of the column, and digits.
-QUANTITIES = {
-    "distance": ("distance [m]", 1),
-    "mean_slip": ("mean slip", 3),
-    "peak_slip": ("peak slip", 2),
-    "heading": ("heading [deg]", 1),
-    "aside": ("aside [m]", 2),
-    "recovered": ("recovered [kJ]", 1),
-    "share": ("of the kinetic energy", 2),
-}
 HEADINGS = tuple(heading for heading, _ in QUANTITIES.values())
 COLUMNS = ("road", "brakes", *HEADINGS)
-LEFT = 2
-SUMS = ("distance_", "recovered_")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

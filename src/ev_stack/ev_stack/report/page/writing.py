@@ -33,6 +33,9 @@ from ev_stack.views.car import PREFIX, car_of, view_channels
 
 GAP = 0  # the code of what is not finite; numbers have the codes from 1 on
 _LEVEL = 1  # of deflate: higher ones take twice the time for a tenth of the size
+# characters of all signals of a page: room for figures below the 15 MB that a page may have
+MOST_TEXT = 10_000_000
+_PLANES = (3, 2)  # bytes of a sample that are tried, one after the other
 
 
 class Packed(NamedTuple):
@@ -103,11 +106,6 @@ def _ends(values: np.ndarray, size: int) -> np.ndarray:
     # In the order of time, or a line would go up where the signal goes down.
     places = np.stack([np.minimum(lowest, highest), np.maximum(lowest, highest)], axis=1)
     return np.take_along_axis(bins, places, axis=1).ravel()
-
-
-# characters of all signals of a page: room for figures below the 15 MB that a page may have
-MOST_TEXT = 10_000_000
-_PLANES = (3, 2)  # bytes of a sample that are tried, one after the other
 
 
 @dataclass(frozen=True)

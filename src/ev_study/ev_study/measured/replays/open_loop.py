@@ -55,6 +55,29 @@ IMPOSED = ("speed", "pedals", "torques")  # besides the angle
 FEWEST = 10  # instants of a window, below which a replay has hardly begun
 _TORQUES = str(Path(__file__).with_name("imposed_torques.py"))
 _PEDALS = {kind: f"driver.command.{kind}_torque" for kind in ("drive", "brake")}
+# What a replay needs of each role; files and --set may change all of it but what is refused below.
+_OWN: Mapping[str, Mapping[str, Any]] = {
+    "plant": {"method": "planar", "speed": "imposed", "imposed_at": "wheels", "initial_hold": HOLD},
+    "steering_column": {"method": "imposed"},
+    "driver": {"method": "manoeuvre", "pedals.begin": True},
+    "electronic_differential": {"method": "equal_torque"},
+    "asr": {"method": "off"},
+}
+ROLES_OF_REPLAY = tuple(_OWN)
+# What each window has from the record, by role: parameters, or groups of them.
+_OF_RECORD = {
+    "plant": (
+        "speed",
+        "imposed_speed",
+        "initial_speed",
+        "initial_hold",
+        "initial_lateral_velocity",
+        "initial_yaw_rate",
+    ),
+    "steering_column": ("time", "angle"),
+    "driver": ("pedals",),
+}
+_OF_TORQUES = {"electronic_differential": ("time", "drive", "brake")}
 
 
 @dataclass(frozen=True)
@@ -127,31 +150,6 @@ def windows_of(
             f"no window of {length:g} s without a gap {where}{standing}, {expected}"
         )
     return Windows(np.array(first), size, at_rest)
-
-
-# What a replay needs of each role; files and --set may change all of it but what is refused below.
-_OWN: Mapping[str, Mapping[str, Any]] = {
-    "plant": {"method": "planar", "speed": "imposed", "imposed_at": "wheels", "initial_hold": HOLD},
-    "steering_column": {"method": "imposed"},
-    "driver": {"method": "manoeuvre", "pedals.begin": True},
-    "electronic_differential": {"method": "equal_torque"},
-    "asr": {"method": "off"},
-}
-ROLES_OF_REPLAY = tuple(_OWN)
-# What each window has from the record, by role: parameters, or groups of them.
-_OF_RECORD = {
-    "plant": (
-        "speed",
-        "imposed_speed",
-        "initial_speed",
-        "initial_hold",
-        "initial_lateral_velocity",
-        "initial_yaw_rate",
-    ),
-    "steering_column": ("time", "angle"),
-    "driver": ("pedals",),
-}
-_OF_TORQUES = {"electronic_differential": ("time", "drive", "brake")}
 
 
 def graph(
