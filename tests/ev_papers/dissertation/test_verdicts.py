@@ -72,7 +72,7 @@ def test_another_parameter_is_noticed(id: str, changed):
 
 @pytest.mark.parametrize("id", ["diss.bench.load_above", "diss.bench.spin"])
 def test_a_road_that_takes_less_is_noticed(id: str, monkeypatch):
-    """With M_nu a third smaller the machine is above it while the wheels grip."""
+    """The machine is above an M_nu a third smaller while the wheels grip."""
     assert verdict_on(id).judgement == "reproduced"
     limit = judged_bench._limit
     factor = 0.67 if id.endswith("above") else 1.5

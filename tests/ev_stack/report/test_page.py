@@ -151,7 +151,7 @@ def test_signals_get_coarser_until_they_fit_and_the_page_says_so():
 
 
 def test_signals_that_never_fit_come_as_coarse_as_they_can():
-    """With one character for all, halving the samples has to end."""
+    """Halving the samples ends with one character for all."""
     results = [Signals("", two_runs(), CAR)]
     data = signal_data(results, 1)
     assert sum(map(len, data.blocks)) < 0.1 * sum(map(len, signal_data(results).blocks))
