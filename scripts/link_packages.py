@@ -21,7 +21,7 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 INSTALL = ROOT / "install"
-DESCRIPTIONS = INSTALL / "python"
+INDEX = "share/ament_index/resource_index/packages"  # where ROS tools look for a package
 PROGRAM = """#!{python}
 import sys
 
@@ -44,9 +44,14 @@ def arguments_of(package: Path) -> dict[str, Any]:
     return given
 
 
+def description_of(package: str) -> Path:
+    """Return the folder of a package's own description: without it the package is not there."""
+    return INSTALL / package / "python"
+
+
 def write_description(given: dict[str, Any]) -> None:
-    """Write the .dist-info of a package: its version, what it needs and its entry points."""
-    folder = DESCRIPTIONS / f"{given['name']}-{given['version']}.dist-info"
+    """Write the .dist-info of a package (version, needs, entry points) and its mark for ROS tools."""
+    folder = description_of(given["name"]) / f"{given['name']}-{given['version']}.dist-info"
     folder.mkdir(parents=True)
     lines = ["Metadata-Version: 2.1", f"Name: {given['name']}", f"Version: {given['version']}"]
     lines += [f"Requires-Dist: {needed}" for needed in given.get("install_requires", ())]
@@ -58,6 +63,9 @@ def write_description(given: dict[str, Any]) -> None:
     for group, points in given.get("entry_points", {}).items():
         groups += [f"[{group}]", *points, ""]
     (folder / "entry_points.txt").write_text("\n".join(groups))
+    index = INSTALL / given["name"] / INDEX
+    index.mkdir(parents=True)
+    (index / given["name"]).touch()
 
 
 def write_programs(given: dict[str, Any]) -> None:
@@ -78,7 +86,8 @@ def write_paths(packages: list[Path]) -> None:
     Python reads a .pth file in the encoding of the locale, so the paths are written in ASCII, as a
     list that Python evaluates.
     """
-    folders = [str(folder) for folder in (*packages, DESCRIPTIONS)]
+    descriptions = [description_of(package.name) for package in packages]
+    folders = [str(folder) for folder in (*packages, *descriptions)]
     path_file = Path(sysconfig.get_path("purelib"), "ev_stack.pth")
     path_file.write_text(f"import sys; sys.path += {folders!a}\n")
     prefixes = ":".join(str(INSTALL / package.name) for package in packages)
