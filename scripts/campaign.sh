@@ -4,7 +4,7 @@ set -euo pipefail
 # shellcheck source=scripts/setup.sh
 source "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/setup.sh"
 [[ "${1:-}" == --help ]] || "$EV_STACK_ROOT/scripts/compile.sh" # what is compiled meanwhile would be taken for slow
-export PYTHONPATH="$EV_STACK_ROOT/tools:$PYTHONPATH"
+export PYTHONPATH="$EV_STACK_ROOT/tools${PYTHONPATH:+:$PYTHONPATH}"
 # Small disks are mounted where nobody else sees them, and are gone with us; where that is not granted, these are skipped.
 # Shared memory is that of these runs alone: what other programs leave behind there is not their fault.
 own_mounts=(unshare --mount --propagation private sh -c 'mount -t tmpfs none /dev/shm && exec "$0" "$@"')

@@ -4,4 +4,4 @@ set -euo pipefail
 # shellcheck source=scripts/setup.sh
 source "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/setup.sh"
 [[ "${1:-}" == --help ]] || "$EV_STACK_ROOT/scripts/compile.sh" # what is compiled meanwhile would be taken for slow
-PYTHONPATH="$EV_STACK_ROOT/tools:$PYTHONPATH" exec python -m determinism "$@"
+PYTHONPATH="$EV_STACK_ROOT/tools${PYTHONPATH:+:$PYTHONPATH}" exec python -m determinism "$@"

@@ -3,4 +3,4 @@
 set -euo pipefail
 # shellcheck source=scripts/setup.sh
 source "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/setup.sh"
-PYTHONPATH="$EV_STACK_ROOT/tools:$PYTHONPATH" exec python -m documentation "$EV_STACK_ROOT" "$@"
+PYTHONPATH="$EV_STACK_ROOT/tools${PYTHONPATH:+:$PYTHONPATH}" exec python -m documentation "$EV_STACK_ROOT" "$@"

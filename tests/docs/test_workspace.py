@@ -307,6 +307,16 @@ def test_help_needs_no_set_up(name: str):
     assert f"scripts/{name}" in shown.stdout
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["document.sh", "campaign.sh", "determinism.sh"])
+def test_tools_start_where_the_shell_has_no_path_of_python(name: str):
+    """Without a distribution nothing exports PYTHONPATH."""
+    environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    words = [ROOT / "scripts" / name, "--help"]
+    shown = subprocess.run(words, env=environment, check=True, capture_output=True, text=True)
+    assert "usage" in shown.stdout
+
+
 def test_every_page_is_in_the_site():
     """scripts/site.sh builds it from mkdocs.yml; those of the top folder stand outside docs/."""
     listed = set(re.findall(r": (\w+\.md)$", (ROOT / "mkdocs.yml").read_text(), re.MULTILINE))

@@ -31,6 +31,7 @@ from documentation.scenario_results import (
     SCENARIO_PAGES,
     STUDY_PAGES,
     STUDY_TABLES,
+    engine_sweep_table,
     kept_study_table,
 )
 from ev_study.verdicts.sources import sources
@@ -51,8 +52,6 @@ PARTS: dict[str, Callable[[], str]] = {
     "series": metric_reference.series_of_expressions,
     "functions": metric_reference.functions_of_expressions,
     "can frames": can_reference.frame_table,
-    "can signals": can_reference.signal_table,
-    "can faults": can_reference.fault_table,
     "packages": architecture.package_table,
     "rooms": architecture.room_tables,
     "comparisons": comparisons.comparison_table,
@@ -71,9 +70,12 @@ BUILT: dict[str, dict[str, Callable[[], str]]] = {  # page -> parts that it has 
     },
     "docs/metrics.md": {"metrics of reports": metric_reference.metrics_of_reports},
     "docs/can.md": {
+        "can signals": can_reference.signal_table,
+        "can faults": can_reference.fault_table,
         "can gateway": parameter_reference.gateway_parameters,
         "can inverter": parameter_reference.inverter_parameters,
     },
+    "docs/zhileykin2018.md": {"engine sweep": engine_sweep_table},
     verdict_tables.PAGE: {
         f"verdicts of {source}": partial(verdict_tables.source_table, source)
         for source in sources()
@@ -91,7 +93,7 @@ PAGES: dict[str, tuple[str, ...]] = {
     "docs/methods.md": ("scenarios", "studies", "methods"),
     "docs/topics.md": ("graph", "topics", "wheel names", "fields"),
     "docs/metrics.md": ("metrics of any run", "series", "functions"),
-    "docs/can.md": ("can frames", "can signals", "can faults"),
+    "docs/can.md": ("can frames",),
     "docs/measured.md": ("comparisons",),
     "docs/architecture.md": ("packages", "rooms"),
     HASHES: (RESULTS,),

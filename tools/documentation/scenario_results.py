@@ -116,7 +116,7 @@ SCENARIO_PAGES = {
         (("rear_drive", "k05", "k1", "k1_estimated", "equality", "fixed_split"),),
         ("fig3_fig4", "fig5"),
         studies=("zhileykin2018_sweep", "zhileykin2018_variants", "zhileykin2018_steering"),
-        tables={"neutral steer": neutral_steer_table, "engine sweep": engine_sweep_table},
+        tables={"neutral steer": neutral_steer_table},
         images=(save_bode_plot,),
     ),
 }
