@@ -105,6 +105,7 @@ def test_every_law_has_choices():
     assert set(CHOICES) == set(methods_of(ROLE))
 
 
+@pytest.mark.sampled  # test_builtin_methods has each law as it comes
 @pytest.mark.parametrize(
     ("name", "changed"),
     [(name, changed) for name, choices in CHOICES.items() for changed in ({}, *choices)],

@@ -113,6 +113,7 @@ def test_every_law_has_choices():
     assert set(CHOICES) == {*METHODS, *SPEED_MODE}
 
 
+@pytest.mark.sampled  # test_builtin_methods has each law as it comes
 @pytest.mark.parametrize(("name", "changed"), CASES)
 def test_contract_is_kept(name, changed):
     """Long enough to fill windows and to limit wheels."""

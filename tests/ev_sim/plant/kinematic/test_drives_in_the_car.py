@@ -31,21 +31,24 @@ def test_car_with_real_drives_moves_like_one_with_ideal_drives(drive):
 
 
 @pytest.mark.parametrize("drive", DRIVE_MODELS[1:])
-def test_second_turn_loses_current_control_on_a_bus_of_300_volt(drive):
+def test_second_turn_loses_current_control_on_a_bus_of_300_volt_by_the_reading_as_phases(drive):
     """34 N m at each front wheel carry the car through the second turn.
 
     7 %: commutation at 95 rad/s.
 
-    At 300 V the outer (left) motor brakes, the inner one, with an EMF of 293 V, still holds its
-    torque at first.
+    With the motor data of each phase the EMF of the outer (left) motor is 381 V: at 300 V it
+    brakes. With those of the armature winding it is 190 V, and its torque is there.
     """
 
-    def outer_torque(bus_voltage):
-        car = Car(WITHOUT_RESISTANCE, drive=drive, bus_voltage=bus_voltage, initial_speed=30 / 3.6)
+    def outer_torque(winding, bus_voltage):
+        values = {"drive": drive, "bus_voltage": bus_voltage, "motor.winding": winding}
+        car = Car(WITHOUT_RESISTANCE, initial_speed=30 / 3.6, **values)
         return car.drive(torque(68.0), degrees=-30.0, steps=10)[WheelStates].effort.front_left
 
-    assert outer_torque(480.0) == pytest.approx(34.0, rel=0.07)
-    assert outer_torque(300.0) < -50.0
+    assert outer_torque("phase", 480.0) == pytest.approx(34.0, rel=0.07)
+    assert outer_torque("phase", 300.0) < -50.0
+    for bus_voltage in (300.0, 480.0):
+        assert outer_torque("armature", bus_voltage) == pytest.approx(34.0, rel=0.07)
 
 
 def test_wheel_torque_is_the_mean_over_the_period_and_motor_torque_is_the_one_now():

@@ -83,8 +83,8 @@ def test_brushless_drives_plug_in(kind):
         state[index("motor_loss")] + state[index("driveline_loss")] + state[index("drive_work")]
     )
     assert state[index("battery_work")] == pytest.approx(balance, rel=1e-9)
-    # two motors, two phases, i = M/(2 p psi), 1.5 s [J]
-    copper = 2 * 2 * 0.15 * (100.0 / 2.65 / 4.0) ** 2 * 1.5
+    # two motors, an armature winding of 0.15 ohm and 0.2 Wb, i = M/(p psi), 1.5 s [J]
+    copper = 2 * 0.15 * (100.0 / 2.65 / 2.0) ** 2 * 1.5
     assert state[index("motor_loss")] == pytest.approx(
         0.0 if kind == "ideal" else copper, rel=0.15, abs=1.0
     )
