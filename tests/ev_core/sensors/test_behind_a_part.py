@@ -31,8 +31,8 @@ def frames(role: str, method: str, errors: dict[str, float], steps: int = 0) -> 
     """Outputs of a role with sensors (quantity.error), from the start on, under wheel torques."""
     values = {f"sensors.{name}": value for name, value in errors.items()}
     if method == "planar":
-        values["electrical"] = True
-        values |= ROLLS
+        rolls = any(name.startswith("body_roll") for name in errors)
+        values |= ROLLS if rolls else {"electrical": True}
     parts = compiled_parts(configure(role, {"method": method, **values}))
     rows = np.zeros((steps + 1, frame.SIZE))
     for k in range(steps + 1):
@@ -58,7 +58,7 @@ def test_a_bias_shows_in_its_own_numbers_and_nowhere_else(quantity):
     }
     method = methods.get(role, "circuits_with_flow")
     true, biased = (
-        frames(role, method, errors)[0] for errors in ({}, {f"{quantity.name}.bias": 0.125})
+        frames(role, method, {f"{quantity.name}.bias": bias})[0] for bias in (0.0, 0.125)
     )
     driven = configure("plant", {}).common.vehicle.driven_wheels
     own = [quantity.places[i] for part in quantity.parts(driven) for i in part]

@@ -200,11 +200,14 @@ def test_friction_is_finite_and_opposes_at_any_motion(
     of = at_load(tmeasy_tyre(numbers), share * numbers[0], grip, 1.0)
     transport = max(abs(rim), math.hypot(rim - slip_x, slip_y), 1e-9)
     secants = normalized(of, (slip_x, slip_y), rim, transport, (contact_x, contact_y))
-    for secant, curve, slid in zip(secants, (of.along, of.across), (slip_x, slip_y), strict=True):
+    # TMeasy's peak of a mixed slip lies between those of both directions, so that its component in
+    # the weaker direction may be beyond the peak of that one.
+    peak = max(of.along.peak, of.across.peak)
+    for secant, slid in zip(secants, (slip_x, slip_y), strict=True):
         assert math.isfinite(secant) and secant >= 0.0
-        # No force beyond the peak of its direction, where all of the slip counts.
+        # Where all of the slip counts.
         if max(abs(contact_x), abs(contact_y)) > 2.0:
-            assert secant * abs(slid) / transport <= curve.peak * (1.0 + 1e-9)
+            assert secant * abs(slid) / transport <= peak * (1.0 + 1e-9)
 
 
 def test_cornering_stiffness_is_degressive():

@@ -144,6 +144,7 @@ def test_an_agent_observes_it():
 
 
 @pytest.mark.slow
+@pytest.mark.weekly  # compiles the plant for C once more
 def test_exported_it_has_the_same_bits(tmp_path):
     """The C library in a program of its own, and the FMU."""
     (run,) = load_scenario("step_steer", Overrides(duration=2.5, vehicle="sedan"), ("left",)).runs
