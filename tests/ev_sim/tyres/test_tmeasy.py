@@ -200,14 +200,17 @@ def test_friction_is_finite_and_opposes_at_any_motion(
     of = at_load(tmeasy_tyre(numbers), share * numbers[0], grip, 1.0)
     transport = max(abs(rim), math.hypot(rim - slip_x, slip_y), 1e-9)
     secants = normalized(of, (slip_x, slip_y), rim, transport, (contact_x, contact_y))
-    # TMeasy's peak of a mixed slip lies between those of both directions, so that its component in
-    # the weaker direction may be beyond the peak of that one.
-    peak = max(of.along.peak, of.across.peak)
-    for secant, slid in zip(secants, (slip_x, slip_y), strict=True):
+    # TMeasy's peak of a mixed slip is that of both directions by their shares, and the force has the
+    # direction of the normalized slips. So its component may be beyond the peak of one direction.
+    x, y = slip_x / of.along_of, slip_y / of.across_of
+    resulting = math.hypot(x, y)
+    for secant, normal, slid in zip(secants, (x, y), (slip_x, slip_y), strict=True):
         assert math.isfinite(secant) and secant >= 0.0
         # Where all of the slip counts.
-        if max(abs(contact_x), abs(contact_y)) > 2.0:
-            assert secant * abs(slid) / transport <= peak * (1.0 + 1e-9)
+        if max(abs(contact_x), abs(contact_y)) > 2.0 and resulting > 0.0:
+            peak = math.hypot(of.along.peak * x, of.across.peak * y) / resulting
+            most = peak * abs(normal) / resulting
+            assert secant * abs(slid) / transport <= most * (1.0 + 1e-9) + 1e-9
 
 
 def test_cornering_stiffness_is_degressive():

@@ -19,6 +19,7 @@ from ev_core.lockstep.finding import find_method, text_of
 from ev_core.methods.common_parameters import CommonParameters, refuse_taken
 from ev_core.methods.former_names import with_present_name
 from ev_core.methods.hooks import ReadingFiles
+from ev_core.methods.law import OF_VEHICLE
 from ev_core.methods.law_error import WrongResultError, in_law
 from ev_core.methods.method_record import Method, create, refuse_layout
 from ev_core.methods.register import methods_of
@@ -35,7 +36,6 @@ P = TypeVar("P")
 _METHOD = "method"
 # Groups of parameters, as their dotted names begin.
 _SENSORS = "sensors."
-_VEHICLE = "vehicle."
 
 
 @dataclass(frozen=True, slots=True)
@@ -309,7 +309,7 @@ def _methods_with(role: str, name: str) -> list[str]:
     for method in methods_of(role).values():
         ways = {method.name: method}
         for switch in method.switches:
-            on = f"{switch} above 0" if switch.startswith(_VEHICLE) else f"{role}.{switch} true"
+            on = f"{switch} above 0" if switch.startswith(OF_VEHICLE) else f"{role}.{switch} true"
             ways[f"{method.name} and {on}"] = method.with_switches_on([switch])
         with_it = [way for way, each in ways.items() if _uses(each, name)]
         # What it uses without an option it uses with each.
@@ -339,7 +339,7 @@ def _fitting(configuration: Configuration) -> Configuration:
     if isinstance(method.factory, ReadingFiles):
         parameters = _with_files(method, parameters)
     from_files = (
-        *_changed(configuration.common.vehicle, vehicle, _VEHICLE),
+        *_changed(configuration.common.vehicle, vehicle, OF_VEHICLE),
         *_changed(configuration.parameters, parameters),
     )
     if configuration.extra is not None:
