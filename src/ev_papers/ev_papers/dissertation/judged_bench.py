@@ -11,10 +11,11 @@ import numpy as np
 
 from ev_bench.machines.sequence import SEQUENCE_STEPS, Sequence
 from ev_msgs_py.contract.optional_signals import BenchTemperatures
+from ev_papers.dissertation.measures.slip_curve import LITTLE_SLIP, MUCH_SLIP
 from ev_papers.dissertation.measures.traction_windows import in_windows, traction
 from ev_papers.dissertation.studies.bench_difference import apart
 from ev_sim.surfaces import SURFACES
-from ev_stack.measures.metric import channel, run_named
+from ev_stack.measures.metric import channel, run_named, stretches
 from ev_stack.recording.recording import Recording
 from ev_study.verdicts.need import ScenarioRuns
 
@@ -22,8 +23,6 @@ _CLEAR = 5.0  # [N m], torque difference above which a sign is no noise
 _SETTLED = 5.0  # [s], after which a load machine has settled
 _UNITS = {"1": 1.0, "rpm": math.pi / 30.0}  # in SI
 _RIGHT = "front_right"
-_GRIPS = 0.05  # slip below which a wheel does not slip much [1]
-_SPINS = 0.15  # slip above which it does, the least of eq 1.5 [1]
 _COMES_TO = 0.97  # share of a limit that counts as the limit [1]
 _BEFORE = 0.05  # [s], within which a torque at its limit makes a wheel spin
 
@@ -113,7 +112,7 @@ def within_the_limit(driven: ScenarioRuns, side: str) -> float:
     wheel = f"front_{side}"
     torque = channel(run, f"motor_states.effort.{wheel}")
     slip = channel(run, f"tire_forces.slip_ratio.{wheel}")
-    grips = (torque > _CLEAR) & (slip < _GRIPS)
+    grips = (torque > _CLEAR) & (slip < LITTLE_SLIP)
     return float((torque <= _limit(driven, wheel))[grips].mean())
 
 
@@ -126,7 +125,7 @@ def onsets_at_the_limit(driven: ScenarioRuns) -> float:
         slip = channel(run, f"tire_forces.slip_ratio.{wheel}")
         torque = channel(run, f"motor_states.effort.{wheel}")
         reaches = torque >= _COMES_TO * _limit(driven, wheel)
-        for onset in np.flatnonzero((slip[1:] > _SPINS) & (slip[:-1] <= _SPINS)) + 1:
+        for onset in np.flatnonzero((slip[1:] > MUCH_SLIP) & (slip[:-1] <= MUCH_SLIP)) + 1:
             at_limit.append(bool(reaches[max(onset - samples, 0) : onset + 1].any()))
     return sum(at_limit) / len(at_limit)
 
@@ -151,13 +150,11 @@ def windows_apart(model: ScenarioRuns, bench: ScenarioRuns) -> float:
     """Largest difference of the mean right torque of a window of traction, over the model's [%]."""
     run = run_named(model.runs, "urban_mixed")
     inside = in_windows(run, model.parameters["driver"])
-    edges = np.flatnonzero(np.diff(inside, prepend=False, append=False))
     torque = channel(run, f"motor_states.effort.{_RIGHT}")
     measured = channel(_bench(bench), f"bench.shafts.torque.{_RIGHT}")
     found = 0.0
-    for begin, end in zip(edges[::2], edges[1::2], strict=True):
-        of_model = torque[begin:end].mean()
-        found = max(found, abs(measured[begin:end].mean() / of_model - 1.0))
+    for window in stretches(inside):
+        found = max(found, abs(measured[window].mean() / torque[window].mean() - 1.0))
     return 100.0 * found
 
 

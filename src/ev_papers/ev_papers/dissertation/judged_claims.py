@@ -11,9 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from ev_papers.dissertation.measures.slip_curve import first_passed_peak, slip_and_road_torque
+from ev_papers.dissertation.measures.slip_curve import (
+    LITTLE_SLIP,
+    MUCH_SLIP,
+    first_passed_peak,
+    slip_and_road_torque,
+)
 from ev_sim.surfaces import SURFACES
-from ev_stack.measures.metric import NotMeasured, channel, run_named
+from ev_stack.measures.metric import NotMeasured, channel, run_named, stretches
 from ev_study.verdicts.need import ScenarioRuns, StudyCases
 
 # Controls of section 1.4: by forecast of slip, by slip, by torque; the last is the dissertation's.
@@ -41,7 +46,6 @@ _GROUPS = {
 _UP_TO_SPEED = 2.0  # [s], when a launch is on its way
 _LAST = 1.0  # [s]
 _LEFT = "front_left"
-LITTLE_SLIP, MUCH_SLIP = 0.05, 0.15  # [1]; eq 1.5 ends a control of the slip at 0.15
 ROLLING = 1.0  # [m/s], above which a car is not at rest
 
 
@@ -130,12 +134,11 @@ def torque_over_slip(driven: ScenarioRuns, start: str, number: float) -> float:
     slip = channel(run, f"tire_forces.slip_ratio.{_LEFT}")
     torque = channel(run, f"motor_states.effort.{_LEFT}")
     speed = channel(run, "twist.longitudinal")
-    edges = np.flatnonzero(np.diff(slip > MUCH_SLIP, prepend=False, append=False))
     found = []
-    for begin, end in zip(edges[::2], edges[1::2], strict=True):
+    for slips in stretches(slip > MUCH_SLIP):
         # It begins where the wheel has last gripped.
-        gripped = int(np.flatnonzero(slip[:begin] < LITTLE_SLIP)[-1])
-        largest = begin + int(np.argmax(slip[begin:end]))
+        gripped = int(np.flatnonzero(slip[: slips.start] < LITTLE_SLIP)[-1])
+        largest = slips.start + int(np.argmax(slip[slips]))
         if (speed[gripped] > ROLLING) == (start == "rolling"):
             found.append(float(torque[largest] / torque[gripped]))
     if len(found) < number:

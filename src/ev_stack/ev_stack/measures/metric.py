@@ -191,6 +191,12 @@ def run_named(runs: Runs, name: str) -> Recording:
     return runs[name]
 
 
+def stretches(holds: np.ndarray) -> list[slice]:
+    """Instants in a row at which a condition holds, (n,) bool, stretch by stretch."""
+    edges = np.flatnonzero(np.diff(holds, prepend=False, append=False)).tolist()
+    return [slice(*edge) for edge in zip(edges[::2], edges[1::2], strict=True)]
+
+
 def channel(recording: Recording, name: str) -> np.ndarray:
     """Samples of a channel, (n,).
 

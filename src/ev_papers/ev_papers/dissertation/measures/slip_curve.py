@@ -23,6 +23,8 @@ LEAST_SLIP = 0.03  # [1], below it no wheel has passed its peak
 LEAST_SPREAD = 0.01
 HITS = 5  # windows in a row with a curve that falls in the end
 LARGEST_ERROR = 1e-3  # [1], sum of the squared errors of a fit that counts; printed below eq 2.36
+# Slips between which a wheel neither grips nor spins [1]; eq 1.5 ends a control at 0.15.
+LITTLE_SLIP, MUCH_SLIP = 0.05, 0.15
 SLOWEST = 3.0  # [rad/s], of the free wheel; at rest slip has no meaning
 
 

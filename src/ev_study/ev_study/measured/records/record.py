@@ -21,6 +21,7 @@ from ev_core.parameters.declaration import parameter, setting
 from ev_msgs_py.contract.fields import shape_of
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
+from ev_stack.measures.metric import stretches
 from ev_study.measured.records import stopped_sensors
 from ev_study.measured.records.samples import (
     Sampled,
@@ -214,9 +215,7 @@ class MeasuredRecord:
     @property
     def stretches(self) -> list[slice]:
         """The instants in a row that are believed: behind a mask another drive may begin."""
-        is_edge = np.diff(self.valid.astype(int), prepend=0, append=0) != 0
-        edges = np.flatnonzero(is_edge).tolist()
-        return [slice(*edge) for edge in zip(edges[::2], edges[1::2], strict=True)]
+        return stretches(self.valid)
 
     def noted(self, notes: tuple[str, ...]) -> MeasuredRecord:
         """The same with further notes."""
