@@ -7,7 +7,8 @@ mass in the body (`lumped`) and without relaxation of the tyres, so ours is driv
 stiff as steps of 1 ms take, and loads that follow in the shortest time. A step of the road-wheel
 angle is a ramp of 0.1 s under held speed, a ramp has 2 mrad/s for 30 s; `t90` counts from half of
 the step, `beta` is that of the axles, and the gradient at a lateral acceleration the slope of
-delta - L r/u over it from 0.4 m/s^2 below to 0.4 m/s^2 above.
+delta - L r/u over it from 0.4 m/s^2 below to 0.4 m/s^2 above. A sine has 0.01 rad and 0.5 Hz; its
+gains are amplitudes over that of the angle, its phases lead it.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ import numpy as np
 from plant.planar.car import command, outputs, plant, steered
 
 from ev_core.vehicle.description import Vehicle
+from ev_core.vehicle.tyre import MF_NAMES
 from ev_msgs_py.contract.signals import TireForces
 from ev_sim.plant.planar.given import roll_constants
 from ev_sim.plant.planar.planar_state import ROLL_RATE, VY, YAW_RATE
@@ -31,6 +33,10 @@ ANGLES = (0.01, 0.02, 0.04)
 ACCELERATIONS = ("2.0", "4.0", "6.0")
 PERIOD = 1e-3
 RAMP_RATE = 2e-3  # [rad/s]
+RAMP_SPEED = 20.0  # [m/s]
+SINE_ANGLE = 0.01  # [rad]
+SINE_RATE = np.pi  # [rad/s]
+THEIR_CREEP = 0.01  # added to the speed of a rim, below every slip of theirs [m/s]
 
 
 def reference() -> dict[str, dict[str, dict[str, float]]]:
@@ -111,17 +117,67 @@ def step(car: Vehicle, speed: float, angle: float) -> dict[str, float]:
     }
 
 
-def gradients(car: Vehicle) -> dict[str, float]:
-    """Understeer gradients [rad s^2/m] at `ACCELERATIONS` of a slow ramp at 20 m/s."""
+def gradients(car: Vehicle) -> tuple[dict[str, float], dict[str, float]]:
+    """Understeer gradients [rad s^2/m] at `ACCELERATIONS` of a slow ramp.
+
+    The first are ours, the second those of the same run by the slip angle of the other models.
+    """
     angles = RAMP_RATE * np.arange(30001) * PERIOD
-    _, yaw_rate, _ = driven(car, 20.0, angles)
-    lateral = 20.0 * yaw_rate
-    excess = angles - car.wheelbase * yaw_rate / 20.0
+    _, yaw_rate, across = driven(car, RAMP_SPEED, angles)
+    by_their_slip = _steered_by_their_slip(car, angles, yaw_rate, across)
+    return _slopes(car, angles, yaw_rate), _slopes(car, by_their_slip, yaw_rate)
+
+
+def _slopes(car: Vehicle, angles: np.ndarray, yaw_rate: np.ndarray) -> dict[str, float]:
+    lateral = RAMP_SPEED * yaw_rate
+    excess = angles - car.wheelbase * yaw_rate / RAMP_SPEED
     found = {}
     for name in ACCELERATIONS:
         near = np.abs(lateral - float(name)) < 0.4
         if near.any():
             found[name] = float(np.polyfit(lateral[near], excess[near], 1)[0])
+    return found
+
+
+def _steered_by_their_slip(
+    car: Vehicle, angles: np.ndarray, yaw_rate: np.ndarray, across: np.ndarray
+) -> np.ndarray:
+    """Road-wheel angles [rad] that give the same side forces by the other models' slip angle.
+
+    Theirs is atan(v/(r w + 0.01 m/s)) - delta, of the velocity v across the body and the speed of
+    the rim: steering does not turn the velocities. A wheel that rolls without a drive is slower
+    than the road by the slip that carries its rolling resistance.
+    """
+    front_arm = car.wheelbase - car.centre_of_mass_to_rear_axle
+    front = across + front_arm * yaw_rate
+    rear = across - car.centre_of_mass_to_rear_axle * yaw_rate
+    slip_stiffness = car.tyre.front_mf[MF_NAMES.index("pkx1")]
+    rolling = 1.0 - car.rolling_resistance / slip_stiffness
+    # The same slip angle behind needs another velocity across the car, which front wheels feel too.
+    wider = (RAMP_SPEED * rolling + THEIR_CREEP) / RAMP_SPEED
+    moved = front + rear * (wider - 1.0)
+    along = RAMP_SPEED * np.cos(angles) + front * np.sin(angles)
+    slip_angle = np.arctan(front / RAMP_SPEED) - angles
+    return np.arctan(moved / (along * rolling + THEIR_CREEP)) - slip_angle
+
+
+def sine(car: Vehicle, speed: float) -> dict[str, float]:
+    """Gains and phases [deg] of the third to fifth period of a sine of the road-wheel angle."""
+    time = np.arange(10001) * PERIOD
+    _, yaw_rate, across = driven(car, speed, SINE_ANGLE * np.sin(SINE_RATE * time))
+    answers = {
+        "r": yaw_rate,
+        "ay": np.gradient(across, PERIOD) + speed * yaw_rate,
+        "beta": across / speed,
+    }
+    last = slice(4000, 10000)
+    phases = SINE_RATE * time[last]
+    waves = np.column_stack((np.sin(phases), np.cos(phases), np.ones_like(phases)))
+    found = {}
+    for name, answer in answers.items():
+        with_it, ahead, _ = np.linalg.lstsq(waves, answer[last], rcond=None)[0]
+        found[name] = float(np.hypot(with_it, ahead)) / SINE_ANGLE
+        found[f"{name}_phase"] = float(np.degrees(np.arctan2(ahead, with_it)))
     return found
 
 
@@ -155,13 +211,16 @@ def _row(model: str, label: str, ours: dict[str, float], theirs: dict[str, float
 
 
 def gradient_table() -> list[str]:
-    """The same of the understeer gradients [mrad s^2/m]."""
+    """The same of the understeer gradients [mrad s^2/m], ours by their slip angle in between."""
     theirs = reference()
     rows = []
     for model, car in cars().items():
-        ours, given = gradients(car), theirs[model]["ramp 20"]
-        cells = [f"{1e3 * ours[a]:.4f} / {1e3 * given[a]:.4f}" for a in ACCELERATIONS]
-        rows.append(f"| {' | '.join([model, *cells])} |")
+        ours, by_their_slip = gradients(car)
+        cells = [model]
+        for name in ACCELERATIONS:
+            numbers = (ours[name], by_their_slip[name], theirs[model]["ramp 20"][name])
+            cells.append(" / ".join(f"{1e3 * number:.4f}" for number in numbers))
+        rows.append(f"| {' | '.join(cells)} |")
     return rows
 
 

@@ -12,6 +12,7 @@ from plant.planar.beside_18_dof import (
     cars,
     gradients,
     reference,
+    sine,
     step,
 )
 
@@ -42,20 +43,39 @@ def test_steps_of_the_steering_angle_agree(model, speed, angle):
     assert printed[2] == pytest.approx(1e3 * ours["t90"], abs=0.06)
 
 
+@pytest.mark.parametrize("speed", SPEEDS)
+@pytest.mark.parametrize("model", MODELS)
+def test_sines_of_the_steering_angle_agree(model, speed):
+    """Yaw rate and lateral acceleration within 0.2 % and 0.2 deg (found: 0.12 %, 0.16 deg).
+
+    Sideslip at 15 m/s is the small rest of two velocities: 1.3 mrad/rad are 1 % of it and up to
+    1.6 % of that of a stiffer body.
+    """
+    ours, theirs = sine(CARS[model], speed), THEIRS[model][f"sine {speed:g}"]
+    for name in ("r", "ay"):
+        assert ours[name] == pytest.approx(theirs[name], rel=2e-3), name
+        assert ours[f"{name}_phase"] == pytest.approx(theirs[f"{name}_phase"], abs=0.2), name
+    assert ours["beta"] == pytest.approx(theirs["beta"], rel=2e-3, abs=1.3e-3)
+    assert ours["beta_phase"] == pytest.approx(theirs["beta_phase"], abs=1.0)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("model", MODELS)
 def test_understeer_gradients_agree(model):
-    """The gradient of a slow ramp at 2, 4 and 6 m/s^2, within 1.5 % or 4 urad s^2/m.
+    """The gradient of a slow ramp at 2, 4 and 6 m/s^2, within 1 % by the slip angle of theirs.
 
-    A gradient is a small difference of slip angles: 3 urad s^2/m are 0.03 % of the yaw rate gain,
-    by which the rigid car is off as well, and 1 to 4 % of the gradient at 2 m/s^2. At 6 m/s^2 the
-    slope rises fivefold within 2 m/s^2, and the width of their fit is not known.
+    Their slip angle is not quite that of a turned wheel (`_steered_by_their_slip`), which makes
+    2.2 urad s^2/m at 2 m/s^2: 1 to 5 % of the gradient. Ours without it is on the page.
     """
-    ours, theirs = gradients(CARS[model]), THEIRS[model]["ramp 20"]
+    ours, by_their_slip = gradients(CARS[model])
+    theirs = THEIRS[model]["ramp 20"]
     (row,) = (line for line in page_rows(model) if len(line) == 4)
     for n, name in enumerate(ACCELERATIONS):
-        assert ours[name] == pytest.approx(theirs[name], rel=0.015, abs=4e-6), name
-        assert float(row[n + 1].split(" / ")[0]) == pytest.approx(1e3 * ours[name], rel=1e-3)
+        assert by_their_slip[name] == pytest.approx(theirs[name], rel=0.01), name
+        printed = [float(cell) for cell in row[n + 1].split(" / ")]
+        # Half of a digit and a bit: another processor may round another way.
+        assert printed[0] == pytest.approx(1e3 * ours[name], abs=1.5e-4)
+        assert printed[1] == pytest.approx(1e3 * by_their_slip[name], abs=1.5e-4)
 
 
 def page_rows(model: str) -> list[list[str]]:
