@@ -5,7 +5,7 @@ import gymnasium
 import ev_doors.learning  # noqa: F401, registers the environments
 
 environment = gymnasium.make(
-    "ev_sim/TorqueSplit-v0", observe=("twist", "imu.yaw_rate"), duration=2.0
+    "ev_stack/TorqueSplit-v0", observe=("twist", "imu.yaw_rate"), duration=2.0
 )
 environment = gymnasium.wrappers.RescaleAction(environment, -1.0, 1.0)
 environment.action_space.seed(1)

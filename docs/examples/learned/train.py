@@ -50,7 +50,7 @@ def environment(car: str, scenario: str, road: str, duration: float) -> gymnasiu
         return max(-((sideslip(frame) / LARGE_SIDESLIP) ** 2 + error * error), -LOST)
 
     made = gymnasium.make(
-        "ev_sim/TorqueSplit-v0", disable_env_checker=True, scenario=scenario, run=MANOEUVRES[scenario], vehicle=car,
+        "ev_stack/TorqueSplit-v0", disable_env_checker=True, scenario=scenario, run=MANOEUVRES[scenario], vehicle=car,
         set=values, duration=duration, reward=reward, ends=lambda frame: abs(sideslip(frame)) > SPUN,
     ).unwrapped  # fmt: skip
     wheelbase = made.simulation.configurations[ROLE].common.vehicle.wheelbase

@@ -13,6 +13,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import gymnasium
 import numpy as np
@@ -26,9 +27,17 @@ from ev_core.parameters.data_file import files_in_config
 from ev_core.vehicle.description import Vehicle
 from ev_doors.learning.environment import ACTIONS, Environment
 from ev_doors.learning.limits import limits
-from ev_doors.learning.rewards import CalmYaw
+from ev_doors.learning.rewards import calm_yaw
 from ev_doors.learning.view import picture
 from ev_msgs_py.contract import frame
+from ev_msgs_py.contract.fields import shape_of
+from ev_msgs_py.contract.optional_signals import RearSteeringState
+from ev_msgs_py.contract.signals import (
+    BodyVelocity,
+    InertialMeasurement,
+    SteeringColumnState,
+    TireForces,
+)
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.interface.simulation import Simulation
 from ev_stack.recording.offline import written_topics
@@ -157,17 +166,17 @@ def test_a_picture_turns_the_rear_wheels(ratio, angle):
 
 def test_a_neutral_car_turns_by_the_angle_between_its_axles():
     """Rear wheels that turn along with the front ones leave nothing to turn by: V (d_f - d_r)/L."""
-    frame = {
-        "twist.longitudinal": 10.0,
-        "steering_column.state.angle": 1.6,
-        "imu.yaw_rate": 0.0,
-    }
-    nothing = np.zeros(0)
-    along = {**frame, "rear_steering.state.angle": 0.1}
-    assert CalmYaw(2.5, 16.0)(along, nothing, nothing) == 0.0
-    assert CalmYaw(2.5, 16.0, 1.0)(frame, nothing, nothing) == 0.0
+
+    def reward(rear_ratio: float = 0.0, rear_angle: float = 0.0) -> float:
+        car = SimpleNamespace(wheelbase=2.5, steering_ratio=16.0, rear_steering_ratio=rear_ratio)
+        column = SteeringColumnState(1.6, 0.0, 0.0, 0.0, 0.0)
+        no_slip = shape_of(TireForces).signal_of([0.0] * shape_of(TireForces).size)
+        moving = BodyVelocity(10.0, 0.0, 0.0), column, InertialMeasurement(0.0, 0.0, 0.0)
+        return calm_yaw(car, *moving, RearSteeringState(rear_angle, 0.0, 0.0, 0.0, 0.0), no_slip)
+
+    assert reward(rear_angle=0.1) == reward(rear_ratio=1.0) == 0.0
     # 10 m/s times 10/2.5 0.1 rad/s, squared.
-    assert CalmYaw(2.5, 16.0)(frame, nothing, nothing) == pytest.approx(-16.0)
+    assert reward() == pytest.approx(-16.0)
 
 
 def test_a_picture_shows_the_car_where_it_is():

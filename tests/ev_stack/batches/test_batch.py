@@ -174,7 +174,7 @@ def test_only_what_differs_is_prepared_again(monkeypatch):
         made.append(configuration.role)
         return compiled_part(configuration, like)
 
-    monkeypatch.setattr("ev_stack.batches.batch.compiled_part", counted)
+    monkeypatch.setattr("ev_stack.batches.placed.compiled_part", counted)
     batch(lane_change(), 0.1, {"*.seed": range(20)})
     assert sorted(made) == sorted(lane_change())
     made.clear()

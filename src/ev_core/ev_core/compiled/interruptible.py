@@ -13,7 +13,7 @@ from __future__ import annotations
 import os
 import threading
 from _thread import allocate_lock, start_new_thread
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 _GRACE = 0.5  # s for a call to return after a signal: one of a law that ends takes far less
@@ -75,21 +75,38 @@ def interruptible(call: Callable[[], Any], works_on: Any = None) -> Any:
     """
     if threading.current_thread() is not threading.main_thread():
         return call()
-    caller = _idle.pop() if _idle else _Caller()
-    caller.begin(call, works_on)
+    return side_by_side([call], works_on)[0]
+
+
+def side_by_side(calls: Sequence[Callable[[], Any]], works_on: Any = None) -> list[Any]:
+    """Return the results of calls that are made at once, or raise the first error in their order.
+
+    The rest is that of `interruptible`.
+    """
+    callers: list[_Caller] = []
+    for call in calls:
+        caller = _idle.pop() if _idle else _Caller()
+        caller.begin(call, works_on)
+        callers.append(caller)
+    returned = 0
     try:
-        _wait(caller)
+        for caller in callers:
+            _wait(caller)
+            returned += 1
     except BaseException:
         # Most calls end in a moment. One that does not is given up, with its thread.
-        if caller.done.acquire(timeout=_GRACE):
-            _idle.append(caller)
+        late = [caller for caller in callers[returned:] if caller.done.acquire(timeout=_GRACE)]
+        _idle.extend([*callers[:returned], *late])
         raise
-    _idle.append(caller)
-    result, error = caller.result, caller.error
-    caller.result = caller.error = None
-    if error is not None:
-        raise error
-    return result
+    results = [caller.result for caller in callers]
+    errors = [caller.error for caller in callers if caller.error is not None]
+    for caller in callers:
+        caller.result = caller.error = None
+    # Only now: another thread may take them at once.
+    _idle.extend(callers)
+    if errors:
+        raise errors[0]
+    return results
 
 
 def _wait(caller: _Caller) -> None:

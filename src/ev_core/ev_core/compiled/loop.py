@@ -61,7 +61,7 @@ def _is_finite(bits: np.ndarray, at: int, begin: int, end: int) -> bool:
 
 
 @compilable
-def _drive_instant(
+def drive_instant(
     frames: np.ndarray,
     here: int,
     there: int,
@@ -96,14 +96,14 @@ def _drive_instants(
     for n in range(first, last + int(final)):
         # At the last instant of all nothing is left to integrate to.
         end = parts.answering if n == last else len(parts.rows)
-        status = _drive_instant(frames, n, n + 1, (0, end), parts, stopped)
+        status = drive_instant(frames, n, n + 1, (0, end), parts, stopped)
         if status != FINISHED:
             return status
     return FINISHED
 
 
 @compilable
-def _start(frames: np.ndarray, parts: Parts, stopped: np.ndarray) -> int:
+def start(frames: np.ndarray, parts: Parts, stopped: np.ndarray) -> int:
     """Let the parts that integrate write their initial outputs into the first frame."""
     for i in range(parts.answering, len(parts.rows)):
         row = parts.rows[i]
@@ -120,7 +120,7 @@ def _drive_through(
     frames: np.ndarray, times: np.ndarray, first: int, last: int, parts: Parts, stopped: np.ndarray
 ) -> int:
     if first == 0:
-        status = _start(frames, parts, stopped)
+        status = start(frames, parts, stopped)
         if status != FINISHED:
             return status
     for n in range(first, last + 1):
@@ -129,7 +129,7 @@ def _drive_through(
         # At the instant where the call before has ended all have answered already.
         begin = parts.answering if n == first > 0 else 0
         end = parts.answering if n == last else len(parts.rows)
-        status = _drive_instant(frames, here, there, (begin, end), parts, stopped)
+        status = drive_instant(frames, here, there, (begin, end), parts, stopped)
         if status != FINISHED:
             # The caller needs the instant, and which of the two frames it is in.
             stopped[2] = stopped[0]

@@ -255,7 +255,7 @@ def _part_source(method: Method, given: Given) -> tuple[str, dict[str, Any]]:
     arguments = list(given_names(law.function))
     for asked in asked_for(law.function):
         argument = f"signal_{len(arguments)}"
-        reading.append(f"{argument} = {_made(asked, names)}")
+        reading.append(f"{argument} = {made_of_frame(asked, names)}")
         arguments.append(argument)
     call = f"law({', '.join(arguments)})"
     if ROLES[method.role].kind is RoleKind.INTEGRATES:
@@ -308,7 +308,7 @@ def _indented(lines: list[str]) -> list[str]:
     return [f"    {line}" for line in lines]
 
 
-def _made(asked: type, names: dict[str, Any]) -> str:
+def made_of_frame(asked: type, names: dict[str, Any]) -> str:
     """The expression that makes an argument of the frame `here`.
 
     An argument is a signal or a NamedTuple of signals.
@@ -316,7 +316,7 @@ def _made(asked: type, names: dict[str, Any]) -> str:
     names[asked.__name__] = asked
     if signals_in(asked) == (asked,):
         return _reading(asked)
-    fields = [_made(each, names) for each in get_type_hints(asked).values()]
+    fields = [made_of_frame(each, names) for each in get_type_hints(asked).values()]
     return f"{asked.__name__}({', '.join(fields)})"
 
 

@@ -3,13 +3,21 @@
 from ev_stack.interface import extra
 
 IDS = {  # -> arguments of Environment
-    "ev_sim/TorqueSplit-v0": {"scenario": "double_lane_change", "action": "torque_split"},
-    "ev_sim/TractionControl-v0": {
+    "ev_stack/TorqueSplit-v0": {"scenario": "double_lane_change", "action": "torque_split"},
+    "ev_stack/TractionControl-v0": {
         "scenario": "launch_split_mu", "run": "fixed_steering", "action": "traction_control"
     },
-    "ev_sim/Steering-v0": {"scenario": "double_lane_change", "action": "steering"},
+    "ev_stack/Steering-v0": {"scenario": "double_lane_change", "action": "steering"},
 }  # fmt: skip
+
+FORMER = "ev_sim/"  # beginning of the ids up to now, which go on
 
 _register = extra("gymnasium", "ev_doors[gymnasium]").register
 for _id, _arguments in IDS.items():
-    _register(_id, "ev_doors.learning.environment:Environment", kwargs=_arguments)
+    for _name in (_id, _id.replace("ev_stack/", FORMER)):
+        _register(
+            _name,
+            "ev_doors.learning.environment:Environment",
+            vector_entry_point="ev_doors.learning.vector:VectorEnvironment",
+            kwargs=_arguments,
+        )

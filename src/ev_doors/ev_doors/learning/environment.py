@@ -19,9 +19,11 @@ import numpy as np
 
 from ev_core.lockstep.configuration import Configuration
 from ev_core.vehicle.description import Vehicle
+from ev_doors.learning.judging import InPython, Reward
 from ev_doors.learning.limits import LARGEST_HAND_TORQUE, limits, motor_torques
-from ev_doors.learning.rewards import CalmYaw, Reward, like_the_driver, quick_without_slip
+from ev_doors.learning.rewards import calm_yaw, like_the_driver, never, quick_without_slip
 from ev_doors.learning.view import picture
+from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.contract.signals import DriverCommand, WheelTorqueCommand, WheelTorqueRequest
@@ -32,9 +34,7 @@ from ev_sim.plant.guard import guard_limits
 from ev_stack.interface.changes import Changes, Name, listing_changes
 from ev_stack.interface.simulation import Simulation, SteppedLaw
 
-Frame = Mapping[str, float]
-# Of a scenario.
-_LARGEST_SEED = 2**31 - 1
+LARGEST_SEED = 2**31 - 1  # of a scenario
 OBSERVED = ("driver.command", "steering_column.state", "twist", "imu", "wheel_states.velocity")
 
 
@@ -42,16 +42,36 @@ OBSERVED = ("driver.command", "steering_column.state", "twist", "imu", "wheel_st
 class Action:
     """A kind of action: it writes some `channels` in the place of a `role`.
 
-    `bounds` gives lowest and highest values for a plant, (number of channels,) each, and `means`
-    what is written for an action at an instant. `of_law` is the action that stands for what the law
-    wrote.
+    `bounds` gives lowest and highest values for a plant, (number of channels,) each. An action
+    `limits` what the law is asked for, or is what is written (`meant`).
     """
 
     role: str
     channels: Callable[[Vehicle], tuple[str, ...]]
     bounds: Callable[[Configuration], tuple[np.ndarray, np.ndarray]]
-    means: Callable[[Frame, tuple[str, ...], np.ndarray], dict[str, float]]
-    of_law: Callable[[np.ndarray], np.ndarray]
+    limits: bool = False
+
+    def asked(self, channels: tuple[str, ...]) -> tuple[str, ...]:
+        """Channels that the action limits, one for each of its own; its own if it limits none."""
+        if not self.limits:
+            return channels
+        command, request = TOPICS[WheelTorqueCommand].name, TOPICS[WheelTorqueRequest].name
+        return tuple(request + channel.removeprefix(command) for channel in channels)
+
+
+@compilable
+def meant(limits: bool, asked: float, action: float) -> float:
+    """Number that is written for an action; a negative limit counts as zero."""
+    if not limits:
+        return action
+    limit = max(action, 0.0)
+    return max(min(asked, limit), -limit)
+
+
+@compilable
+def standing_for(limits: bool, written: float) -> float:
+    """The action that stands for what a law wrote."""
+    return abs(written) if limits else written
 
 
 def _drive(signal: type) -> Callable[[Vehicle], tuple[str, ...]]:
@@ -83,43 +103,40 @@ def _hand_torque(plant: Configuration) -> tuple[np.ndarray, np.ndarray]:
     return np.array([-LARGEST_HAND_TORQUE]), np.array([LARGEST_HAND_TORQUE])
 
 
-def _as_it_is(here: Frame, channels: tuple[str, ...], action: np.ndarray) -> dict[str, float]:
-    return dict(zip(channels, action.tolist(), strict=True))
-
-
-def _limited(here: Frame, channels: tuple[str, ...], action: np.ndarray) -> dict[str, float]:
-    """Torques that the law commands at this instant, limited by the action.
-
-    A negative limit counts as zero.
-    """
-    command, request = TOPICS[WheelTorqueCommand].name, TOPICS[WheelTorqueRequest].name
-    asked = [here[request + channel.removeprefix(command)] for channel in channels]
-    limits = [max(limit, 0.0) for limit in action.tolist()]
-    limited = [max(min(torque, limit), -limit) for torque, limit in zip(asked, limits, strict=True)]
-    return dict(zip(channels, limited, strict=True))
-
-
 ACTIONS = {
     # drive torque of each driven wheel [N m]; the brakes stay with the law
-    "torque_split": Action(
-        "electronic_differential", _drive(WheelTorqueRequest), _wheel_torques, _as_it_is, np.asarray
-    ),
+    "torque_split": Action("electronic_differential", _drive(WheelTorqueRequest), _wheel_torques),
     # largest drive torque of each driven wheel, either way [N m]
-    "traction_control": Action("asr", _drive(WheelTorqueCommand), _torque_limits, _limited, np.abs),
+    "traction_control": Action("asr", _drive(WheelTorqueCommand), _torque_limits, limits=True),
     # torque of the hands on the steering wheel [N m]; the pedals stay with the driver
     "steering": Action(
         "driver",
         lambda _: (f"{TOPICS[DriverCommand].name.replace('/', '.')}.hand_torque",),
         _hand_torque,
-        _as_it_is,
-        np.asarray,
     ),
+}
+REWARDS: dict[str, Reward] = {
+    "torque_split": calm_yaw,
+    "traction_control": quick_without_slip,
+    "steering": like_the_driver,
 }
 
 
-def never(frame: Mapping[str, float]) -> bool:
-    """Mark of the end of an episode: none ends early."""
-    return False
+def refuse_action(
+    action: Any, shape: tuple[int, ...] | None, channels: tuple[str, ...]
+) -> np.ndarray:
+    """The action as float64; ParameterError for another shape, and for no finite numbers."""
+    if np.shape(action) != shape:
+        expected = f"{shape}, of {', '.join(channels)}"
+        raise ParameterError(f"action of shape {np.shape(action)} is refused, expected {expected}")
+    values = np.asarray(action)
+    # Floats, integers with and without sign, and booleans, by numpy's letters for kinds.
+    if values.dtype.kind not in "fiub" or not np.isfinite(values).all():
+        raise ParameterError(
+            f"action {quoted(str(values.tolist()))} is refused, expected are finite numbers"
+        )
+    # A copy: the memory of the caller may change before it is used again.
+    return values.astype(np.float64, order="C")
 
 
 class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
@@ -128,7 +145,8 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
     - `action`: torque_split, traction_control or steering, in SI units, by driven wheel
     - `observe`: channels such as imu.yaw_rate, or topics for all their channels, SI, float64
     - `reward`: function of the frame after the step, the action, and the output of the own law
-    - `ends`: function of the frame, whether the episode is over; else `duration` ends it
+    - `ends`: function of the frame, whether the episode is over; else `duration` ends it; both may
+      be written as laws (`judging`)
     - `render_mode`: "rgb_array" for pictures of the car by `render`, (480, 480, 3) of uint8
 
     Observations end at their limits, as sensors do: `limits` has them by channel, with reasons.
@@ -148,6 +166,8 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
     ((1,), (2,))
     """
 
+    action_space: gymnasium.spaces.Box
+    observation_space: gymnasium.spaces.Box
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}  # noqa: RUF012, as its base
 
     @listing_changes
@@ -157,7 +177,7 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
         action: str = "torque_split",
         observe: Sequence[str] = OBSERVED,
         reward: Reward | None = None,
-        ends: Callable[[Mapping[str, float]], bool] = never,
+        ends: Reward = never,
         run: str = "",
         record: bool = False,
         render_mode: str | None = None,
@@ -167,8 +187,8 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
             raise unknown_name("action", action, ACTIONS)
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise unknown_name("render_mode", render_mode, self.metadata["render_modes"])
-        self._kind, self._ends, self.render_mode = action, ends, render_mode
-        self.simulation = Simulation(scenario, (self._action.role,), run, record, **changes)
+        self._kind, self.render_mode = action, render_mode
+        self.simulation = Simulation(scenario, (self.action.role,), run, record, **changes)
         self.metadata = {**self.metadata, "render_fps": stamps.NANOSECONDS / self.simulation.period}
         self._car = car = self.simulation.configurations[MASTER].common.vehicle
         self._frame = self.simulation.frame
@@ -178,28 +198,26 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
         self.limits = limits(
             self.observed, car, self.simulation.duration, self._frame, max(motor_torques(plant))
         )
-        self.channels = self._action.channels(car)
-        low, high = self._action.bounds(plant)
+        self.channels = self.action.channels(car)
+        low, high = self.action.bounds(plant)
         self.action_space = gymnasium.spaces.Box(low, high, dtype=np.float64)
         self._largest = np.array([limit.largest for limit in self.limits.values()])
         self.observation_space = gymnasium.spaces.Box(
             -self._largest, self._largest, dtype=np.float64
         )
-        defaults: dict[str, Reward] = {
-            "torque_split": CalmYaw(car.wheelbase, car.steering_ratio, car.rear_steering_ratio),
-            "traction_control": quick_without_slip,
-            "steering": like_the_driver,
-        }
-        self._reward = reward or defaults[action]
+        self.reward, self.ends = reward or REWARDS[action], ends
+        self._reward = InPython("reward", self.reward, car)
+        self._ends = InPython("ends", ends, car)
         self._law = self._own_law()
         self._first_seed = changes.get("seed")
 
     @property
-    def _action(self) -> Action:
+    def action(self) -> Action:
+        """The kind of action."""
         return ACTIONS[self._kind]
 
     def _own_law(self) -> SteppedLaw:
-        return SteppedLaw(self.simulation.configurations[self._action.role])
+        return SteppedLaw(self.simulation.configurations[self.action.role])
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -223,9 +241,9 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
         self._first_seed = None
         super().reset(seed=seed)
         # Gymnasium's seeds may be larger than those of a scenario.
-        is_drawn = seed is None or seed > _LARGEST_SEED
+        is_drawn = seed is None or seed > LARGEST_SEED
         frame = self.simulation.reset(
-            int(self.np_random.integers(_LARGEST_SEED)) if is_drawn else seed
+            int(self.np_random.integers(LARGEST_SEED)) if is_drawn else seed
         )
         self._law, self._way = self._own_law(), []
         return self._seen(frame), self._info(frame)
@@ -239,28 +257,18 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
             raise ParameterError(
                 "step is refused before the first reset, expected is reset() before it"
             )
-        if np.shape(action) != self.action_space.shape:
-            allowed = f"{self.action_space.shape}, of {', '.join(self.channels)}"
-            raise ParameterError(
-                f"action of shape {np.shape(action)} is refused, expected {allowed}"
-            )
-        values = np.asarray(action)
-        # Floats, integers with and without sign, and booleans, by numpy's letters for kinds.
-        if values.dtype.kind not in "fiub" or not np.isfinite(values).all():
-            raise ParameterError(
-                f"action {quoted(str(values.tolist()))} is refused, expected are finite numbers"
-            )
-        values = values.astype(np.float64)
-        means = self._action.means(self._frame, self.channels, values)
+        values = refuse_action(action, self.action_space.shape, self.channels)
+        means = self._means(values)
         # That of the instant at which the action was chosen: the step replaces it.
         own = self._own
         # What equals the output of the law is that output: of two zeros one may have a sign.
-        meant = {name: value for name, value in means.items() if value != self._answer[name]}
-        frame = self.simulation.step({**self._answer, **meant})
+        other = {name: value for name, value in means.items() if value != self._answer[name]}
+        frame = self.simulation.step({**self._answer, **other})
         seen, info = self._seen(frame), self._info(frame)
         # Beyond, not at: the instant of the duration belongs to the run.
         over = self.simulation.time > self.simulation.duration
-        return seen, float(self._reward(frame, values, own)), self._ends(frame), over, info
+        reward = float(self._reward(frame, values, own))
+        return seen, reward, bool(self._ends(frame, values, own)), over, info
 
     def render(self) -> Any:
         """Draw the car from above and the way it has come; None without `render_mode`."""
@@ -279,20 +287,33 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
             self._way.append((frame["pose.x"], frame["pose.y"]))
         # The law answers at every instant, whether or not it is followed: its state goes on.
         self._answer = self._law.answer(self.simulation.time, frame)
-        self._own = self._action.of_law(np.array([self._answer[name] for name in self.channels]))
+        limits = self.action.limits
+        self._own = np.array([standing_for(limits, self._answer[name]) for name in self.channels])
         self._refuse_what_no_action_means()
         return {"own": self._own, "frame": frame, "time": self.simulation.time}
 
     def _refuse_what_no_action_means(self) -> None:
         """ParameterError where the law does what no action stands for: there is then no `own`."""
-        for name, value in self._action.means(self._frame, self.channels, self._own).items():
+        for name, value in self._means(self._own).items():
             if value != self._answer[name]:
-                law = self.simulation.configurations[self._action.role].method.name
-                raise ParameterError(
-                    f"{self._action.role} method {law} writes {name} {self._answer[name]:g} at"
-                    f" {self.simulation.time:g} s, where action {self._kind} only limits what is"
-                    " asked for: expected is a method that does so, too"
-                )
+                raise self.without_meaning(name, self._answer[name], self.simulation.time)
+
+    def without_meaning(self, channel: str, written: float, time: float) -> ParameterError:
+        """Error of a law that writes a number at a time [s] which no action stands for."""
+        law = self.simulation.configurations[self.action.role].method.name
+        return ParameterError(
+            f"{self.action.role} method {law} writes {channel} {written:g} at {time:g} s, where"
+            f" action {self._kind} only limits what is asked for: expected is a method that does"
+            " so, too"
+        )
+
+    def _means(self, action: np.ndarray) -> dict[str, float]:
+        """Numbers that an action writes, by channel."""
+        asked = self.action.asked(self.channels)
+        found: dict[str, float] = {}
+        for channel, limited, value in zip(self.channels, asked, action.tolist(), strict=True):
+            found[channel] = meant(self.action.limits, self._frame[limited], value)
+        return found
 
 
 def _observed(names: Sequence[str], known: Mapping[str, float]) -> tuple[str, ...]:

@@ -1,10 +1,9 @@
 """Many runs of one graph in one call, on all cores, each with the bits that it has alone.
 
-How it works: each run is a row of addresses of compiled parts, as in a single run. The part of a
-method with the same parameters in all runs is shared; each run has states of its own. A call of
-compiled code lets go of Python's lock, so that plain threads drive runs side by side. They take
-portions of runs from one queue. Behind the parts that answer stands an observer (`observer`), which
-keeps what is asked for while the loop runs; metrics of whole runs need all channels, which
+How it works: each run is a row of addresses of compiled parts (`placed`), as in a single run. A
+call of compiled code lets go of Python's lock, so that plain threads drive runs side by side. They
+take portions of runs from one queue. Behind the parts that answer stands an observer (`observer`),
+which keeps what is asked for while the loop runs; metrics of whole runs need all channels, which
 `whole_runs` keeps until the run is measured. With an `Ending` the loop is left from time to time to
 look.
 """
@@ -20,46 +19,25 @@ from dataclasses import dataclass
 from itertools import pairwise
 from queue import SimpleQueue
 from threading import Thread
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from ev_core.compiled.loop import FAILED, FINISHED, Parts, run_through
-from ev_core.compiled.part import CompiledPart, RowPart, row_function
-from ev_core.faults.row import FaultRow
+from ev_core.compiled.loop import FINISHED, Parts, run_through
 from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.graph import check_graph
-from ev_core.lockstep.parts import compiled_part, row_parts
-from ev_core.lockstep.run import refuse_not_finite, roles_in_order
-from ev_core.methods.law_error import LawError
-from ev_core.sensors.row import SensorRow
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.fields import SignalError
 from ev_msgs_py.refusal import ParameterError, unknown_name
 from ev_stack.batches import observer
 from ev_stack.batches.observer import Observation, Reduction, result
+from ev_stack.batches.placed import NOTHING, Placed, Placing
 from ev_stack.batches.variation import Variation
-from ev_stack.batches.whole_runs import Ending, WholeRun, WholeRuns
+from ev_stack.batches.whole_runs import Ending, WholeRuns
 from ev_stack.measures.named import NamedMetric, driven_run
 from ev_stack.recording.offline import written_topics
 
-_NOTHING = (0, 0)  # is written
 _PORTIONS = 16  # for each thread
-
-
-class _Placed(NamedTuple):
-    """A part of a role, or what observes it, which runs may share, and a state of a run's own."""
-
-    role: str
-    writes: tuple[int, int]
-    part: CompiledPart | RowPart | Observation
-    state: np.ndarray
-
-    @property
-    def row(self) -> tuple[int, ...]:
-        """Numbers that the compiled loop takes (`ev_core.compiled.loop`)."""
-        function, _, constants = self.part.addresses()
-        return function, self.state.ctypes.data, constants, *self.writes
 
 
 class Runs:
@@ -81,42 +59,16 @@ class Runs:
         measures: WholeRuns | None = None,
         ending: Ending | None = None,
     ) -> None:
-        for role, configuration in configurations.items():
-            law = configuration.method.law
-            if law is None or not law.is_compilable:
-                raise ParameterError(
-                    f"{role} method {configuration.method.name} runs in plain Python, expected in a"
-                    " batch are methods that run compiled"
-                )
-        self._answering, self._integrating = roles_in_order(configurations)
-        self._base, self._initial_states = configurations, initial_states
-        self._observation, self._times = observation, times
+        # The observer is compiled here, and not by several threads at once.
+        observer.function()
+        self._placing = Placing(configurations, variation, initial_states)
+        self._roles, self._observation, self._times = tuple(configurations), observation, times
         self._measures, self._ending = measures, ending
         last = len(times) - 1
         # In periods; times[1] is one, and a run of a single instant has none.
         look = max(round(ending.every / times[1]) if ending and last else last, 1)
         # Stretches of instants between two looks at the ending; one leg without an ending.
         self._legs = list(pairwise([0, *range(look, last, look), last]))
-        self._varied = {role: variation.configurations(role) for role in configurations}
-        first = {
-            role: varied[0] if varied else configurations[role]
-            for role, varied in self._varied.items()
-        }
-        made = {role: compiled_part(configuration) for role, configuration in first.items()}
-        self._made, self._differs = made, {role for role in made if variation.concerns_method(role)}
-        # What is compiled is compiled here, and not by several threads at once.
-        observer.function()
-        if any(
-            variation.concerns_sensors(role) or not each.is_ideal
-            for role, each in configurations.items()
-        ):
-            row_function(SensorRow)
-        if any("faults" in name for name in variation.names) or any(
-            each.faults for each in configurations.values()
-        ):
-            row_function(FaultRow)
-        for role, states in initial_states.items():
-            _refuse_states(role, states, made[role].state.size)
 
     def drive_some(self, runs: Iterable[int]) -> dict[int, str]:
         """Drive some of the runs; return time and name of each number that was not finite."""
@@ -125,19 +77,20 @@ class Runs:
     def _drive(self, run: int) -> str:
         """Drive one run; where a number is not finite it stops, and the answer is not empty."""
         whole = self._measures.whole_run() if self._measures else None
-        before = [placed for role in self._answering for placed in self._placed(role, run)]
+        before: list[Placed] = []
+        for role in self._placing.answering:
+            before += self._placing.placed(role, run)
         # Behind all that answer the frame of the instant is complete.
-        before.append(_Placed("", _NOTHING, self._observation, self._observation.state(run)))
-        before += [_Placed("", _NOTHING, whole.shown, whole.shown.state())] if whole else []
-        behind = [placed for role in self._integrating for placed in self._placed(role, run, whole)]
+        before.append(Placed("", NOTHING, self._observation, self._observation.state(run)))
+        before += [Placed("", NOTHING, whole.shown, whole.shown.state())] if whole else []
+        behind: list[Placed] = []
+        for role in self._placing.integrating:
+            behind += self._placing.placed(role, run, whole)
         # Addresses only: `before` and `behind` keep alive what they point to.
         rows = np.array([placed.row for placed in (*before, *behind)], np.int64)
         parts = Parts(rows, len(before))
         frames, stopped = np.zeros((2, frame.SIZE)), np.zeros(3, np.int64)
-        of = {
-            role: varied[run] if varied else self._base[role]
-            for role, varied in self._varied.items()
-        }
+        of = {role: self._placing.configuration(role, run) for role in self._roles}
         for first, last in self._legs:
             status = run_through(frames, self._times, first, last, parts, stopped)
             if status != FINISHED:
@@ -153,59 +106,21 @@ class Runs:
         return ""
 
     def _why(
-        self, status: int, frames: np.ndarray, stopped: np.ndarray, placed: Sequence[_Placed]
+        self, status: int, frames: np.ndarray, stopped: np.ndarray, placed: Sequence[Placed]
     ) -> str:
         """The line on what was not finite, or what a law raised."""
         instant, place, which = stopped.tolist()
-        role, part = placed[place].role, placed[place].part
-        try:
-            if status == FAILED and isinstance(part, CompiledPart):
-                # The frame that the part read: answers go into the same one, integration into the
-                # other.
-                here = frames[which if role in self._answering else 1 - which]
-                # For its initial outputs a part that integrates gets no frame.
-                is_start = instant == 0 and role in self._integrating
-                raise part.raised(None if is_start else here.tolist(), placed[place].state)
-            refuse_not_finite(frames[which], self._base[role].method.writes)
-        except SignalError as error:
+        stopped_at = placed[place]
+        is_answer = stopped_at.role in self._placing.answering
+        # Answers go into the frame that was read, integration into the other.
+        here = frames[which if is_answer else 1 - which]
+        # For its initial outputs a part that integrates gets no frame.
+        is_start = instant == 0 and not is_answer
+        method = self._placing.configuration(stopped_at.role, 0).method
+        error = stopped_at.error(status, None if is_start else here, frames[which], method)
+        if isinstance(error, SignalError):
             return f"at {self._times[instant]:g} s {error}"
-        except LawError as error:  # it names the time itself
-            return str(error)
-        raise AssertionError(f"{role} stopped, but all its numbers are finite")
-
-    def _placed(self, role: str, run: int, whole: WholeRun | None = None) -> list[_Placed]:
-        """Parts that play a role in a run, at their start, with the keepers of its true motion."""
-        varied = self._varied[role]
-        configuration = varied[run] if varied else self._base[role]
-        try:
-            part = self._made[role]
-            if role in self._differs:
-                part = compiled_part(configuration, like=part)
-        # values that are each in their range and do not fit together
-        except ParameterError as error:
-            raise ParameterError(f"run {run}: {role}: {error}") from None
-        state = self._initial_states[role][run] if role in self._initial_states else part.state
-        # A restart is a call back into Python (`lockstep.parts.Restart`), of which a batch has
-        # none.
-        if any(text.split()[0] == "restarted" for text in configuration.faults):
-            raise ParameterError(
-                f"{role} faults: restarted is refused in a batch, expected all other kinds"
-            )
-        writes = frame.span(configuration.method.writes)
-        placed, rows = [_Placed(role, writes, part, state.copy())], row_parts(configuration)
-        # In front of the sensors, which overwrite the true numbers in the same frame.
-        if rows and whole and (truth := whole.truth_of(role)):
-            placed.append(_Placed("", _NOTHING, truth, truth.state()))
-        return [*placed, *(_Placed(role, writes, behind, behind.state) for behind in rows)]
-
-
-def _refuse_states(role: str, states: np.ndarray, size: int) -> None:
-    if states.shape[1] != size:
-        raise ParameterError(
-            f"initial_states of {role} have {states.shape[1]} numbers, expected {size}"
-        )
-    for run in np.flatnonzero(~np.isfinite(states).all(axis=1)):
-        raise ParameterError(f"initial_states of {role} are not finite in run {run}")
+        return str(error)  # it names the time itself
 
 
 @dataclass(frozen=True, repr=False)
@@ -277,17 +192,12 @@ def batch(
     _refuse_channels(
         configurations, [*signals, *(reduction.channel for reduction in reductions.values())]
     )
-    # To Python True is an int, here and below.
+    # To Python True is an int.
     if isinstance(every, bool) or not isinstance(every, int) or every < 1:
         raise ParameterError(
             f"every: {every!r} is refused, expected a whole number of periods, at least 1"
         )
-    if threads is not None and (
-        isinstance(threads, bool) or not isinstance(threads, int) or threads < 1
-    ):
-        raise ParameterError(
-            f"threads: {threads!r} is refused, expected is a whole number, at least 1"
-        )
+    workers = number_of_threads(threads)
     if ending and reductions:
         raise ParameterError(
             "reductions are refused for runs that may end before, expected metrics of whole runs"
@@ -306,7 +216,6 @@ def batch(
         else None
     )
     runs = Runs(configurations, variation, states, observation, times, measures, ending)
-    workers = threads or len(os.sched_getaffinity(0))
     # In portions: handing over each run alone costs a tenth of making it; the last ones shall be
     # short.
     size = max(variation.runs // (_PORTIONS * workers), 1)
@@ -334,6 +243,18 @@ def batch(
         ends,
         measures.hashes if measures else (),
     )
+
+
+def number_of_threads(threads: int | None) -> int:
+    """Number of threads that is meant, as many as cores without one; ParameterError if refused."""
+    if threads is None:
+        return len(os.sched_getaffinity(0))
+    # To Python True is an int.
+    if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
+        raise ParameterError(
+            f"threads: {threads!r} is refused, expected is a whole number, at least 1"
+        )
+    return threads
 
 
 def _driven(runs: Runs, portions: Sequence[range], threads: int) -> dict[int, str]:

@@ -1,8 +1,8 @@
 """A car stepped from outside, as the graph without some of its roles, for loops of one's own.
 
-How it works: the roles that are left out divide an instant in two. `_before` are the roles in front
+How it works: the roles that are left out divide an instant in two. `before` are the roles in front
 of the first of them: they have answered when the frame is shown. `step` puts in what is given, lets
-`_behind` answer, and integrates into the other of two frames, which becomes the next instant. State
+`behind` answer, and integrates into the other of two frames, which becomes the next instant. State
 is a copy of that frame with the states of all parts.
 
 And one law on its own, stepped by channels: what a learner imitates.
@@ -168,14 +168,14 @@ class Simulation:
         # Its output is part of the instant from the beginning, so no answer can come before it.
         if any(role in integrating for role in without):
             first = 0
-        self._before, self._behind = self._kept(answering[:first]), self._kept(answering[first:])
-        self._integrating = self._kept(integrating)
+        self.before, self.behind = self._kept(answering[:first]), self._kept(answering[first:])
+        self.integrating = self._kept(integrating)
         # Also what the method that is left out writes beyond its role, such as an optional signal.
         given = dict.fromkeys(
             signal for role in without for signal in (*ROLES[role].writes, *self._writes[role])
         )
         places = frame.channels()
-        self.kept = (*self._before, *self._behind, *self._integrating)
+        self.kept = (*self.before, *self.behind, *self.integrating)
         self.inputs = tuple(name for signal in given for name in TOPICS[signal].channels)
         self._inputs = {name: places[name] for name in self.inputs}
         self._channels = {
@@ -204,7 +204,7 @@ class Simulation:
         self._make_parts()
         self._here, self._next = np.zeros(frame.SIZE), np.zeros(frame.SIZE)
         self._instant, self._frames = 0, list[np.ndarray]()
-        for role in self._integrating:
+        for role in self.integrating:
             self._call(role, None, self._here)
         return self._begin_instant()
 
@@ -239,12 +239,12 @@ class Simulation:
         # Only now, when all inputs are taken: a refused one leaves the frame as it was.
         for place, value in taken.items():
             self._here[place] = value
-        self._answer(self._behind)
+        self._answer(self.behind)
         # What is given, and answers that are not due yet, keep their last values.
         self._next[:] = self._here
         # by which faults know when they strike
         self._next[frame.TIME] = self._time_of(self._instant + 1)
-        for role in self._integrating:
+        for role in self.integrating:
             self._call(role, self._here, self._next)
         if self._record:
             # A copy: the frame itself is used again two steps later.
@@ -256,7 +256,7 @@ class Simulation:
 
     def _begin_instant(self) -> Mapping[str, float]:
         self._here[frame.TIME] = self.time
-        self._answer(self._before)
+        self._answer(self.before)
         return self.frame
 
     def _answer(self, roles: Sequence[str]) -> None:
