@@ -27,6 +27,7 @@ BENCHMARKS = {
     "relays": ("--help",),  # started by lockstep
     "soak": ("--steps", "40", "--one-process-steps", "0"),
     "urban_cycle": ("--repeats", "1", "--duration", "1"),
+    "vector": ("--cars", "2", "--steps", "2", "--rounds", "1"),
 }
 # Those that nothing else starts; lock, site and wheels take packages from elsewhere, .ci/run starts
 # suite and campaign.

@@ -22,7 +22,7 @@ from ev_core.vehicle.car import car_numbers
 from ev_core.vehicle.description import Vehicle
 from ev_msgs_py.compilable import FUNCTIONS, compilable
 from ev_msgs_py.contract import frame
-from ev_msgs_py.contract.fields import shape_of
+from ev_msgs_py.contract.fields import Shape, shape_of
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.refusal import ParameterError, quoted
@@ -82,21 +82,27 @@ class InPython:
 
     def __init__(self, what: str, function: Callable[..., Any], vehicle: Vehicle) -> None:
         self._function, self._is_law = function, is_law(function)
-        self._asked = _asked(what, function) if self._is_law else {}
-        self._car = namespace(car_numbers(vehicle))
         self._takes_frame_alone = what == "ends"
+        self._car = namespace(car_numbers(vehicle))
+        self._given: list[str] = []
+        # Looked up once: it is called in every step.
+        self._reads: dict[str, tuple[Shape, tuple[str, ...]]] = {}
+        for name, signal in _asked(what, function).items() if self._is_law else ():
+            if signal is None:
+                self._given.append(name)
+            else:
+                self._reads[name] = shape_of(signal), TOPICS[signal].channels
 
     def __call__(self, here: Mapping[str, Any], action: Any, own: Any) -> Any:
         """The number, or one for each car."""
         if not self._is_law:
             rest = () if self._takes_frame_alone else (action, own)
             return self._function(here, *rest)
-        given = {"car": self._car, "action": action, "own": own}
-        for name, signal in self._asked.items():
-            if signal is not None:
-                values = [here.get(channel, 0.0) for channel in TOPICS[signal].channels]
-                given[name] = shape_of(signal).signal_of(values)
-        return self._function(**{name: given[name] for name in self._asked})
+        known = {"car": self._car, "action": action, "own": own}
+        given = {name: known[name] for name in self._given}
+        for name, (shape, channels) in self._reads.items():
+            given[name] = shape.signal_of([here.get(channel, 0.0) for channel in channels])
+        return self._function(**given)
 
 
 class Judge:
