@@ -21,6 +21,7 @@ def test_page_has_every_law_and_cell():
     ] == [cell.id("*") for cell in board.cells()]
 
 
+@pytest.mark.weekly
 def test_row_of_a_cell_is_what_its_runs_say():
     """A changed law or plant makes this fail: scripts/document.sh --runs docs/benchmark.md."""
     (row,) = marked_cells(drive_small(CELL)).splitlines()[2:]

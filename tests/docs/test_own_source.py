@@ -120,6 +120,7 @@ def test_without_the_folder_of_a_source_the_others_are_listed(without: Path, tmp
     assert sorted(known.split()) == judged.split() == left
 
 
+@pytest.mark.weekly
 def test_without_the_folder_of_a_source_everything_else_runs(without: Path, tmp_path: Path):
     """Its scenario, too, which has the report then that all have that bring none."""
     short = ["--offline", "--no-record", "--duration", "0.5"]

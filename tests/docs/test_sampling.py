@@ -16,8 +16,8 @@ SOURCES = ["shchur2019", "ge_ni2005", "tatar_chudzik", "urban_mixed", "zhileykin
     ("words", "kept"),
     [
         ([FILE], SOURCES[::2]),
-        ([FILE, "--all-cases"], SOURCES),
-        ([f"{FILE}::{CASE}[{SOURCES[1]}]"], [SOURCES[1]]),
+        pytest.param([FILE, "--all-cases"], SOURCES, marks=pytest.mark.weekly),
+        pytest.param([f"{FILE}::{CASE}[{SOURCES[1]}]"], [SOURCES[1]], marks=pytest.mark.weekly),
     ],
 )
 def test_first_middle_and_last_case_are_kept(words: list[str], kept: list[str]):

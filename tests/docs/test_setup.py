@@ -159,6 +159,7 @@ def steps_of(text: str) -> list[str]:
 INSTALLING = "installing ROS 2 and the tools of requirements.lock (once) ..."
 
 
+@pytest.mark.weekly
 @pytest.mark.slow
 def test_the_uv_of_the_lock_installs_the_lock_with_the_options_of_pip(checkout):
     """Packages are installed with their hashes.
@@ -208,6 +209,7 @@ def test_where_uv_is_of_no_use_pip_installs_and_one_line_says_so(why, checkout):
     assert checkout.is_complete
 
 
+@pytest.mark.weekly
 @pytest.mark.slow
 def test_another_file_than_the_lock_names_is_refused_and_nothing_is_left_behind(checkout):
     """Both uv and pip refuse it."""
@@ -277,6 +279,7 @@ def test_a_package_that_comes_or_goes_is_known_after_the_next_call(checkout):
     assert not (checkout.root / "install" / "ev_stack").exists()
 
 
+@pytest.mark.weekly
 @pytest.mark.slow
 def test_one_variable_takes_the_wheels_of_kilted(checkout):
     """A new .venv is made: what only the wheels of another ROS 2 have would stay.
@@ -364,6 +367,7 @@ def middleware_of(checkout: Checkout, before: str = "", **environment: str) -> d
     return {name: value.removeprefix(f"{checkout.root}/config/") for name, value in found.items()}
 
 
+@pytest.mark.weekly
 @pytest.mark.slow
 def test_the_installed_middleware_decides_which_profile_keeps_nodes_on_this_machine(
     checkout, tmp_path

@@ -52,6 +52,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.weekly
 def test_no_link_of_a_page_has_the_name_of_a_file_as_its_text(pages: Path):
     texts = {page.name: page.read_text() for page in pages.glob("*.md")}
     assert {"index.md", "changelog.md", "reporting.md", "reference.md"} < {*texts}
@@ -65,6 +66,7 @@ def rows(page: Path, marks: str) -> list[str]:
     return re.findall(rf"^\| `({marks})` \|", page.read_text(), re.MULTILINE)
 
 
+@pytest.mark.weekly
 def test_a_built_page_has_all_tables_that_the_repository_does_not_keep(pages: Path):
     """Each with a row for everything that it is about.
 
@@ -88,6 +90,7 @@ def test_a_built_page_has_all_tables_that_the_repository_does_not_keep(pages: Pa
         assert all(kept_study_table(study) in text for study in studies)
 
 
+@pytest.mark.weekly
 def test_no_link_leads_out_of_the_pages(pages: Path):
     """A file of the repository that is no page is named without a link."""
     assert [
@@ -98,6 +101,7 @@ def test_no_link_leads_out_of_the_pages(pages: Path):
     assert "`config/benchmarks/small.yaml`" in (pages / "benchmark.md").read_text()
 
 
+@pytest.mark.weekly
 def test_everything_that_the_reference_names_is_there(pages: Path):
     names = re.findall(r"^::: (\S+)$", (pages / "reference.md").read_text(), re.MULTILINE)
     assert {

@@ -308,7 +308,16 @@ def test_help_needs_no_set_up(name: str):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["document.sh", "campaign.sh", "determinism.sh"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "document.sh",
+        *(
+            pytest.param(f"{name}.sh", marks=pytest.mark.weekly)
+            for name in ("campaign", "determinism")
+        ),
+    ],
+)
 def test_tools_start_where_the_shell_has_no_path_of_python(name: str):
     """Without a distribution nothing exports PYTHONPATH."""
     environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}

@@ -159,6 +159,7 @@ def test_an_exported_law_drives_our_inverters(target, folders):
     assert right > left and torques[0] > torques[1]  # by how much hangs on the wall clock
 
 
+@pytest.mark.weekly
 def test_a_fault_while_the_program_is_held_up_past_its_end_is_printed(folders):
     """It is stopped for longer than the 3 s that it holds, and the drives miss its set-points.
 

@@ -202,7 +202,9 @@ def heard(bus: dict[str, str]) -> None:
     ear.close()
 
 
-@pytest.mark.parametrize("inverter", ["ours", "own_inverter.py"])
+@pytest.mark.parametrize(
+    "inverter", ["ours", pytest.param("own_inverter.py", marks=pytest.mark.weekly)]
+)
 def test_the_ecu_script_drives_an_inverter_again_and_again(inverter):
     """20 N m within what the bus resolves, twice.
 

@@ -203,6 +203,7 @@ def test_a_station_with_the_state_of_another_goes_on():
     assert gateway.station.s.tick == driven.gateway.station.s.tick
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("cycle", range(TICKS + 1))
 def test_a_change_in_any_cycle_of_a_period_leaves_what_is_measured(cycle):
     """Means are those of all cycles since the last instant, over both benches.

@@ -43,6 +43,7 @@ PEAK_ON_ICE = {
 }
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("surface", SURFACE_NAMES)
 @pytest.mark.parametrize("name", METHODS)
 def test_launches_do_not_chatter(name, surface):
@@ -66,6 +67,7 @@ def test_launches_do_not_chatter(name, surface):
     assert channels["twist.longitudinal"][-1] >= least * off["twist.longitudinal"][-1]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("surface", SURFACE_NAMES)
 @pytest.mark.parametrize("name", CONTROLS)
 def test_mean_slip_is_lower_than_without(name, surface):

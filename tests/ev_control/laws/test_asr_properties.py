@@ -51,6 +51,7 @@ def check_limited(asked: Wheels, given_: Wheels) -> None:
         assert torque * wanted >= 0.0
 
 
+@pytest.mark.sampled
 @settings(max_examples=25)
 @given(sequence=sequences, car=cars)
 @pytest.mark.parametrize("name", METHODS)
@@ -60,6 +61,7 @@ def test_torque_is_only_ever_taken_away(name, sequence, car):
         check_limited(m.drive, law.step(m))
 
 
+@pytest.mark.sampled
 @settings(max_examples=25)
 @given(sequence=st.lists(anything | driven, min_size=1, max_size=12), car=cars)
 @pytest.mark.parametrize("name", METHODS)
@@ -86,6 +88,7 @@ def test_broken_measurements_leave_the_limits(name):
     assert law.step(broken).front_left == limit
 
 
+@pytest.mark.sampled
 @settings(max_examples=25)
 @given(sequence=sequences, car=cars)
 @pytest.mark.parametrize("name", METHODS)
@@ -95,6 +98,7 @@ def test_left_and_right_mirror_to_the_bit(name, sequence, car):
         assert mirror.step(m.mirrored()) == swapped(law.step(m))
 
 
+@pytest.mark.sampled
 @settings(max_examples=25)
 @given(sequence=sequences, car=cars)
 @pytest.mark.parametrize("name", METHODS)
@@ -109,6 +113,7 @@ def test_reverse_mirrors_forward_to_the_bit(name, sequence, car):
         assert mirror.step(m.reversed()) == Wheels(*(-torque for torque in law.step(m)))
 
 
+@pytest.mark.sampled
 @settings(max_examples=25)
 @given(sequence=sequences)
 @pytest.mark.parametrize("name", METHODS)
@@ -125,6 +130,7 @@ def test_braking_passes(name, sequence):
     assert law.step(regenerates) == regenerates.drive
 
 
+@pytest.mark.sampled
 @settings(max_examples=20)
 @given(
     noise=st.lists(per_wheel(-0.06, 0.06), min_size=60, max_size=60),

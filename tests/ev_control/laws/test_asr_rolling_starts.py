@@ -27,6 +27,7 @@ def car(name: str) -> Vehicle:
     return run.configurations["plant"].common.vehicle
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", CARS)
 def test_nothing_is_withheld_from_wheels_that_roll(name):
     """Forwards from rest, 8 and 22 m/s, and in reverse.

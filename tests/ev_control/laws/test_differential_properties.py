@@ -110,6 +110,7 @@ def test_mirrored_car_gets_mirrored_torques_to_the_bit(name, changed, driven, se
         assert drive == (fr, fl, rr, rl)
 
 
+@pytest.mark.sampled
 @given(sequence=sequences, data=st.data())
 @pytest.mark.parametrize("name", [name for name in CARS if name not in LIMITING])
 def test_drive_torques_add_up_to_what_the_driver_asks(name, sequence, data):
@@ -127,6 +128,7 @@ def test_drive_torques_add_up_to_what_the_driver_asks(name, sequence, data):
         )
 
 
+@pytest.mark.sampled
 @given(motion=motions, data=st.data())
 @pytest.mark.parametrize("name", CARS)
 def test_wheels_without_a_motor_are_asked_for_nothing(name, motion, data):
@@ -137,6 +139,7 @@ def test_wheels_without_a_motor_are_asked_for_nothing(name, motion, data):
     ] == []
 
 
+@pytest.mark.sampled
 @given(brake=st.floats(0.0, 10000.0), share=st.floats(0.0, 1.0))
 @pytest.mark.parametrize("name", CARS)
 def test_brake_torques_add_up_and_are_never_negative(name, brake, share):

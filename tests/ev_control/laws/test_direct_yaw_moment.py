@@ -130,6 +130,7 @@ def test_predictive_control_within_its_bounds_is_the_regulator():
         assert predicted == pytest.approx(regulated, rel=1e-6)
 
 
+@pytest.mark.weekly
 @pytest.mark.slow
 def test_predictive_control_keeps_the_contract():
     """Few steps: in plain Python each solves its program."""

@@ -32,6 +32,7 @@ CHOICES = {
 }
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("choice", CHOICES)
 def test_contract_is_kept(choice):
     check_configuration(

@@ -115,6 +115,7 @@ def test_contract_is_kept(name, changed):
     check_configuration(configuration, steps=FEWER.get(name, STEPS))
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", CHOICES)
 def test_the_inputs_reach_every_function(name):
     """One of the choices at least calls each function: what is never called is never checked."""

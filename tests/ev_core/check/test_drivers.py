@@ -80,6 +80,7 @@ def slow(configuration: Configuration) -> Configuration:
     )
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("choice", CHOICES)
 def test_choices(choice):
     check_configuration(slow(configure("driver", CHOICES[choice])), steps=200)

@@ -85,7 +85,6 @@ CHOICES = {
     "engine": {**vehicle_file("engine_4x4").values_for("/ev/plant"), "initial_speed": 10.0},
     "ideal drives": {"drive": "ideal", "initial_speed": 5.0},
     "averaged drives": {"drive": "averaged", "initial_speed": 5.0},
-    "electrical side": {"electrical": True, "initial_speed": 10.0},
     "rear steering": {"rear_steering": True, "initial_speed": 10.0},
     "speed mode": {"speed_mode": True, "initial_speed": 10.0},
     "all options": {
@@ -95,6 +94,7 @@ CHOICES = {
         "speed_mode": True,
         "initial_speed": 10.0,
     },
+    "electrical side": {"electrical": True, "initial_speed": 10.0},
 }
 
 

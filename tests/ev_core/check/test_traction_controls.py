@@ -120,6 +120,7 @@ def test_contract_is_kept(name, changed):
     check_configuration(configured(name, **changed), steps=steps_of(name), seeds=[SEED])
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", CHOICES)
 def test_the_inputs_reach_every_function(name):
     """One of the choices at least calls each function: what is never called is never checked."""
@@ -131,6 +132,7 @@ def test_the_inputs_reach_every_function(name):
     )
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("name", "changed"), CASES)
 def test_launches_are_limited(name, changed):
     """The launches of the test above reach the law.

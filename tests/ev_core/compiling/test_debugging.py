@@ -80,6 +80,7 @@ def configuration_of(folder: Path, text: str) -> Configuration:
     return configure("asr", {"method": str(file)})
 
 
+@pytest.mark.sampled
 @pytest.mark.slow
 @pytest.mark.parametrize("look", LOOKS)
 def test_such_a_law_runs_in_plain_python_with_a_note(

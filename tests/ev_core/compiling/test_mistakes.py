@@ -180,6 +180,7 @@ def law_file(folder: Path, text: str) -> Path:
     return file
 
 
+@pytest.mark.sampled
 @pytest.mark.slow
 @pytest.mark.parametrize("name", MISTAKES)
 def test_a_mistake_is_one_line(tmp_path: Path, name: str):
@@ -192,6 +193,7 @@ def test_a_mistake_is_one_line(tmp_path: Path, name: str):
     assert "\n" not in str(refused.value)
 
 
+@pytest.mark.sampled
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "message"),

@@ -15,11 +15,6 @@ from ev_core.vehicle.description import Vehicle
 # By what numba makes: a text that makes `helper`, which takes GAIN from its module.
 MADE = {
     "njit": "helper = njit(lambda x: GAIN * x)",
-    "njit with types": "helper = njit(float64(float64))(lambda x: GAIN * x)",
-    "njit within njit": "inner = njit(lambda x: GAIN * x)\nhelper = njit(lambda x: inner(x))",
-    "cfunc": "helper = cfunc(float64(float64))(lambda x: GAIN * x)",
-    "vectorize": "helper = vectorize(lambda x: GAIN * x)",
-    "vectorize with types": "helper = vectorize([float64(float64)])(lambda x: GAIN * x)",
     "jitclass": """
 @jitclass([("k", float64)])
 class Scaled:
@@ -31,6 +26,11 @@ class Scaled:
 def helper(x):
     return Scaled(x).get()
 """,
+    "njit with types": "helper = njit(float64(float64))(lambda x: GAIN * x)",
+    "njit within njit": "inner = njit(lambda x: GAIN * x)\nhelper = njit(lambda x: inner(x))",
+    "cfunc": "helper = cfunc(float64(float64))(lambda x: GAIN * x)",
+    "vectorize": "helper = vectorize(lambda x: GAIN * x)",
+    "vectorize with types": "helper = vectorize([float64(float64)])(lambda x: GAIN * x)",
 }
 LAW = """
 @compilable
@@ -47,6 +47,7 @@ def driven(space: dict[str, Any]) -> float:
     return float(made.step(REQUEST).drive.front_left)
 
 
+@pytest.mark.sampled
 @pytest.mark.slow
 @pytest.mark.parametrize("made", MADE)
 def test_a_constant_acts_that_numba_has_frozen(made: str, monkeypatch: pytest.MonkeyPatch):

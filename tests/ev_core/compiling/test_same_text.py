@@ -151,6 +151,7 @@ def _is_ours(function: Any) -> bool:
     return function.__module__.partition(".")[0] in OURS
 
 
+@pytest.mark.weekly
 def test_functions_of_ours_have_one_meaning():
     laws = [each.law for methods in all_methods().values() for each in methods.values() if each.law]
     for function in filter(_is_ours, FUNCTIONS):
@@ -238,6 +239,7 @@ BODIES = st.recursive(
 )
 
 
+@pytest.mark.weekly
 @settings(deadline=None, max_examples=300)
 @given(
     body=BODIES,

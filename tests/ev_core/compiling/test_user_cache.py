@@ -152,6 +152,7 @@ def test_a_file_is_read_whole_or_not_at_all(tmp_path_factory, content, at, chang
     assert not file.exists()
 
 
+@pytest.mark.weekly
 @pytest.mark.slow
 def test_damaged_files_are_named_and_made_again(tmp_path):
     """Cut off machine code killed the process by SIGSEGV; a changed byte may do anything."""

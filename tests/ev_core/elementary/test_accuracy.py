@@ -90,6 +90,7 @@ ANGLES = (
 )
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", ONE)
 def test_error_of_one_argument_is_at_most_an_ulp(name):
     @given(numbers(name))

@@ -124,6 +124,7 @@ def mine(p: P, s: Window, request: WheelTorqueRequest) -> WheelTorqueCommand:
 )
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("compiled", [False, True])
 @pytest.mark.parametrize(("before", "after"), [(1.0, 4.0), (2.0, 4.0), (4.0, 1.0)])
 def test_a_live_change_of_the_length_of_the_state_is_refused(compiled, before, after, tmp_path):

@@ -160,6 +160,7 @@ def test_what_is_not_there_is_refused(tmp_path):
         find_method("asr", str(tmp_path / "nowhere.py"))
 
 
+@pytest.mark.weekly
 def test_the_check_refuses_what_another_c_library_rounds_otherwise(tmp_path):
     """Functions are found by module, by name and in numpy; the exact ones of math pass."""
     for take, used in (

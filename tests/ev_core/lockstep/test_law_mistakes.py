@@ -79,6 +79,7 @@ ANSWERS = {
 }
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("answer", ANSWERS)
 def test_an_answer_in_another_shape_than_the_signal_is_refused(answer, tmp_path):
     """Three drive and five brake torques are eight numbers too, for the wrong wheels."""
@@ -121,6 +122,7 @@ RESULTS = {
 }
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("right", RESULTS)
 def test_a_hook_that_gives_something_else_is_refused(right, tmp_path):
     hook, wrong, message = RESULTS[right]
@@ -147,6 +149,7 @@ SHARED = {
 }
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("assigned", SHARED)
 def test_lists_of_the_state_are_copied_not_shared(assigned, tmp_path):
     """Compiled the numbers are copied.

@@ -53,6 +53,7 @@ def driven(stream: str, seed: int | None) -> np.ndarray:
     return next(iter(result.runs.values())).channels[channel]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("stream", STREAMS)
 def test_the_seed_moves_each_stream(stream):
     """Two seeds, two runs; no seed means seed 0."""

@@ -81,6 +81,7 @@ def test_the_same_export_gives_the_same_files(folder, tmp_path):
     assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == before
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("target", targets.TARGETS.values(), ids=lambda target: target.name)
 @pytest.mark.parametrize("way", ["README.md", "CMakeLists.txt"])
 def test_both_printed_ways_of_building_work_for_every_target(target, way, tmp_path):

@@ -337,6 +337,7 @@ def test_what_is_refused_is_one_line_in_the_log_and_changes_nothing(made, fmi, c
     assert law.get(law.references) == before
 
 
+@pytest.mark.weekly
 @pytest.mark.parametrize("fmi", VERSIONS)
 def test_a_clock_that_adds_its_step_goes_on_for_half_an_hour(made, fmi):
     """1.8 million times 1 ms, which are 3.6e-8 s less than 1800 s then.

@@ -49,6 +49,7 @@ def tunables(role: str, method: str) -> tuple[Tunable, ...]:
     return tuple(tunable for part in content.parts for tunable in part.tunables)
 
 
+@pytest.mark.weekly
 @given(st.data())
 @settings(max_examples=200, deadline=None)
 def test_a_run_takes_every_combination_that_an_export_takes(data):

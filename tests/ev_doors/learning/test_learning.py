@@ -95,6 +95,7 @@ def test_every_channel_of_every_car_has_a_limit(car):
     assert all(0.0 < limit.largest < math.inf and limit.reason for limit in found.values())
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("car", sorted(files_in_config("vehicles")))
 def test_the_bounds_of_torques_are_those_that_the_plant_lets_a_wheel_have(car):
     """A torque beyond the upper bound is cut to it by the guard, and one at the bound is not.

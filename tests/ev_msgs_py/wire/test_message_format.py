@@ -181,6 +181,7 @@ def test_the_recorders_progress_is_nothing_but_its_stamp():
     assert format_of(topic.signal).read(message) == (5_000_000_001, [])
 
 
+@pytest.mark.sampled
 @WITH_NUMBERS
 @settings(max_examples=20)
 @given(data=st.data())
@@ -397,6 +398,7 @@ def test_garbage_carries_no_stamp():
             stamp_of(garbage)
 
 
+@pytest.mark.sampled
 @WITH_NUMBERS
 def test_compiled_code_reads_and_writes_the_same_bytes(topic):
     """Numbers and stamp are read and written, other messages refused, in a block of memory.

@@ -71,6 +71,7 @@ def test_no_node_is_woken_up_while_the_clocks_agree(monkeypatch):
     assert not woken
 
 
+@pytest.mark.weekly
 @pytest.mark.slow
 def test_a_car_in_real_time_goes_on_when_the_time_of_day_is_set_back(tmp_path):
     """The middleware of the wheels waits by the time of day: without the alarm the plant stands for an hour.

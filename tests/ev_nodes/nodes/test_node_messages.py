@@ -150,6 +150,7 @@ SPOILT = {
 }
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("spoil", "named"), SPOILT.values(), ids=SPOILT)
 def test_a_spoilt_message_is_reported_and_changes_nothing(law, spoil, named):
     law.say(PERIOD, DRIVER)

@@ -172,6 +172,7 @@ sys.argv = ["driver"]
 """
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("kind", ["SIGINT", "SIGTERM"])
 @pytest.mark.parametrize("ending", STOPPED_AT_THE_END)
 def test_a_stop_at_the_very_end_changes_nothing(ending, kind):
@@ -305,6 +306,7 @@ BAD = {
 }
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("words", "named"), BAD.values(), ids=BAD)
 def test_bad_input_is_one_line_and_status_1(words, named):
     process = start([*command("driver"), *words])

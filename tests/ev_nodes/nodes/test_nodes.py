@@ -58,7 +58,7 @@ def complete(run: Run, directory: Path, nodes: Graph) -> None:
 
 @pytest.mark.parametrize("way", WAYS.values(), ids=WAYS)
 def test_the_graph_gives_the_same_numbers_as_the_offline_runner(way, tmp_path):
-    run = shchur(2.0)
+    run = shchur(0.5)
     with graph(run, tmp_path) as nodes:
         nodes.run(way=way)
         assert nodes.probe.reports == []
@@ -300,6 +300,7 @@ def test_the_recorder_names_the_topics_on_which_nothing_comes(tmp_path, monkeypa
         complete(run, tmp_path, nodes)
 
 
+@pytest.mark.weekly
 def test_the_recorder_names_no_topic_behind_a_reset_in_which_time_rests(tmp_path, monkeypatch):
     """Answers to the new first instant may come with those of the run before, and be dropped."""
     monkeypatch.setattr("ev_stack.recorder_node._LONG", 0.5)

@@ -100,6 +100,7 @@ def test_numbers_of_a_wrong_node_that_was_there_first_are_never_without_a_line(t
     assert recorded_hash(tmp_path) != offline_hash(run)
 
 
+@pytest.mark.weekly
 def test_two_graphs_of_one_namespace_name_each_other_and_give_no_number(tmp_path: Path):
     """No node takes messages of two: both graphs stand until one is left, with right numbers."""
     run = shchur(0.3)

@@ -372,6 +372,7 @@ def test_motors_and_cells_are_shown_where_they_are_modelled():
     assert electrical_metrics(Recording(time, {}), CAR) == {}
 
 
+@pytest.mark.weekly
 @pytest.mark.slow
 def test_figures_say_what_is_missing(tmp_path):
     """No cycle, no tyre forces, all wheels driven: drawn, with the reason in place of curves."""

@@ -93,6 +93,7 @@ def test_another_bench_is_noticed(id: str, changed):
     assert verdict_on(id, changed).judgement in ("not reproduced", "not measured")
 
 
+@pytest.mark.weekly
 @pytest.mark.slow
 def test_a_transducer_that_ends_below_the_torque_is_noticed():
     """30 N m of range cut the mean torque of the windows by more than a tenth."""

@@ -47,6 +47,7 @@ def test_only_the_manual_column_ignores_the_drives_and_only_by_wire_the_hands():
     assert by_wire.angle > 0.0
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", ["manual", "powered", "by_wire"])
 @pytest.mark.parametrize("period", [0.001, 0.01])
 def test_stick_holds_exactly_for_a_minute(name, period):

@@ -35,6 +35,7 @@ def through_lanes(car: str, speeds: list[float], seen: float):
     return lane_change.passages(car, speeds, "preview", "preview.preview_time", seen)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("car", lane_change.CARS)
 def test_no_car_touches_a_cone_at_walking_speed(car):
     """10 and 30 km/h: what is left is the line, not the tyres."""
@@ -47,6 +48,7 @@ def test_cones_do_not_hang_on_the_speed():
     assert [each.cones for each in found] == [0] * 5
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("car", [car for car in lane_change.CARS if car not in WITHOUT_GRIP])
 def test_cones_do_not_hang_on_how_far_the_driver_sees(car):
     """80 km/h, seen 0.4 to 3 s ahead.

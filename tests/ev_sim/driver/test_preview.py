@@ -29,6 +29,7 @@ STRAIGHT = {"shape": "waypoints", "x": [-1000.0, 2000.0], "y": [0.0, 0.0]}
 SPEEDS_DRIVEN = [kmh / 3.6 for kmh in (30, 40, 50, 60, 80, 100, 120, 140)]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("car", CARS)
 def test_every_car_settles_on_a_straight_road_at_every_speed(car):
     """1 m beside it: within 1 % after 6 s, and never beyond by more than 1 %.
@@ -41,6 +42,7 @@ def test_every_car_settles_on_a_straight_road_at_every_speed(car):
     assert aside.min() > -0.01
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("car", CARS)
 def test_every_car_settles_in_reverse(car):
     """Backwards a car is steered by the axle behind.

@@ -162,6 +162,7 @@ def test_a_closed_recorder_keeps_nothing_more(tmp_path):
     assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == kept
 
 
+@pytest.mark.weekly
 def test_memory_does_not_grow_with_the_steps(tmp_path: Path):
     """60 000 steps are 50 MB of messages.
 

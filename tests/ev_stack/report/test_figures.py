@@ -109,7 +109,7 @@ def test_a_map_is_to_scale_or_says_how_much_larger_it_is_across(width: float, ti
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("width", [COLUMN, WIDE])
+@pytest.mark.parametrize("width", [COLUMN, pytest.param(WIDE, marks=pytest.mark.weekly)])
 def test_figures_for_print_are_as_wide_as_wanted_with_letters_as_letters(
     tmp_path: Path, width: float
 ):

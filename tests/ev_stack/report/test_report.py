@@ -486,6 +486,7 @@ def test_speed_is_that_along_the_path():
 # Figures
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("scenario", "runs", "names"),
     [

@@ -388,6 +388,7 @@ HALVED = {  # scenario -> runs; a car that spins or just touches a cone is anoth
 }
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", HALVED)
 def test_half_the_control_period_gives_the_same_metrics(name):
     """Within 2 %, times within a period of 10 ms, ratios of yaw rates within a percent of the peak.

@@ -259,6 +259,7 @@ def assert_same(found: dict, wanted: dict, relative: float = 1e-9) -> None:
         ), name
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", DRIVEN)
 def test_metrics_of_the_mirror_image_are_mirrored(name):
     """They agree to rounding: sums over wheels have another order."""

@@ -138,7 +138,9 @@ print(machine_code.compiled_function("seven", text, {})())
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("text", "kind"), [(ADDRESS, ".code"), (FUNCTION, ".numba")], ids=["C", "Python"]
+    ("text", "kind"),
+    [(ADDRESS, ".code"), pytest.param(FUNCTION, ".numba", marks=pytest.mark.weekly)],
+    ids=["C", "Python"],
 )
 def test_processes_that_need_the_same_code_at_once_compile_it_once(text, kind, tmp_path):
     """C and Python callers share one compilation."""

@@ -13,6 +13,7 @@ import sys
 import threading
 import weakref
 from contextlib import suppress
+from itertools import product
 from pathlib import Path
 
 import pytest
@@ -25,7 +26,7 @@ from ev_core.lockstep.run import guarded
 COMMANDS = ("offline", "in one process", "as processes")
 BY_WORKERS = ("sweep, its workers", "benchmark, its workers", "tune, its batches")
 BEFORE_THEM = ("sweep, its estimate", "compare", "benchmark, the contract", "tune, the contract")
-CALLS = ("run", "simulation", "batch")
+KINDS = (signal.SIGINT, signal.SIGTERM)
 
 
 def ended(way: str, folder: Path, kind: signal.Signals) -> subprocess.CompletedProcess[str]:
@@ -40,16 +41,16 @@ def ended(way: str, folder: Path, kind: signal.Signals) -> subprocess.CompletedP
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("way", COMMANDS)
+@pytest.mark.sampled
+@pytest.mark.parametrize(("way", "kind"), product(COMMANDS, KINDS))
 def test_a_command_ends_with_one_line(way: str, kind: signal.Signals, tmp_path: Path):
     """It does not hang, which the limit of the process shows."""
     assert_stopped(ended(way, tmp_path, kind))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("way", BY_WORKERS)
+@pytest.mark.sampled
+@pytest.mark.parametrize(("way", "kind"), product(BY_WORKERS, KINDS))
 def test_many_runs_end_with_one_line(way: str, kind: signal.Signals, tmp_path: Path):
     """The workers stand in the law, and end with the command: else its output would not end."""
     assert_stopped(ended(way, tmp_path, kind))
@@ -69,7 +70,9 @@ def assert_stopped(done: subprocess.CompletedProcess[str]) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("way", CALLS)
+@pytest.mark.parametrize(
+    "way", ["run", "batch", pytest.param("simulation", marks=pytest.mark.weekly)]
+)
 def test_a_call_from_python_raises_keyboard_interrupt(way: str, tmp_path: Path):
     """A notebook goes on, with its variables."""
     done = ended(way, tmp_path, signal.SIGINT)

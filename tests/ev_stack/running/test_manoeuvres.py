@@ -114,6 +114,7 @@ def test_an_adaptive_solver_ends_the_run_alike(scenario, name):
     assert max(found.values()) < 1e-4, found
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(("scenario", "name"), CASES)
 def test_power_balance_closes(scenario, name):
     """Battery = losses + drives; drives = kinetic + tyres + resistance, within 0.1 %."""

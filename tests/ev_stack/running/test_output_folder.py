@@ -80,6 +80,7 @@ def test_a_folder_that_holds_anything_is_refused(tmp_path: Path, name: str, thin
     assert content(tmp_path) == before
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda words: " ".join(words[:2]))
 def test_no_command_writes_where_anything_is(saved: Path, tmp_path: Path, command: Sequence[str]):
     """One line says what is there, before hours of driving."""

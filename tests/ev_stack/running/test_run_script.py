@@ -169,6 +169,7 @@ def test_list_names_scenarios_and_methods():
         assert re.search(rf"^  {name} +\S", output, re.MULTILINE), name
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -257,6 +258,7 @@ def test_a_script_is_found_through_a_link_and_whatever_cdpath_says(name: str, tm
         assert str(tmp_path) not in ended.stdout
 
 
+@pytest.mark.weekly
 def test_warnings_of_other_packages_end_no_run(tmp_path: Path):
     words = [
         RUN,

@@ -317,6 +317,7 @@ def test_what_the_command_line_says_belongs_to_the_chosen_methods(scenario, valu
         load_scenario("test", overrides(arguments(["test", *words])))
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", scenario_names())
 def test_another_cycle_changes_what_is_driven_or_is_refused(name, tmp_path):
     """A driver on pedals from the start on never follows it: `hill_start` refuses `--cycle`."""

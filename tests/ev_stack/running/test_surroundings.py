@@ -27,7 +27,13 @@ HOMELESS = {**ENVIRONMENT, "HOME": "/dev/null/none", "EV_STACK_CACHE": str(cache
 
 
 @pytest.mark.parametrize(
-    "way", [("--offline",), ("--in-process",), ()], ids=["offline", "one process", "processes"]
+    "way",
+    [
+        pytest.param(("--offline",), marks=pytest.mark.weekly),
+        pytest.param(("--in-process",), marks=pytest.mark.weekly),
+        (),
+    ],
+    ids=["offline", "one process", "processes"],
 )
 def test_a_run_needs_no_home_folder(way: tuple[str, ...], tmp_path: Path):
     """ROS would make ~/.ros/log, which containers and system users cannot."""
@@ -48,6 +54,7 @@ def test_a_command_in_the_graph_needs_no_home_folder():
     assert done.stderr.startswith("error: no nodes are running in ROS domain"), done.stderr
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
 @pytest.mark.parametrize("program", ["run", "ev-stack"])
 def test_a_command_with_closed_streams_does_what_it_is_asked_for(
@@ -96,6 +103,7 @@ STAGES = {
 }
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("command", "module"), [(name, each) for name, stages in STAGES.items() for each in stages]
 )

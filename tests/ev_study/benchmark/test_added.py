@@ -70,6 +70,7 @@ def test_a_law_file_and_a_law_with_its_parameter_file_are_ranked_beside_the_othe
     assert abs(scores["yaw_moment"]["handling"]["value"] - 1.0) > 0.02
 
 
+@pytest.mark.weekly
 def test_a_law_may_name_the_traction_control_as_well(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ):

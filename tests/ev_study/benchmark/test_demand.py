@@ -90,6 +90,7 @@ def with_cheats(tmp_path: Path) -> tuple[Board, list[str]]:
     return with_added(replace(read_board("small"), draws=3), adding)
 
 
+@pytest.mark.weekly
 def test_no_law_that_does_less_ranks_above_equal_torques(with_cheats: tuple[Board, list[str]]):
     """It holds in handling, worst tenth and energy.
 

@@ -176,6 +176,7 @@ def test_candidates_are_judged_one_by_one_and_misfits_cost_most(training: Traini
     assert costs.tolist() == [*training.costs([one]), costs[1], *training.costs([other])]
 
 
+@pytest.mark.weekly
 def test_a_stopped_search_goes_on_and_gives_the_same(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys
 ):

@@ -179,7 +179,9 @@ def test_a_search_out_of_steps_gives_no_interval_and_one_that_ends_does():
     assert " in 95 %" in whole.notes()[0]
 
 
-@pytest.mark.parametrize("channel", [LONGITUDINAL, ROAD_WHEEL_ANGLE])
+@pytest.mark.parametrize(
+    "channel", [LONGITUDINAL, pytest.param(ROAD_WHEEL_ANGLE, marks=pytest.mark.weekly)]
+)
 def test_what_the_scale_of_a_sensor_does_to_parameters_is_known_beforehand(channel):
     """A fit to a sensor that shows 2 % too much finds the predicted moves, to 5 % of the larger.
 
@@ -240,6 +242,7 @@ def test_a_late_yaw_rate_is_named_and_gives_no_interval():
     assert np.isnan(found.intervals).all()
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "late", [0.25, 0.35, 1.0, None], ids=["0.25 s", "0.35 s", "1 s", "of another drive"]
 )
@@ -258,6 +261,7 @@ def test_a_yaw_rate_that_is_not_that_of_the_car_gives_no_interval(late):
     assert np.isnan(found.intervals).all()
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("name", "offset", "line"),
     [

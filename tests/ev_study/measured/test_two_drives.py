@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from measured.made_records import CAR, driven
@@ -54,6 +55,7 @@ def alone(record: MeasuredRecord, stretch: slice) -> MeasuredRecord:
     return replace(record, channels=channels, valid=record.valid[stretch])
 
 
+@pytest.mark.weekly
 @settings(max_examples=15, deadline=None)
 @given(
     slower=st.floats(0.2, 0.7),

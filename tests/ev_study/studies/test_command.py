@@ -163,6 +163,7 @@ def assert_driven_as_it_says(case: Case) -> None:
             assert played[role].changed({name: value}).values() == has, (case.name, role, name)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", study_names())
 def test_the_cases_of_a_study_are_driven_as_they_say(name):
     cases = cases_of(name)

@@ -115,6 +115,7 @@ def test_signals_are_kept_where_they_are_asked_for(folder, tmp_path):
     assert found == hashes
 
 
+@pytest.mark.weekly
 @pytest.mark.slow
 def test_signals_stay_while_another_command_drives_the_same(tmp_path, monkeypatch):
     """It begins when the first one has driven, and is stopped at once.
@@ -294,6 +295,7 @@ RESERVED = (
 )
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("study", ["sweep", "compare"])
 @pytest.mark.parametrize("name", RESERVED)
 def test_a_metric_of_any_name_is_measured(study, name, tmp_path, capsys):

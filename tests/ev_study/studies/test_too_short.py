@@ -20,6 +20,7 @@ NEEDED = {
 }
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", study_names())
 def test_runs_that_are_too_short_have_one_line(name):
     """All studies, shorter than the command line lets them be.

@@ -62,7 +62,9 @@ def test_page_shows_what_was_drawn_and_why_something_was_not(
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("cycle", "count"), [(CYCLES[1], 5 + 2), (ON_BENCH[1], 7)], ids=["simulation", "bench"]
+    ("cycle", "count"),
+    [pytest.param(CYCLES[1], 5 + 2, marks=pytest.mark.weekly), (ON_BENCH[1], 7)],
+    ids=["simulation", "bench"],
 )
 def test_figures_of_one_method_of_the_dissertation(tmp_path, cycle, count):
     """A minute of its cycle.

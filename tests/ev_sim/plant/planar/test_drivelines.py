@@ -392,6 +392,7 @@ def test_wheels_of_their_own():
 # Manoeuvres
 
 
+@pytest.mark.sampled
 @pytest.mark.slow
 @pytest.mark.parametrize("vehicle", CARS)
 @pytest.mark.parametrize("manoeuvre", MANOEUVRES)

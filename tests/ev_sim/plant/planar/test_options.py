@@ -70,6 +70,7 @@ def test_an_option_that_is_put_off_leaves_the_plain_plant():
     assert {*named} <= {*off.unused}
 
 
+@pytest.mark.weekly
 def test_rear_wheels_and_speed_mode_act_together_as_each_alone():
     """Straight rear wheels leave speed mode to the bit, a far set-point leaves steering.
 
