@@ -203,6 +203,13 @@ def limits(parameters: KinematicPlantParameters, vehicle: Vehicle, period: float
     return guard_limits(vehicle, parameters.motor.torque_limit, angle=math.inf)
 
 
+def steered_by_ackermann(_parameters: KinematicPlantParameters, vehicle: Vehicle) -> str:
+    """Need front wheels that turn about one centre: no other wheels roll without slip."""
+    if vehicle.steering_geometry == "ackermann":
+        return ""
+    return "vehicle.steering_geometry ackermann"
+
+
 @method(
     "plant",
     "kinematic",
@@ -211,7 +218,7 @@ def limits(parameters: KinematicPlantParameters, vehicle: Vehicle, period: float
     outputs=outputs,
     notes=lambda s: guard_notes(s.guard),
     writes=_SIGNALS,
-    needs=(equal_motors,),
+    needs=(equal_motors, steered_by_ackermann),
     heavy=True,
     mirrored=True,
 )

@@ -6,6 +6,7 @@ from dataclasses import replace
 import pytest
 from plant.kinematic.car import PERIOD, WITHOUT_RESISTANCE, Car
 
+from ev_core.lockstep.configuration import configure
 from ev_msgs_py.contract.signals import (
     BodyPose,
     BodyVelocity,
@@ -15,6 +16,7 @@ from ev_msgs_py.contract.signals import (
     WheelTorqueCommand,
 )
 from ev_msgs_py.contract.wheels import Wheels
+from ev_msgs_py.refusal import ParameterError
 from ev_sim.drives.drive import DRIVE_MODELS
 
 
@@ -129,3 +131,10 @@ def test_work_of_the_motors_in_a_bend_is_not_what_the_car_gets(driven, more):
     ]
     gained = 0.5 * WITHOUT_RESISTANCE.mass * (car.speed**2 - before**2)
     assert 100.0 * (turned[1] - turned[0]) / gained - 1.0 == pytest.approx(more, abs=2e-4)
+
+
+def test_front_wheels_of_one_angle_are_refused():
+    """They turn about two centres, so one of them slips, which this plant does not know."""
+    parallel = {"method": "kinematic", "vehicle.steering_geometry": "parallel"}
+    with pytest.raises(ParameterError, match="needs vehicle.steering_geometry ackermann"):
+        configure("plant", parallel)
