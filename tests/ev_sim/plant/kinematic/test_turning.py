@@ -136,5 +136,5 @@ def test_work_of_the_motors_in_a_bend_is_not_what_the_car_gets(driven, more):
 def test_front_wheels_of_one_angle_are_refused():
     """They turn about two centres, so one of them slips, which this plant does not know."""
     parallel = {"method": "kinematic", "vehicle.steering_geometry": "parallel"}
-    with pytest.raises(ParameterError, match="needs vehicle.steering_geometry ackermann"):
+    with pytest.raises(ParameterError, match=r"needs vehicle\.steering_geometry ackermann"):
         configure("plant", parallel)
