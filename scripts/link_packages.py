@@ -98,8 +98,13 @@ def write_paths(packages: list[Path]) -> None:
 
 def main() -> None:
     """Link all packages anew; nothing of a former build stays."""
-    shutil.rmtree(INSTALL, ignore_errors=True)
-    packages = sorted((ROOT / "src").iterdir())
+    installed = INSTALL.resolve()  # a link to a folder elsewhere stays one
+    if installed.exists():
+        shutil.rmtree(installed)
+    installed.mkdir(parents=True)
+    # Nothing else there is a package of ours: bytecode that git leaves of a package that is gone,
+    # or a package of CMake, which only colcon builds.
+    packages = sorted(path.parent for path in (ROOT / "src").glob("*/setup.py"))
     for package in packages:
         given = arguments_of(package)
         write_description(given)

@@ -247,7 +247,7 @@ build() {
         return
     fi
     compile_ahead imports
-    [[ ! -d install/ev_core/python ]] || rm -rf install # of link_packages.py
+    ! compgen -G 'install/*/python' >/dev/null || rm -rf install # of link_packages.py
     .venv/bin/python -m colcon build --symlink-install --base-paths src && record_environment && record_paths
 }
 

@@ -249,7 +249,16 @@ def test_what_was_interrupted_is_repaired_by_the_next_call(kind, checkout):
 @pytest.mark.slow
 def test_a_package_that_comes_or_goes_is_known_after_the_next_call(checkout):
     """Its description and programs are those of its setup.py, and modules are those of src."""
+    elsewhere = checkout.root.parent / "elsewhere"
+    (elsewhere / "of_before").mkdir(parents=True)
+    (checkout.root / "install").symlink_to(elsewhere)
     assert checkout.set_up()[0] == 0
+    assert not (elsewhere / "of_before").exists()
+    # What git leaves of a package that is gone, what a desktop leaves, a package of CMake alone.
+    (checkout.root / "src" / "gone" / "gone" / "__pycache__").mkdir(parents=True)
+    (checkout.root / "src" / ".DS_Store").touch()
+    (cmake := checkout.root / "src" / "of_cmake").mkdir()
+    (cmake / "package.xml").touch()
     (more := checkout.root / "src" / "more").mkdir()
     shutil.move(checkout.root / "src" / "ev_stack" / "package.xml", more)
     shutil.move(checkout.root / "src" / "ev_stack" / "setup.cfg", more)
@@ -277,6 +286,7 @@ def test_a_package_that_comes_or_goes_is_known_after_the_next_call(checkout):
     done = subprocess.run([program, "word"], capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (4, "['word']\n")
     assert not (checkout.root / "install" / "ev_stack").exists()
+    assert not (checkout.root / "install" / "of_cmake").exists()
 
 
 @pytest.mark.weekly
@@ -328,7 +338,7 @@ def test_beside_a_distribution_only_what_it_lacks_is_installed(distribution, che
     `ros2` finds only what is built so; what was linked before goes.
     """
     assert checkout.set_up()[0] == 0
-    assert (linked := checkout.root / "install" / "python").exists()
+    assert (linked := checkout.root / "install" / "ev_stack" / "python").exists()
     by_uv = checkout.calls.read_text()
     (tmp_path / "ros2").write_text("#!/bin/sh\n")
     (tmp_path / "ros2").chmod(0o755)

@@ -33,6 +33,7 @@ class Shafts:
         run = f"constant_{follows}"
         done = ev_stack.run("bench_load", runs=(run,), duration=seconds, set=changes, **changed)
         self.time, self.channels = done.time, done.runs[run].channels
+        self.vehicle = done.scenario.runs[0].configurations["plant"].common.vehicle
 
     def at(self, time: float, name: str, side: str = "left") -> float:
         """A channel of bench/shafts at a time [s]."""
@@ -164,3 +165,25 @@ def test_by_default_they_follow_the_road():
     # late by the exchange of 5 ms
     assert shafts.at(3.0, "load_speed") == pytest.approx(turns, rel=0.01)
     assert shafts.at(3.0, "load_speed") != pytest.approx(300.0, rel=0.1)
+
+
+def test_the_load_is_that_of_a_wheel_whose_radius_shrinks_under_its_load():
+    """M = r (F_x + f N)/i with r = 0.32 m - c (N - N_static), on which the plant rolls as well.
+
+    Driving takes 1.2 kN from the front wheels: with 1e-5 m/N, far softer than a tyre, they are
+    11 mm larger. With 0.32 m the rolling resistance f would be less than none.
+    """
+    values = {
+        "plant__load__follows": "road",
+        "*__vehicle__tyre__radius_over_load": 1e-5,
+        "*__vehicle__centre_of_mass_height": 1.5,
+    }
+    shafts = Shafts("speed", 0.0, 0.0, 300.0, set=values)
+    names = ("tire_forces.longitudinal_force", "tire_forces.load", "bench.load_command.torque")
+    force, load, torque = (float(shafts.channels[f"{name}.front_left"][-1]) for name in names)
+    static = 0.5 * shafts.vehicle.front_load_share * shafts.vehicle.mass * 9.81
+    radius = 0.32 - 1e-5 * (load - static)
+    assert radius > 0.33
+    resistance = (torque * GEAR / radius - force) / load
+    # f_0, which grows by some per cent with the speed.
+    assert resistance == pytest.approx(0.012, rel=0.05)

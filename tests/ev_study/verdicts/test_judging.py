@@ -85,6 +85,8 @@ def test_an_id_holds_if_all_of_its_numbers_do():
     assert one.text == "not reproduced: by b; A"
     assert failures([one, of(check("number 2"))]) == "x.y: not reproduced: by b; A"
     assert of(check("number 2.01"), check("number 2.1", name="b")).ours == "2.01 m; b 2.1 m"
+    numbers = (check("number 2.1"), check("number 2.1", name="b"), check("number 2", name="c"))
+    assert of(*numbers, assumption="A").text == "not reproduced: by the first number; b; A"
 
 
 def test_words_of_verdicts():

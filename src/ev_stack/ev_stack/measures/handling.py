@@ -237,8 +237,10 @@ def slip_powers(run: Recording, vehicle: Vehicle, wheel: str) -> tuple[np.ndarra
     )
     number, (cosine, sine) = WHEEL_NAMES.index(wheel), wheel_directions(run, vehicle)[wheel]
     x, y = (places[number] for places in wheel_places(vehicle))
-    # Velocity of the wheel's centre in axes of the car, v + r x place.
-    ground_x, ground_y = vx - y * yaw_rate, vy + x * yaw_rate
+    # Velocity of the wheel's centre in axes of the car, v + r x place; the centre of mass of a body
+    # that rolls sways over it.
+    sway = vehicle.rolling_body.lever * run.channels.get(motion.ROLL_RATE, 0.0)
+    ground_x, ground_y = vx - y * yaw_rate, vy + sway + x * yaw_rate
     radius = vehicle.wheel_radius_ratio[number] * vehicle.wheel_radius
     # Rim less ground: positive when driving, as the force is, so the power is what friction takes.
     slip_x = radius * channel(run, f"wheel_states.velocity.{wheel}") - (

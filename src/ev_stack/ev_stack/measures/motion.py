@@ -13,6 +13,7 @@ from ev_stack.measures.metric import Metric, NotMeasured, Runs, channel, mean_be
 from ev_stack.recording.recording import Recording
 
 ROLL = "imu.roll.orientation_w"  # of cars with a body that rolls
+ROLL_RATE = "imu.roll.rate"  # of these as well
 ROAD_WHEEL_ANGLE = "steering_column.state.road_wheel_angle"
 HAND_TORQUE = "steering_column.state.hand_torque"
 DRIVER_HAND_TORQUE = "driver.command.hand_torque"

@@ -219,7 +219,11 @@ def _frames(at: Mapping[str, np.ndarray]) -> list[np.ndarray]:
 
 
 def _frames_with_roll(at: Mapping[str, np.ndarray]) -> list[np.ndarray]:
-    return [*_frames(at), *(at[f"imu.roll.orientation_{axis}"] for axis in "xw")]
+    found = _frames(at)
+    upright = np.zeros_like(found[0])
+    # A plant without loads, such as kinematic, rolls no body.
+    sine = at.get("imu.roll.orientation_x", upright)
+    return [*found, sine, at.get("imu.roll.orientation_w", upright + 1.0)]
 
 
 def _odometry(stamp: Any, numbers: Sequence[float]) -> Any:

@@ -46,6 +46,7 @@ SORTS = (
     *NO_VERDICT,
     NOT_MEASURED,
 )
+FIRST = "the first number"  # of an id, which has no name
 COLUMNS = ("id", "kind", "what", "printed", "ours", "tolerance", "verdict", "driven")
 _SHORT = ("id", "verdict", "ours")
 
@@ -95,12 +96,12 @@ class Verdict:
     @property
     def _condition(self) -> str:
         """Conditions of ours under which a number fails: which one of several, and the note."""
-        judged = [name for name, metric in self.metrics.items() if metric.reference]
+        judged = {name: metric for name, metric in self.metrics.items() if metric.reference}
         failed = [
-            name for name in judged if self.metrics[name].judgement == NOT_REPRODUCED and name
+            name or FIRST for name, metric in judged.items() if metric.judgement == NOT_REPRODUCED
         ]
         # Where all of them fail their names say nothing.
-        named = f"by {'; '.join(failed)}" if failed and len(failed) < len(judged) else ""
+        named = f"by {'; '.join(failed)}" if len(failed) < len(judged) else ""
         return "; ".join(filter(None, (named, self.note)))
 
     @property

@@ -32,8 +32,10 @@ from ev_msgs_py.contract.optional_signals import BodyRoll
 from ev_msgs_py.contract.signals import InertialMeasurement, TireForces
 from ev_msgs_py.contract.wheels import Wheels
 from ev_msgs_py.refusal import ParameterError
-from ev_sim.plant.planar.given import roll_constants
+from ev_sim.plant.planar.body import wheel_loads as wheel_loads_of_plant
+from ev_sim.plant.planar.given import body_constants, roll_constants
 from ev_sim.plant.planar.planar_state import DAMPER_WORK, ROLL_ANGLE, ROLL_RATE, index
+from ev_sim.plant.planar.prepare import longest_step
 from ev_stack.scenarios.files import vehicle_of
 from ev_study.analysis.linear_models import single_track
 from ev_study.analysis.linearised_plant import OperatingPoint, linearised
@@ -270,6 +272,22 @@ def test_the_rolling_radius_shrinks_under_load():
         assert turning == pytest.approx(rolled / radius, rel=1e-5)
 
 
+def test_radii_at_rest_are_given_with_the_centre_of_mass_aside_too():
+    """`wheel_radius` is that under the static load, which is more on the heavier side."""
+    car = replace(SEDAN, centre_of_mass_offset=0.1)
+    constants = body_constants(car)
+    level = car.mass * GRAVITY
+    at_rest = wheel_loads_of_plant(namespace(car_numbers(car)), level, 0.0, (0.0, 0.0))
+    assert constants.static_load == pytest.approx(tuple(at_rest), rel=1e-12)
+    assert at_rest.front_left > at_rest.front_right
+
+
+def test_a_roll_too_fast_for_any_step_is_refused_by_its_own_name():
+    car = replace(SEDAN, suspension=replace(ROLLING, sprung_mass=SEDAN.mass, roll_inertia=0.01))
+    with pytest.raises(ParameterError, match=r"^vehicle\.suspension: roll stiffness and damping"):
+        longest_step(car)
+
+
 def test_the_linear_model_sways_as_the_plant_does():
     """Lateral velocity and yaw rate over the steering, from standing angles to 2 Hz: 0.2 %.
 
@@ -316,7 +334,7 @@ def test_only_a_rolling_car_has_the_signal():
         ({"front_roll_stiffness": 0.0, "rear_roll_stiffness": 0.0}, "needs front_roll_stiffness"),
         ({"roll_lag": 0.08}, "roll_lag is 0.08 s, expected 0 beside sprung_mass"),
         ({"sprung_mass": 2000.0}, "sprung_mass is 2000 kg, expected at most mass, 1889.43 kg"),
-        ({"front_roll_stiffness": 3e3, "rear_roll_stiffness": 3e3}, "turns it over with, 6636"),
+        ({"front_roll_stiffness": 6e3, "rear_roll_stiffness": 7e3}, "turns it over with, 13272"),
     ],
 )
 def test_a_body_that_cannot_roll_is_refused(values, text):

@@ -283,8 +283,11 @@ def body_constants(vehicle: Vehicle) -> BodyConstants:
         if file:
             raise ParameterError(f"vehicle.tyre.{axle}_file: {file} has not been read")
     x, y = wheel_places(v)
-    static_front = 0.5 * front_load
-    static_rear = 0.5 * rear_load
+    static_load = []
+    for load, track in ((front_load, v.front_track), (rear_load, v.rear_track)):
+        # A centre of mass left of the middle loads the left wheels.
+        more = load * v.centre_of_mass_offset / track
+        static_load += [0.5 * load + more, 0.5 * load - more]
     mf = mf_tyres(tyre.front_mf, tyre.rear_mf)
     of_tmeasy = []
     for axle in AXLES:
@@ -295,7 +298,7 @@ def body_constants(vehicle: Vehicle) -> BodyConstants:
         wheel_y=list(y),
         wheel_radius=[v.wheel_radius * ratio for ratio in v.wheel_radius_ratio],
         wheel_inertia=wheel_inertias(v),
-        static_load=[static_front, static_front, static_rear, static_rear],
+        static_load=static_load,
         roll=roll_constants(v),
         cornering_stiffness=[front_stiffness, front_stiffness, rear_stiffness, rear_stiffness],
         mf=mf,

@@ -184,7 +184,7 @@ def _load(plant: Plant) -> LoadCommand:
     Or a constant torque, beside the speed at which the shaft turns, or a constant speed, beside the
     torque of the road.
     """
-    _, car, c, s, step = plant
+    _, car, _, s, step = plant
     p = plant.p.load
     y = s.motion
     gear = car.gear_ratio
@@ -193,7 +193,7 @@ def _load(plant: Plant) -> LoadCommand:
     speed = step.shaft
     torque = step.target
     for i in range(4):
-        radius = c.body.wheel_radius[i]
+        radius = step.radius[i]
         dry = s.guard.brake[i] + radius * step.load[i] * (rolling + step.tyre[i].rolling_resistance)
         mode[i] = car.driven[i] * SPEED_MODE
         speed[i] = car.driven[i] * gear * (y[WHEEL_SPEED + i] - s.apart[i])

@@ -54,35 +54,49 @@ def longest_step(vehicle: Vehicle) -> float:
     radius = vehicle.wheel_radius * max(vehicle.wheel_radius_ratio)
     lightest = vehicle.wheel_inertia * min(vehicle.undriven_inertia_ratio, 1.0)
     wheel = min(lightest / (radius * radius), body)
-    across, rolling = _roll_motion(vehicle)
     # A longitudinal carcass moves the rotation of its wheel or the body, a lateral one the body.
-    fastest = max(
+    on_tyres = max(
         _fastest(tyre.longitudinal_stiffness, tyre.longitudinal_damping_time, wheel),
-        _fastest(tyre.lateral_stiffness, tyre.lateral_damping_time, min(body, across)),
-        rolling,
+        _fastest(tyre.lateral_stiffness, tyre.lateral_damping_time, body),
     )
+    _refuse_too_fast(
+        on_tyres,
+        "tyre: stiffness and damping_time",
+        f"wheels of {lightest:g} kg m^2 and a car of {vehicle.mass:g} kg",
+    )
+    return LARGEST_PRODUCT / max(on_tyres, _fastest_roll(vehicle))
+
+
+def _refuse_too_fast(fastest: float, what: str, moved: str) -> None:
+    """Refuse a motion [rad/s] of what is `moved` that needs steps below `SHORTEST_STEP`."""
     step = LARGEST_PRODUCT / fastest
     if step < SHORTEST_STEP:
         raise ParameterError(
-            f"vehicle.tyre: stiffness and damping_time need steps of {step:.2g} s with wheels of "
-            f"{lightest:g} kg m^2 and a car of {vehicle.mass:g} kg, expected {SHORTEST_STEP:g} s "
-            f"or more"
+            f"vehicle.{what} need steps of {step:.2g} s with {moved}, "
+            f"expected {SHORTEST_STEP:g} s or more"
         )
-    return step
 
 
-def _roll_motion(vehicle: Vehicle) -> tuple[float, float]:
-    """Mass that a lateral carcass moves where the body rolls [kg], and the fastest roll [rad/s].
+def _fastest_roll(vehicle: Vehicle) -> float:
+    """The fastest motion of a body that rolls [rad/s], 0 for a rigid one.
 
-    The axles are lighter than the car, for the body sways over them: 1/m_e = 4 (1/m + e^2/I).
+    A lateral carcass moves less than the car, for the body sways over the axles:
+    1/m_e = 4 (1/m + e^2/I).
     """
-    suspension = vehicle.suspension
+    suspension, tyre = vehicle.suspension, vehicle.tyre
     if not suspension.rolls:
-        return math.inf, 0.0
+        return 0.0
     body = vehicle.rolling_body
     mass = 0.25 / (1.0 / vehicle.mass + body.lever * body.lever / body.inertia)
     damping = suspension.front_roll_damping + suspension.rear_roll_damping
-    return mass, max(sqrt(suspension.stiffness / body.inertia), damping / body.inertia)
+    fastest = max(
+        _fastest(tyre.lateral_stiffness, tyre.lateral_damping_time, mass),
+        sqrt(suspension.stiffness / body.inertia),
+        damping / body.inertia,
+    )
+    moved = f"an inertia of {body.inertia:.4g} kg m^2 in roll"
+    _refuse_too_fast(fastest, "suspension: roll stiffness and damping", moved)
+    return fastest
 
 
 def _fastest(stiffness: float, damping_time: float, mass: float) -> float:
