@@ -91,8 +91,10 @@ def write_paths(packages: list[Path]) -> None:
     path_file = Path(sysconfig.get_path("purelib"), "ev_stack.pth")
     path_file.write_text(f"import sys; sys.path += {folders!a}\n")
     prefixes = ":".join(str(INSTALL / package.name) for package in packages)
+    # A shell that knows another checkout as well, as colcon builds it, would import that one.
     (INSTALL / "environment.bash").write_text(
         f'export AMENT_PREFIX_PATH="{prefixes}${{AMENT_PREFIX_PATH:+:$AMENT_PREFIX_PATH}}"\n'
+        f'[[ -z "${{PYTHONPATH:-}}" ]] || export PYTHONPATH="{":".join(folders)}:$PYTHONPATH"\n'
     )
 
 

@@ -254,6 +254,19 @@ def test_a_package_that_comes_or_goes_is_known_after_the_next_call(checkout):
     (checkout.root / "install").symlink_to(elsewhere)
     assert checkout.set_up()[0] == 0
     assert not (elsewhere / "of_before").exists()
+    # A shell that knows another checkout, such as one of colcon, runs the one that it entered last;
+    # a folder that its user names goes first.
+    for other in ("of_colcon", "of_the_user"):
+        (package := checkout.root.parent / other / "ev_stack").mkdir(parents=True)
+        (package / "__init__.py").touch()
+    shell = (
+        'source scripts/setup.sh && python -c "$1" && PYTHONPATH="$2:$PYTHONPATH" python -c "$1"'
+    )
+    words = ["bash", "-c", shell, "", "import ev_stack; print(ev_stack.__file__)", package.parent]
+    known = checkout.environment | {"PYTHONPATH": str(checkout.root.parent / "of_colcon")}
+    shown = subprocess.check_output(words, cwd=checkout.root, env=known, text=True).split()
+    folders = [checkout.root / "src" / "ev_stack", package.parent]
+    assert shown == [str(folder / "ev_stack" / "__init__.py") for folder in folders]
     # What git leaves of a package that is gone, what a desktop leaves, a package of CMake alone.
     (checkout.root / "src" / "gone" / "gone" / "__pycache__").mkdir(parents=True)
     (checkout.root / "src" / ".DS_Store").touch()
