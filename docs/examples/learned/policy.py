@@ -1,4 +1,4 @@
-"""A learned yaw moment control: a small network that a car can carry, with weights as parameters (train.py)."""
+"""A learned yaw moment control: a small network, with weights as parameters (train.py)."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -69,7 +69,9 @@ def bent(value: float) -> float:
 def share_of_moment(
     weights: tuple[float, ...], error: float, turning: float, across: float, steered: float
 ) -> float:
-    """The output of the network, between -1 and 1: w_h f(w_h1 x_1 + ... + w_h4 x_4) over all nodes h, through f.
+    """The output of the network, between -1 and 1.
+
+    That is w_h f(w_h1 x_1 + ... + w_h4 x_4) over all nodes h, through f.
 
     Without offsets it is odd: a mirrored car in mirrored motion gets the mirrored moment.
     """
@@ -87,13 +89,33 @@ def share_of_moment(
 def inputs(
     car: Car, speed: float, angle: float, yaw_rate: float, lateral_acceleration: float
 ) -> Wheels:
-    """What the network is given, each about 1: error to a neutral car, turning, acceleration across, steering."""
+    """Inputs, each about 1: error to a neutral car, turning, acceleration across, steering."""
     turning = speed * yaw_rate
     return Wheels(
         (speed * speed * angle / car.wheelbase - turning) / 5.0,
         turning / 5.0,
         lateral_acceleration / 5.0,
         angle / 0.1,
+    )
+
+
+@compilable
+def speed_of(car: Car, turning: Wheels) -> float:
+    """Of the car, by the mean of its wheels [m/s]."""
+    return ((turning[0] + turning[1]) + (turning[2] + turning[3])) * car.wheel_radius / 4.0
+
+
+@compilable
+def drive_torques(car: Car, total: float, moment: float) -> Wheels:
+    """Equal torques of all drives, and a moment by differences on axles that have two."""
+    front, rear = car.driven[0] * car.driven[1], car.driven[2] * car.driven[3]
+    force = moment / max(front * car.front_track + rear * car.rear_track, 1e-3)
+    equal, half = total / car.number_driven, force * car.wheel_radius
+    return Wheels(
+        equal * car.driven[0] - half * front,
+        equal * car.driven[1] + half * front,
+        equal * car.driven[2] - half * rear,
+        equal * car.driven[3] + half * rear,
     )
 
 
@@ -108,19 +130,10 @@ def learned(
     wheels: WheelStates,
     imu: InertialMeasurement,
 ) -> WheelTorqueRequest:
-    """The moment of the network as a difference of the torques on each axle that has two drives, by sensors alone."""
-    turns = (wheels.velocity[0] + wheels.velocity[1]) + (wheels.velocity[2] + wheels.velocity[3])
-    speed, moment = turns * car.wheel_radius / 4.0, 0.0
+    """The moment of the network by differences of drive torques, by sensors alone."""
+    speed, moment = speed_of(car, wheels.velocity), 0.0
     if speed > p.slowest:
         x = inputs(car, speed, column.road_wheel_angle, imu.yaw_rate, imu.lateral_acceleration)
         moment = p.largest * share_of_moment(c.weights, x[0], x[1], x[2], x[3])
-    front, rear = car.driven[0] * car.driven[1], car.driven[2] * car.driven[3]
-    force = moment / max(front * car.front_track + rear * car.rear_track, 1e-3)
-    equal, half = driver.drive_torque / car.number_driven, force * car.wheel_radius
-    drive = Wheels(
-        equal * car.driven[0] - half * front,
-        equal * car.driven[1] + half * front,
-        equal * car.driven[2] - half * rear,
-        equal * car.driven[3] + half * rear,
-    )
+    drive = drive_torques(car, driver.drive_torque, moment)
     return WheelTorqueRequest(drive, split_brake(p.brake, driver))

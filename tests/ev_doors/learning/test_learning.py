@@ -421,17 +421,16 @@ def test_a_policy_is_learned_here_and_driven_on_the_board(tmp_path: Path):
         sys.executable,
         str(folder / "train.py"),
         str(weights),
-        "--generations",
-        "1",
-        "--duration",
-        "0.1",
+        *("--generations", "1", "--duration", "0.1", "--draws", "1", "--candidates", "4"),
+        *("--cells", "*:sine_with_dwell:wet:*", "--figure", str(tmp_path / "curve.png")),
     ]
     learned = []
     for _ in range(2):  # seeded: again the same policy, in the place of the first one
         output = subprocess.run(words, check=True, capture_output=True, text=True).stdout
-        assert "generation 1: least mean loss" in output
+        assert "generation 1: equal torques " in output and "held out, 10 runs: loss " in output
         learned.append(weights.read_text())
     assert learned[0] == learned[1]
+    assert (tmp_path / "curve.png").stat().st_size > 1000
     words = [
         "--laws",
         "equal_torque",
@@ -444,3 +443,31 @@ def test_a_policy_is_learned_here_and_driven_on_the_board(tmp_path: Path):
     for out in (tmp_path / "first", tmp_path / "second"):
         run_benchmark(["--add", f"{folder / 'policy.py'}={weights}", *words, "--out", str(out)])
         assert "## weights" in (out / "laws.md").read_text()
+
+
+AS_THE_LAW = """
+from train import *
+from ev_core.lockstep.configuration import configure
+from ev_core.parameters.declaration import flatten
+
+board = replace(with_cases(read_board("small"), "training", 1), draws=3)
+(cell,) = board.cells("compact_ev:front:double_lane_change:wet:*")
+course, weights = Course(board, cell, 1, 1.0), np.random.default_rng(1).normal(size=WEIGHTS)
+common = flatten(course.run.configurations[ROLE].common)
+law = configure(ROLE, {**common, "method": POLICY_FILE, "weights": weights.tolist()})
+run = replace(course.run, configurations={**course.run.configurations, ROLE: law})
+vector = course.vector_of(run)
+seen, info = vector.reset(seed=1)
+for _ in range(30):
+    chosen = course.actions(np.tile(weights, (3, 1)).T, seen)
+    assert chosen.tobytes() == info["own"].tobytes()
+    seen, *_, info = vector.step(chosen)
+"""
+
+
+@pytest.mark.weekly
+def test_the_policy_that_is_trained_has_the_bits_of_the_law():
+    """Arrays of the trainer beside the law as it drives, with a draw of the board for each car."""
+    folder = EXAMPLE.parent / "learned"
+    code = AS_THE_LAW.replace("POLICY_FILE", repr(str(folder / "policy.py")))
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=folder)
