@@ -1,7 +1,7 @@
 """Refusals in one line, and values, names and lines from outside as they are shown."""
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 LONGEST = 200  # characters
@@ -72,3 +72,23 @@ def unknown_name(kind: str, name: Any, known: Iterable[str]) -> ParameterError:
     return ParameterError(
         f"unknown {kind} {quoted(name)}; {' '.join(filter(None, (meant, listed)))}", name
     )
+
+
+class UnknownNameError(ParameterError, KeyError):
+    """Refusal of a name that a mapping lacks; a KeyError, as Python has it, in one line of ours."""
+
+    __str__ = ValueError.__str__  # a KeyError would show the line as a quoted text
+
+
+class Named(dict[str, Any]):
+    """Mapping of things of a kind by name, which proposes similar names for one that it lacks."""
+
+    def __init__(self, kind: str, things: Mapping[str, Any]) -> None:
+        super().__init__(things)
+        self._kind = kind
+
+    def __missing__(self, name: Any) -> Any:
+        raise UnknownNameError(str(unknown_name(self._kind, name, self)), str(name))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self._kind, dict(self))

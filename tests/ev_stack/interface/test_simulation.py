@@ -275,7 +275,7 @@ def test_reset_restarts_the_simulation():
         ({"imu.yaw_rate": 1.0}, "unknown input 'imu.yaw_rate'; known: "),
         (
             {"torque_request.drive.front_left": float("nan")},
-            "input torque_request.drive.front_left: nan is refused",
+            "inputs['torque_request.drive.front_left']: nan is refused",
         ),
     ],
 )

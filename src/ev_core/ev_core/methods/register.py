@@ -21,6 +21,7 @@ from ev_core.methods.law import Law, declared_law, given_names, refuse_wrong_opt
 from ev_core.methods.method_record import Method
 from ev_core.parameters.data_file import entry_points
 from ev_core.parameters.values import refuse_undeclared
+from ev_msgs_py.arguments import checked
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.refusal import ParameterError, quoted
@@ -67,6 +68,7 @@ def not_loaded() -> tuple[str, ...]:
     return tuple(lines)
 
 
+@checked
 def method(role: str, name: str, **how: Any) -> Callable[[T], T]:
     """Register a class or a function as a method of a role.
 

@@ -14,6 +14,8 @@ from enum import IntEnum
 from functools import cache
 from typing import Any, TypeVar
 
+from ev_msgs_py.arguments import checked
+
 P = TypeVar("P")
 _SPEC = "parameter"
 _ASSUMED = "assumption"  # the source that is reproduced gives no value
@@ -76,6 +78,9 @@ class Spec:
         return f"{_in_words(self.low)} to {_in_words(self.high)}{unit}"
 
 
+_spec = checked(Spec)  # refuses what a law file declares wrongly
+
+
 def _in_words(end: float | None) -> str:
     """An end of a range; whole numbers keep all their digits."""
     return f"{end:g}" if isinstance(end, float) else str(end)
@@ -92,7 +97,7 @@ def parameter(default: Any, *, about: str, source: str = _ASSUMED, **more: Any) 
     """
     if isinstance(default, Choice):
         more["choices"] = type(default).texts()
-    return field(default=default, metadata={_SPEC: Spec(about, source=source, **more)})
+    return field(default=default, metadata={_SPEC: _spec(about, source=source, **more)})
 
 
 def is_declared(field: Field[Any]) -> bool:

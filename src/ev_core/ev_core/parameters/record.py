@@ -14,22 +14,26 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ev_msgs_py.arguments import checked
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 
 _WHEELS = len(WHEEL_NAMES)
 
 
-def entry(start: float = 0.0, *, unit: str, about: str = "") -> Any:
+@checked
+def entry(start: float | bool = 0.0, *, unit: str, about: str = "") -> Any:
     """One number; a condition is 0.0 or 1.0."""
     return field(default=start, metadata={"unit": unit, "about": about})
 
 
-def per_wheel(start: float = 0.0, *, unit: str, about: str = "") -> Any:
+@checked
+def per_wheel(start: float | bool = 0.0, *, unit: str, about: str = "") -> Any:
     """One number for each wheel, in the order of Wheels."""
     return series(_WHEELS, start, unit=unit, about=about)
 
 
-def series(count: int, start: float = 0.0, *, unit: str, about: str = "") -> Any:
+@checked
+def series(count: int, start: float | bool = 0.0, *, unit: str, about: str = "") -> Any:
     """A fixed number of numbers, such as a window of samples."""
     return field(default_factory=lambda: [start] * count, metadata={"unit": unit, "about": about})
 
@@ -47,6 +51,7 @@ def wheel_places(name: str, unit: str, about: str = "") -> tuple[Place, ...]:
     return tuple(Place(f"{name}.{wheel}", unit, about) for wheel in WHEEL_NAMES)
 
 
+@checked
 def row(places: Sequence[Place]) -> Any:
     """Numbers with names and units that are worked on as one array, as by an integrator."""
     return field(default_factory=lambda: [0.0] * len(places), metadata={"places": tuple(places)})

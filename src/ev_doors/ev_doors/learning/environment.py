@@ -23,6 +23,7 @@ from ev_doors.learning.judging import InPython, Reward
 from ev_doors.learning.limits import LARGEST_HAND_TORQUE, limits, motor_torques
 from ev_doors.learning.rewards import calm_yaw, like_the_driver, never, quick_without_slip
 from ev_doors.learning.view import picture
+from ev_msgs_py.arguments import checked
 from ev_msgs_py.compilable import compilable
 from ev_msgs_py.contract import stamps
 from ev_msgs_py.contract.roles import MASTER
@@ -31,7 +32,7 @@ from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import WHEEL_NAMES
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.plant.guard import guard_limits
-from ev_stack.interface.changes import Changes, Name, listing_changes
+from ev_stack.interface.changes import Changes, Name
 from ev_stack.interface.simulation import Simulation, SteppedLaw
 
 LARGEST_SEED = 2**31 - 1  # of a scenario
@@ -170,7 +171,7 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
     observation_space: gymnasium.spaces.Box
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}  # noqa: RUF012, as its base
 
-    @listing_changes
+    @checked
     def __init__(
         self,
         scenario: Name = "double_lane_change",
@@ -219,6 +220,7 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
     def _own_law(self) -> SteppedLaw:
         return SteppedLaw(self.simulation.configurations[self.action.role])
 
+    @checked
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:

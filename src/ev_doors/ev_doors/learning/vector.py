@@ -21,6 +21,7 @@ from ev_doors.learning.environment import LARGEST_SEED, Environment, refuse_acti
 from ev_doors.learning.judging import InPython, Judge, is_law
 from ev_doors.learning.limits import limits, motor_torques
 from ev_doors.learning.stepping import BEGIN, HERE, LEAVE, STEP, Given
+from ev_msgs_py.arguments import checked
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
@@ -52,6 +53,7 @@ class VectorEnvironment(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.nd
     finite, after which only `reset` is left.
     """
 
+    @checked
     def __init__(
         self,
         num_envs: int = 1,

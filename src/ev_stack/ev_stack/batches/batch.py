@@ -28,7 +28,7 @@ from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.graph import check_graph
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.fields import SignalError
-from ev_msgs_py.refusal import ParameterError, unknown_name
+from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_stack.batches import observer
 from ev_stack.batches.observer import Observation, Reduction, result
 from ev_stack.batches.placed import NOTHING, Placed, Placing
@@ -179,13 +179,17 @@ def batch(
     check_graph(configurations)
     reductions, texts = (metrics, ()) if isinstance(metrics, Mapping) else ({}, metrics or ())
     # A single row is that of one run.
-    states = {
-        role: np.atleast_2d(np.asarray(rows, float))
-        for role, rows in (initial_states or {}).items()
-    }
-    for role in states:
+    states = {}
+    for role, rows in (initial_states or {}).items():
         if role not in configurations:
             raise unknown_name("role", role, configurations)
+        try:
+            states[role] = np.atleast_2d(np.asarray(rows, float))
+        except (TypeError, ValueError):
+            raise ParameterError(
+                f"initial_states of {role}: {quoted(rows)} is refused, expected rows of numbers,"
+                " all of one length"
+            ) from None
     variation = Variation(
         configurations, vary or {}, {role: len(rows) for role, rows in states.items()}
     )

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal, get_args
 
 from ev_stack.figures.sheets import COLUMN, STYLE, Figure, Sheets, printed
 from ev_stack.recording.recording import atomic_file
 
-FORMATS = ("pdf", "svg")  # for print, beside PNG for the screen
+Format = Literal["pdf", "svg"]  # for print, beside PNG for the screen
+FORMATS = get_args(Format)
 _SCREEN = ("png",)
 # Two equal figures are equal files; the lightest compression costs some kilobytes and saves half of
 # the time to save.
@@ -28,10 +30,13 @@ class Print:
     width: float = COLUMN
     panels: tuple[str, ...] = ()
 
+    def drawn(self, sheets: Sheets) -> dict[str, Figure]:
+        """Draw the figures for print; ParameterError for a pattern that fits no panel."""
+        return printed(sheets, self.width, self.panels) if self.formats else {}
+
     def save(self, sheets: Sheets, folder: Path) -> None:
         """Write the figures for print; ParameterError for a pattern that fits no panel."""
-        if self.formats:
-            save_figures(printed(sheets, self.width, self.panels), folder, self.formats)
+        save_figures(self.drawn(sheets), folder, self.formats)
 
 
 def save_figures(

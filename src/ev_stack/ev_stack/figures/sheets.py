@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any
 
-from ev_msgs_py.refusal import unknown_name
+from ev_msgs_py.refusal import ParameterError, unknown_name
 from ev_stack.figures.panels import DPI, Axes, Panel, readable
 from ev_stack.figures.strokes import Stroke, strokes_of
 
@@ -29,6 +29,7 @@ else:
 
 STYLE = "ev_stack.figures.journal"
 COLUMN, WIDE, TALLEST = 3.5, 7.2, 9.0  # of a column and a page, and the height of a page [inch]
+NARROWEST, WIDEST = 1.0, 40.0  # that can be asked for [inch]
 _NARROWEST = 2.3  # of a panel beside others [inch]
 _HIGH, _FLAT = 1.15, 0.3  # of the axes of a panel [inch], and of one that is alone, over its width
 _TICKS = 5.0  # of an ordinate, at most [1/inch]
@@ -127,6 +128,9 @@ def _pages(
     sheet: Sheet, width: float, tallest: float, strokes: Mapping[str, Stroke]
 ) -> Iterator[Figure]:
     """The figures of a sheet, none if it would show nothing."""
+    if not NARROWEST <= width <= WIDEST:
+        expected = f"expected {NARROWEST:g} to {WIDEST:g} inches"
+        raise ParameterError(f"width: {width:g} is refused, {expected}")
     panels = [panel for panel in sheet.panels if not panel.is_empty]
     columns = max(1, min(sheet.columns, len(panels), int(width / _NARROWEST)))
     rows = [panels[n : n + columns] for n in range(0, len(panels), columns)]

@@ -1,63 +1,44 @@
 """Changes of a scenario's file: the same keywords in every call of the Python interface.
 
 How it works: `Changes` declares them, once. A call takes them as `**changes: Unpack[Changes]`,
-which type checkers and editors complete; `listing_changes` writes them into its signature, which
-help and notebooks show; `overrides` makes of them what the resolver of scenarios takes.
+which type checkers and editors complete; `checked` writes them into its signature, which help and
+notebooks show; `overrides` makes of them what the resolver of scenarios takes.
 """
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from os import PathLike, fspath
 from pathlib import Path
-from typing import Any, TypedDict, TypeVar, Unpack
+from typing import Annotated, Any, TypedDict, Unpack
 
 from ev_core.parameters.values import number_of
-from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
+from ev_msgs_py.arguments import checked
+from ev_msgs_py.refusal import ParameterError, quoted
 from ev_stack.scenarios.records import Overrides
 
 Name = str | PathLike[str]  # or a path
-C = TypeVar("C", bound=Callable[..., Any])
 
 
 class Changes(TypedDict, total=False):
     """Changes of a scenario's file, as `ev_stack.run` describes them; None changes nothing."""
 
-    method: Mapping[str, str] | None
-    set: Mapping[str, Any] | None
+    method: Annotated[Mapping[str, str] | None, "{NODE: METHOD}, both texts"]
+    set: Annotated[Mapping[str, Any] | None, "{'NODE.PARAMETER': VALUE}"]
     seed: int | None
-    duration: float | str | None
+    duration: Annotated[float | str | None, "a number of seconds or such as '5 s'"]
     vehicle: Name | None
     params: Iterable[Name] | None
     cycle: Name | None
 
 
-def listing_changes(call: C) -> C:
-    """Show each keyword of `Changes` in the signature of a call that takes **changes."""
-    signature = inspect.signature(call)
-    # **changes makes room for the keywords that it stands for.
-    own = [each for each in signature.parameters.values() if each.kind is not each.VAR_KEYWORD]
-    keywords = [
-        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind)
-        for name, kind in Changes.__annotations__.items()
-    ]
-    # help and notebooks read __signature__ before they look at the function itself.
-    shown: Any = call
-    shown.__signature__ = signature.replace(parameters=[*own, *keywords])
-    return call
-
-
-@listing_changes
+@checked
 def overrides(**changes: Unpack[Changes]) -> Overrides:
     """Make of changes what the resolver takes.
 
     ParameterError for a name in `set` without a dot, and for no duration; TypeError for a keyword
     that is none.
     """
-    for name in changes:
-        if name not in Changes.__annotations__:
-            raise TypeError(str(unknown_name("keyword", name, Changes.__annotations__)))
     values: list[tuple[str, str, Any]] = []
     for node, method in (changes.get("method") or {}).items():
         values.append((node, "method", method))
@@ -78,9 +59,7 @@ def overrides(**changes: Unpack[Changes]) -> Overrides:
 
 def _seconds(duration: float | str | None) -> float | None:
     seconds = number_of(duration, "s") if isinstance(duration, str) else duration
-    # True is an int to Python.
-    is_number = isinstance(seconds, int | float) and not isinstance(seconds, bool)
-    if duration is not None and not is_number:
+    if duration is not None and seconds is None:
         raise ParameterError(
             f"duration: {quoted(duration)} is refused, "
             "expected a number of seconds or such as '5 s'"

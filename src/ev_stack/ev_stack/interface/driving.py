@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from os import fspath
-from typing import Any, Unpack
+from typing import Annotated, Any, Unpack
 
+from ev_msgs_py.arguments import checked
 from ev_msgs_py.refusal import ParameterError, unknown_name
 from ev_stack.batches.batch import BatchResult
 from ev_stack.batches.batch import batch as batch_of
 from ev_stack.batches.observer import Reduction
-from ev_stack.interface.changes import Changes, Name, listing_changes, overrides
+from ev_stack.interface.changes import Changes, Name, overrides
 from ev_stack.measures.registry import METRICS
 from ev_stack.report.reports import known_metrics
 from ev_stack.report.result import Result
@@ -22,7 +23,7 @@ from ev_stack.scenarios.records import Overrides, Run
 from ev_stack.scenarios.scenario import load_scenario
 
 
-@listing_changes
+@checked
 def run(
     scenario: Name,
     runs: Sequence[str] = (),
@@ -60,14 +61,17 @@ def run(
     return Result(loaded, {each.name: drive_offline(each) for each in loaded.runs})
 
 
-@listing_changes
+@checked
 def batch(
     scenario: Name,
     vary: Mapping[str, Iterable[Any]] | None = None,
     run: str = "",
     signals: Sequence[str] = (),
     every: int = 1,
-    metrics: Mapping[str, Reduction] | Sequence[str] | None = None,
+    metrics: Annotated[
+        Mapping[str, Reduction] | Sequence[str] | None,
+        "a list of texts, or {NAME: REDUCTION} such as {'end': last('imu.yaw_rate')}",
+    ] = None,
     initial_states: Mapping[str, Any] | None = None,
     threads: int | None = None,
     **changes: Unpack[Changes],

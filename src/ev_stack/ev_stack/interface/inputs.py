@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+from typing import Annotated
 
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.fields import NEGLIGIBLE
 from ev_msgs_py.refusal import ParameterError, quoted
+
+Number = Annotated[float, "a finite number"]
 
 
 def taken_input(name: str, place: int, value: float) -> float:

@@ -22,15 +22,16 @@ from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.parts import compiled_parts, part_of
 from ev_core.lockstep.run import call, refuse_not_finite, roles_in_order
 from ev_core.sensors.row import imperfect
+from ev_msgs_py.arguments import checked
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.frame import Frame
 from ev_msgs_py.contract.roles import ROLES, RoleKind
 from ev_msgs_py.contract.signals import Instant
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
-from ev_stack.interface.changes import Changes, Name, listing_changes, overrides
+from ev_stack.interface.changes import Changes, Name, overrides
 from ev_stack.interface.driving import only_run
-from ev_stack.interface.inputs import taken_input
+from ev_stack.interface.inputs import Number, taken_input
 from ev_stack.recording.recording import Recording, recording_of
 from ev_stack.running.steering_angles import run_with_own_angles
 from ev_stack.scenarios.records import Run
@@ -69,7 +70,8 @@ class SteppedLaw:
         self._part = part_of(self._configuration, compiled=True)
         self.state = state
 
-    def answer(self, time: float, given: Mapping[str, float]) -> dict[str, float]:
+    @checked
+    def answer(self, time: float, given: Mapping[str, Number]) -> dict[str, float]:
         """Outputs at an instant [s], by channel in SI units.
 
         Missing inputs keep their last value. ParameterError for an input that no run has,
@@ -137,7 +139,7 @@ class Simulation:
     (0.01, 50.0)
     """
 
-    @listing_changes
+    @checked
     def __init__(
         self,
         scenario: Name | Run,
@@ -192,6 +194,7 @@ class Simulation:
             role for role in roles if role in self.configurations and role not in self._without
         )
 
+    @checked
     def reset(self, seed: int | None = None) -> Mapping[str, float]:
         """Begin again, at rest, with another seed of everything random if one is given.
 
@@ -223,7 +226,8 @@ class Simulation:
         self._make_parts()
         self.state = state
 
-    def step(self, inputs: Mapping[str, float] | None = None) -> Mapping[str, float]:
+    @checked
+    def step(self, inputs: Mapping[str, Number] | None = None) -> Mapping[str, float]:
         """Go on by one control period and give the frame that is shown then.
 
         `inputs` are by channel what the roles that are left out write at this instant, in SI units;

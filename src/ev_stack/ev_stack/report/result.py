@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ev_core.parameters.data_file import TIME, files_in_config
+from ev_msgs_py.arguments import checked
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import MASTER
-from ev_msgs_py.refusal import ParameterError
+from ev_msgs_py.refusal import Named, ParameterError
 from ev_nodes.master.real_time import MasterParameters
 from ev_stack.figures.other_axes import timing_sheet
-from ev_stack.figures.saving import Print, save_figures
+from ev_stack.figures.saving import Format, Print, save_figures
 from ev_stack.figures.sheets import COLUMN, WIDE, Figure, Sheet, drawn
 from ev_stack.measures.metric import Metric, Runs
 from ev_stack.recording.offline import true_motion
@@ -62,7 +63,8 @@ class Result:
     @property
     def runs(self) -> Runs:
         """The signals of each run by its name."""
-        return {name: outcome.recording for name, outcome in self.outcomes.items()}
+        runs = {name: outcome.recording for name, outcome in self.outcomes.items()}
+        return Named("run", runs)
 
     @cached_property
     def truth(self) -> Runs:
@@ -81,7 +83,7 @@ class Result:
 
         Raises ParameterError if there are several runs.
         """
-        return self._only.channels
+        return Named("channel", self._only.channels)
 
     @property
     def hash(self) -> str:
@@ -106,7 +108,8 @@ class Result:
             if changed
             else ""
         )
-        return {name: replace(each, unjudged=each.unjudged or why) for name, each in found.items()}
+        judged = {n: replace(each, unjudged=each.unjudged or why) for n, each in found.items()}
+        return Named("metric", judged)
 
     @property
     def _other_than_the_source(self) -> list[str]:
@@ -148,6 +151,7 @@ class Result:
         timing = {"timing": timing_sheet(self._timing)} if self._timing else {}
         return {**figures_of_runs(self.truth, self.scenario.runs), **timing}
 
+    @checked
     def figures(self, width: float = WIDE) -> dict[str, Figure]:
         """New figures [inch wide] of matplotlib by name."""
         return drawn(self.sheets, width)
@@ -156,6 +160,7 @@ class Result:
     def _timing(self) -> dict[str, Mapping[str, Any]]:
         return {name: outcome.timing for name, outcome in self.outcomes.items() if outcome.timing}
 
+    @checked
     def data_frame(self, run: str = "") -> DataFrame:
         """Signals of a run over time [s] as a table of pandas.
 
@@ -207,10 +212,11 @@ class Result:
             differs=self.differs,
         )
 
+    @checked
     def save(
         self,
         directory: Path | str | None = None,
-        formats: Sequence[str] = (),
+        formats: Sequence[Format] = (),
         width: float = COLUMN,
         panels: Sequence[str] = (),
     ) -> Path:
@@ -223,14 +229,16 @@ class Result:
         """
         # Before the folder is made: a figure that fails leaves none behind.
         figures, runs = self.figures(), self.scenario.runs
+        prints = Print(tuple(formats), width, tuple(panels)).drawn(self.sheets)
         given = None if directory is None else Path(directory)
         with output_folder(given, self.scenario.name) as folder:
             for run in runs:
                 save(self.runs[run.name], folder_of(run, runs, folder) / SIGNALS)
             self.write_report(folder, figures)
-            Print(tuple(formats), width, tuple(panels)).save(self.sheets, folder)
+            save_figures(prints, folder, formats)
         return folder
 
+    @checked
     def write_report(
         self, folder: Path, figures: Mapping[str, Figure], page: bool = True
     ) -> dict[str, Any]:
