@@ -31,6 +31,7 @@ from ev_sim.understeer import (
 )
 from ev_stack.scenarios.files import vehicle_of
 from ev_study.analysis.__main__ import main as analyse
+from ev_study.analysis.__main__ import print_over_speed
 from ev_study.analysis.linear_models import SideSlipModel, single_track, yaw_damping
 from ev_study.analysis.linearised_plant import OperatingPoint, linearised
 
@@ -428,6 +429,13 @@ def test_damping_and_frequency_are_those_of_two_poles_of_the_car(car, speed):
     for root in found:
         assert np.abs(poles - root).min() < 1e-6 * frequency
     assert found.real.max() == pytest.approx(poles.real.max())
+
+
+@pytest.mark.parametrize(("car", "rolls"), [("sedan", True), ("compact_ev", False)])
+def test_damping_of_a_car_that_rolls_is_named_as_of_both(capsys, car, rolls):
+    """That of the sedan is slower by three than its yaw, which a rigid body would show."""
+    print_over_speed(vehicle_of(car), "dry_asphalt")
+    assert ("the body rolls as well" in capsys.readouterr().out) == rolls
 
 
 def test_command_line_says_in_one_line_what_is_wrong(tmp_path):

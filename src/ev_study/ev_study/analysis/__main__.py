@@ -87,6 +87,8 @@ def print_over_speed(vehicle: Vehicle, surface: str) -> None:
         model = single_track(vehicle, speed, surface)
         ratio, frequency = yaw_damping(model)
         print(f"{speed:>10g}{yaw_gain(model):>20.4g}{ratio:>18.4g}{frequency:>18.4g}")
+    if vehicle.suspension.rolls:
+        print("damping and frequency are of the slowest motion, in which the body rolls as well")
 
 
 def save_matrices(path: Path, plant: LinearisedPlant) -> None:

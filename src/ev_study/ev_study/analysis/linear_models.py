@@ -97,7 +97,8 @@ def yaw_damping(system: StateSpace) -> tuple[float, float]:
     """Damping ratio [1] and undamped frequency [rad/s] of the slowest pole and its partner.
 
     A complex pole has its conjugate. A real one is taken as of a pair with the next real one: a
-    pair of one real pole and half of a complex pair is the motion of no car.
+    pair of one real pole and half of a complex pair is the motion of no car. Where the body rolls,
+    the slowest motion is one of yaw and roll, or of the roll alone.
     """
     # By the real part: what dies out last.
     slowest, *others = sorted(np.linalg.eigvals(system.A), key=lambda pole: -pole.real)
