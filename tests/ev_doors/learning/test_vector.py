@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from pathlib import Path
 
 import gymnasium
 import numpy as np
@@ -17,6 +18,7 @@ from ev_msgs_py.contract.fields import SignalError
 from ev_msgs_py.refusal import ParameterError
 
 IDS = ev_doors.learning.IDS
+LAW = Path(__file__).parents[3] / "docs" / "examples" / "yaw_feedback.py"
 CARS = 3
 DURATION = 0.05  # 6 steps, the last one of which ends the episode
 # Friction of the road, noise, a fault of a motor and one of a signal, and another body: of each car.
@@ -46,7 +48,7 @@ def singles(name: str, mode: AutoresetMode, vary: dict, **changes) -> SyncVector
 
     def one(car: int):
         drawn = {parameter: values[car] for parameter, values in vary.items()}
-        return lambda: Environment(**IDS[name], set=drawn, **changes)
+        return lambda: Environment(**{**IDS[name], "set": drawn, **changes})
 
     makers = [one(car) for car in range(CARS)]
     return SyncVectorEnv(makers, autoreset_mode=mode, observation_mode="different")
@@ -124,6 +126,28 @@ def leaves_early(body: BodyVelocity, wheels: WheelStates) -> bool:
     return body.longitudinal < 22.0 and wheels.velocity[0] < 75.0
 
 
+@pytest.mark.weekly
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [
+        ("ev_stack/TorqueSplit-v0", {"scenario": "shchur2019"}),
+        ("ev_stack/Steering-v0", {"scenario": "shchur2019"}),
+        ("ev_stack/TorqueSplit-v0", {"method": {"electronic_differential": str(LAW)}}),
+        ("ev_stack/TractionControl-v0", {"method": {"asr": "pi_slip"}, "vehicle": "layout_1_8_c"}),
+        ("ev_stack/TractionControl-v0", {"scenario": "straight_brake_split_mu", "run": "steered"}),
+    ],
+)
+def test_other_scenarios_and_laws_have_the_bits_of_single_environments(name, changes, actions):
+    """The kinematic plant, a law of others as the scenario's own, one with a state, a braked car."""
+    mine = vector_of(name, duration=DURATION, **changes)
+    theirs = singles(name, AutoresetMode.NEXT_STEP, {}, duration=DURATION, **changes)
+    assert_same(mine.reset(seed=2), theirs.reset(seed=2))
+    for _ in range(14):
+        high = mine.action_space.high
+        chosen = actions.uniform(-1.0, 1.0, high.shape) * high
+        assert_same(mine.step(chosen), theirs.step(chosen))
+
+
 def test_threads_change_no_bit(actions):
     """Two shares of the cars beside each other, or all one behind the other."""
     made = [vector_of("ev_stack/Steering-v0", num_envs=17, threads=n) for n in (1, 2)]
@@ -195,6 +219,7 @@ def test_seeds_are_those_of_single_environments():
             {"vary": {"plant.initial_speed": [20.0, 21.0]}},
             "vary has 2 values of each parameter, expected 3, one for each car",
         ),
+        ({"vary": {"*.seed": [1] * CARS}}, "vary: *.seed is refused, expected are seeds in reset("),
         ({"vary": {"plant.initial_sped": [20.0] * CARS}}, "unknown parameter of plant"),
         (
             {

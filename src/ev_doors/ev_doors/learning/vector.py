@@ -85,6 +85,11 @@ class VectorEnvironment(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.nd
                 f"vary has {variation.runs} values of each parameter, expected {num_envs}, one for"
                 " each car"
             )
+        for name in variation.names:
+            if name.endswith(".seed"):
+                raise ParameterError(
+                    f"vary: {name} is refused, expected are seeds in reset(seed=[...])"
+                )
         placing = Placing(configurations, variation)
         self._cars = SteppedCars(
             one,
