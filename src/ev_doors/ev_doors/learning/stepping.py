@@ -135,23 +135,18 @@ def judge(car: int, cars: Cars) -> None:
 
 @compilable
 def answer(car: int, task: Task, stopped: np.ndarray) -> int:
-    """Let roles in front of the learner answer, observe and judge, and let the law answer."""
-    cars, places, given = task.cars, task.places, task.given
+    """Let the roles in front of the learner answer, judge, and let the law answer."""
+    cars, places = task.cars, task.places
     frames, order = cars.frames[car], cars.order[car]
     rows = cars.rows[car, : order[3]]
     status = drive_instant(frames, HERE, HERE, (0, order[0]), Parts(rows, order[2]), stopped)
     if status != FINISHED:
         return status
-    for i in range(len(places.seen)):
-        most = cars.largest[car, i]
-        given.seen[car, i] = min(max(frames[HERE, places.seen[i]], -most), most)
-    cars.marks[car, 0] = 0.0
-    cars.marks[car, 1] = 0.0
     # Where an episode begins there is nothing to reward.
-    if given.doings[car] == STEP:
+    if task.given.doings[car] == STEP:
         judge(car, cars)
-    given.rewards[car] = cars.marks[car, 0]
-    given.ended[car] = cars.marks[car, 1] != 0.0
+        task.given.rewards[car] = cars.marks[car, 0]
+        task.given.ended[car] = cars.marks[car, 1] != 0.0
     frames[LAW, TIME] = frames[HERE, TIME]
     status = drive_instant(frames, HERE, LAW, (order[0], order[1]), Parts(rows, 0), stopped)
     if status != FINISHED:
@@ -160,7 +155,6 @@ def answer(car: int, task: Task, stopped: np.ndarray) -> int:
         written = frames[LAW, places.actions[i]]
         own = standing_for(task.limits, written)
         cars.choices[car, 1, i] = own
-        given.own[car, i] = own
         if meant(task.limits, frames[HERE, places.asked[i]], own) != written:
             stopped[1] = i
             return WITHOUT_MEANING
@@ -168,18 +162,29 @@ def answer(car: int, task: Task, stopped: np.ndarray) -> int:
 
 
 @compilable
+def show(car: int, task: Task) -> None:
+    """Write what is observed of a car, and the action that stands for its law."""
+    cars, places, given = task.cars, task.places, task.given
+    for i in range(len(places.seen)):
+        most = cars.largest[car, i]
+        given.seen[car, i] = min(max(cars.frames[car, HERE, places.seen[i]], -most), most)
+    for i in range(len(places.actions)):
+        given.own[car, i] = cars.choices[car, 1, i]
+
+
+@compilable
 def step_cars(first: int, last: int, task: Task, stopped: np.ndarray) -> int:
-    """Step some of the cars, or put them to their start."""
+    """Step some of the cars, put them to their start, or show them as they are."""
     for car in range(first, last):
         stopped[3] = car
         doing = task.given.doings[car]
-        if doing == LEAVE:
-            continue
-        status = begin(car, task.cars, stopped) if doing == BEGIN else go_on(car, task, stopped)
-        if status == FINISHED:
-            status = answer(car, task, stopped)
-        if status != FINISHED:
-            return status
+        if doing != LEAVE:
+            status = begin(car, task.cars, stopped) if doing == BEGIN else go_on(car, task, stopped)
+            if status == FINISHED:
+                status = answer(car, task, stopped)
+            if status != FINISHED:
+                return status
+        show(car, task)
     return FINISHED
 
 

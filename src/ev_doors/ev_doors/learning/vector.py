@@ -116,8 +116,7 @@ class VectorEnvironment(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.nd
         self._seeds = self._listed(of_each.get("seed"))
         self._randoms: list[np.random.Generator | None] = [None] * num_envs
         self._over = np.zeros(num_envs, bool)
-        # The observation and the action of the law that were given last; none before a reset.
-        self._last: Given | None = None
+        self._has_begun = False
 
     def _bounds_of_draws(self, one: Environment, placing: Placing) -> tuple[np.ndarray, np.ndarray]:
         """Range of the actions of all cars; each car gets the bounds of what it observes."""
@@ -172,34 +171,29 @@ class VectorEnvironment(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.nd
                 f"reset_mask of {mask.dtype} {mask.shape} is refused, expected are"
                 f" {self.num_envs} bool, at least one of them True"
             )
-        if self._last is None and not mask.all():
+        if not self._has_begun and not mask.all():
             raise ParameterError("reset_mask is refused, expected is a reset of all cars before it")
-        given = self._arrays(self._last)
-        self._begin(given, mask, self._listed(seed))
-        self._last = None
+        seeds, given = self._listed(seed), self._arrays()
+        given.doings[:] = np.where(mask, BEGIN, LEAVE)
+        # Until all is done: what is refused half-way leaves nothing to go on from.
+        self._has_begun = False
+        self._prepare(mask, seeds)
         self._cars.call(given)
         self._over = self._over & ~mask
-        self._last = given
+        self._has_begun = True
         return given.seen, self._info(given)
 
-    def _arrays(self, like: Given | None = None, actions: np.ndarray | None = None) -> Given:
-        """New arrays for a call; `like` those of a call before for cars that do nothing in it."""
+    def _arrays(self, actions: np.ndarray | None = None) -> Given:
+        """New arrays for a call."""
         cars, size = self.num_envs, (self.num_envs, len(self.channels))
-        if like is not None:
-            return Given(*(array.copy() for array in like))
         return Given(
             doings=np.zeros(cars, np.uint8),
             actions=np.zeros(size) if actions is None else actions,
             seen=np.empty((cars, len(self.observed))),
-            rewards=np.empty(cars),
-            ended=np.empty(cars, np.uint8),
+            rewards=np.zeros(cars),
+            ended=np.zeros(cars, np.uint8),
             own=np.empty(size),
         )
-
-    def _begin(self, given: Given, mask: np.ndarray, seeds: Sequence[int | None]) -> None:
-        """Prepare new episodes of some cars; the others do nothing."""
-        given.doings[:] = np.where(mask, BEGIN, LEAVE)
-        self._prepare(mask, seeds)
 
     def _prepare(self, mask: np.ndarray, seeds: Sequence[int | None]) -> None:
         for car in np.flatnonzero(mask).tolist():
@@ -222,7 +216,7 @@ class VectorEnvironment(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.nd
 
         ParameterError for another shape, and for what is no finite number; nothing is done then.
         """
-        if self._last is None:
+        if not self._has_begun:
             raise ParameterError(
                 "step is refused before the first reset, expected is reset() before it"
             )
@@ -233,37 +227,37 @@ class VectorEnvironment(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.nd
                 f"step is refused: the episode of car {car} is over, expected is reset with a"
                 " reset_mask"
             )
-        given = self._arrays(actions=values)
-        begins = self._over
+        given, begins = self._arrays(values), self._over
         given.doings[:] = np.where(begins, BEGIN, STEP)
-        if begins.any():
-            self._prepare(begins, [None] * self.num_envs)
-        own, self._last = self._last.own, None
+        # That of the instant at which the action was chosen: the step replaces it.
+        own = self._cars.cars.choices[:, 1].copy()
+        self._has_begun = False
+        self._prepare(begins, [None] * self.num_envs)
         self._cars.call(given)
-        rewards, ended = self._judged(given, values, own, begins)
+        rewards, ended = self._judged(given, own)
         info = self._info(given)
         truncated = info["time"] > self._duration
         self._over = ended | truncated
         if self._mode is AutoresetMode.SAME_STEP and self._over.any():
             info = self._with_next_episodes(given, info)
-        self._last = given
+        self._has_begun = True
         return given.seen, rewards, ended, truncated, info
 
-    def _judged(
-        self, given: Given, actions: np.ndarray, own: np.ndarray, begins: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def _judged(self, given: Given, own: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         rewards, ended = given.rewards, given.ended.view(bool)
         if self._reward is not None:
-            rewards = np.array(self._reward(self.frame, actions, own), float)
-            rewards[begins] = 0.0
+            rewards = np.array(self._reward(self.frame, given.actions, own), float)
         if self._ends is not None:
-            ended = np.array(self._ends(self.frame, actions, own), bool)
-            ended[begins] = False
+            ended = np.array(self._ends(self.frame, given.actions, own), bool)
         for name, array in (("reward", rewards), ("ends", ended)):
             if array.shape != (self.num_envs,):
                 raise ParameterError(
                     f"{name} gives an array of shape {array.shape}, expected ({self.num_envs},)"
                 )
+        # Where an episode begins there is nothing to judge.
+        begins = given.doings == BEGIN
+        rewards[begins] = 0.0
+        ended[begins] = False
         return rewards, ended
 
     def _with_next_episodes(self, given: Given, info: dict[str, Any]) -> dict[str, Any]:
@@ -273,10 +267,9 @@ class VectorEnvironment(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.nd
             final[car] = given.seen[car].copy()
         before = {name: each.copy() for name, each in info.items() if not name.startswith("_")}
         marked = dict.fromkeys([f"_{name}" for name in before], mask)
-        rewards, ended = given.rewards.copy(), given.ended.copy()
-        self._begin(given, mask, [None] * self.num_envs)
+        given.doings[:] = np.where(mask, BEGIN, LEAVE)
+        self._prepare(mask, [None] * self.num_envs)
         self._cars.call(given)
-        given.rewards[:], given.ended[:] = rewards, ended
         self._over = np.zeros(self.num_envs, bool)
         return {
             **self._info(given),
