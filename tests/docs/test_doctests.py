@@ -24,7 +24,13 @@ def failures_of(called: object) -> int:
 
 @pytest.mark.parametrize(
     "called",
-    [ev_stack.run, ev_stack.batch, ev_stack.Simulation, Environment],
+    [
+        ev_stack.run,
+        ev_stack.batch,
+        ev_stack.Simulation,
+        ev_stack.Result.plot,
+        Environment,
+    ],
     ids=lambda called: called.__name__,
 )
 def test_an_example_gives_what_it_shows(called):

@@ -10,7 +10,7 @@ from __future__ import annotations
 import inspect
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from functools import wraps
+from functools import cache, wraps
 from numbers import Integral, Real
 from os import PathLike
 from types import SimpleNamespace, UnionType
@@ -51,44 +51,73 @@ def checked(call: C) -> C:
     that is none. `**changes: Unpack[KEYWORDS]` stands for the keywords of a TypedDict, which help
     and notebooks show in the signature.
     """
-    signature = inspect.signature(call)
-    hints = dict(call.__annotations__)
-    # What is given back may have a type that only the type checker imports.
-    hints.pop("return", None)
-    known = vars(sys.modules[call.__module__])
-    kinds = get_type_hints(SimpleNamespace(__annotations__=hints), known, None, True)
-    own = []
-    keywords = []
-    for each in signature.parameters.values():
-        if each.kind is not each.VAR_KEYWORD or get_origin(kinds[each.name]) is not Unpack:
-            own.append(each)
-            continue
-        listed = get_type_hints(get_args(kinds.pop(each.name))[0], include_extras=True)
-        kinds |= listed
-        for name, kind in listed.items():
-            keyword = inspect.Parameter(
-                name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind
-            )
-            keywords.append(keyword)
-    shown = signature.replace(parameters=[*own, *keywords])
-    names = tuple(shown.parameters)
-    takes_any = any(each.kind is each.VAR_KEYWORD for each in shown.parameters.values())
+    shown = _listing_keywords(call)
+    by_place = []
+    by_name = []
+    further = ""
+    takes_any = False
+    for each in shown.parameters.values():
+        if each.kind is each.VAR_KEYWORD:
+            takes_any = True
+        elif each.kind is each.VAR_POSITIONAL:
+            further = each.name
+        else:
+            by_name.append(each.name)
+            if each.kind is not each.KEYWORD_ONLY:
+                by_place.append(each.name)
+
+    @cache
+    def kinds() -> dict[str, Any]:
+        # Not before the first call: an annotation may name a class that is being defined.
+        return {**_kinds(call, call.__annotations__), **_listed(call)}
 
     def refusing(*given: Any, **named: Any) -> Any:
         if not takes_any:
             for name in named:
-                if name not in names:
-                    expected = [each for each in names if each != "self"]
+                if name not in by_name:
+                    expected = [each for each in by_name if each != "self"]
                     raise TypeError(str(unknown_name("keyword", name, expected)))
-        values = [_taken(name, value, kinds) for name, value in zip(names, given, strict=False)]
+        placed = zip(by_place, given, strict=False)
+        values = [_taken(name, value, kinds()) for name, value in placed]
         # Python refuses what is beyond the last argument.
-        values += given[len(names) :]
-        return call(*values, **{name: _taken(name, named[name], kinds) for name in named})
+        values += [_taken(further, value, kinds()) for value in given[len(by_place) :]]
+        return call(*values, **{name: _taken(name, named[name], kinds()) for name in named})
 
     found: Any = wraps(call)(refusing)
     # help and notebooks read __signature__ before they look at the function itself.
     found.__signature__ = shown
     return cast(C, found)
+
+
+def _kinds(call: Any, annotations: Mapping[str, Any]) -> dict[str, Any]:
+    """The annotations as types; what is given back may have one that is not imported."""
+    given = {name: each for name, each in annotations.items() if name != "return"}
+    known = vars(sys.modules[call.__module__])
+    return get_type_hints(SimpleNamespace(__annotations__=given), known, None, True)
+
+
+def _listed(call: Any) -> dict[str, Any]:
+    """Keywords and kinds of the TypedDict that `**NAME: Unpack[KEYWORDS]` stands for."""
+    for each in inspect.signature(call).parameters.values():
+        if each.kind is each.VAR_KEYWORD:
+            (kind,) = _kinds(call, {each.name: each.annotation}).values()
+            if get_origin(kind) is Unpack:
+                return get_type_hints(get_args(kind)[0], include_extras=True)
+    return {}
+
+
+def _listing_keywords(call: Any) -> inspect.Signature:
+    """The signature, with these keywords in the place of the one that stands for them."""
+    signature = inspect.signature(call)
+    listed = _listed(call)
+    if not listed:
+        return signature
+    own = [each for each in signature.parameters.values() if each.kind is not each.VAR_KEYWORD]
+    keywords = [
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind)
+        for name, kind in listed.items()
+    ]
+    return signature.replace(parameters=[*own, *keywords])
 
 
 def _taken(name: str, value: Any, kinds: Mapping[str, Any]) -> Any:
@@ -132,6 +161,8 @@ def _refusal_of_one(place: str, value: Any, kind: Any) -> str:
     """The same for one kind that is no union."""
     of = get_origin(kind) or kind
     parts = get_args(kind)
+    if of is dict:
+        of = Mapping
     if of is Any or isinstance(of, TypeVar):
         return ""
     if of is Literal:
@@ -181,7 +212,7 @@ def _words(kind: Any) -> str:
         return " or ".join(_words(each) for each in parts if each is not type(None))
     if of is Literal:
         return " or ".join(map(str, parts))
-    if of is Mapping:
+    if of in (Mapping, dict):
         return f"a mapping from {_several(parts[0])} to {_several(parts[1])}"
     if of in (Sequence, Iterable):
         return f"a list of {_several(parts[0])}"

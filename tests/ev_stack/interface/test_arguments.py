@@ -97,6 +97,13 @@ CALLS = {
     SteppedLaw.answer: {"time": NUMBER, "given": {"numbers by name"}},
     ev_stack.Result.figures: {"width": NUMBER},
     ev_stack.Result.data_frame: {"run": {"text"}},
+    ev_stack.Result.plot: {
+        "others": set(),
+        "signals": TEXTS,
+        "panels": TEXTS,
+        "names": TEXTS,
+        "width": NUMBER,
+    },
     ev_stack.Result.save: {
         "directory": {"none", *NAME},
         "formats": set(),
@@ -153,12 +160,14 @@ def test_any_value_of_another_kind_is_one_line_before_anything_is_done(wrong, da
     """All frames of the traceback are those of the check: the function has not begun."""
     call, name, kind = wrong
     value = data.draw(VALUES[kind], label=f"{call.__qualname__} {name}")
+    signature = inspect.signature(call).parameters
     # The object of a method is not looked at before its arguments are checked.
+    placed = [None] if "self" in signature else []
+    named = {name: value}
+    if signature[name].kind is inspect.Parameter.VAR_POSITIONAL:
+        placed.append(named.pop(name))
     with pytest.raises(ParameterError) as refused:
-        call(
-            **({"self": None} if "self" in inspect.signature(call).parameters else {}),
-            **{name: value},
-        )
+        call(*placed, **named)
     text = str(refused.value)
     assert text.startswith(name)
     assert " is refused, expected " in text

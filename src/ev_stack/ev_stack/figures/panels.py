@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ev_msgs_py.contract import frame
+from ev_msgs_py.refusal import unknown_name
 from ev_stack.figures.strokes import PUBLISHED, Stroke
 from ev_stack.figures.thinning import chatter, thinned
 from ev_stack.measures import motion
@@ -234,6 +236,23 @@ def over_time(
         return [Curve(run.time, quantity(run), label, spun=has_spun(run)) for label, run in named]
 
     return panel(title, ylabel, curves, within=within)
+
+
+def signal_panels(runs: Runs, names: Sequence[str]) -> list[Panel]:
+    """Channels of every run; ParameterError for one that no run has."""
+    known = {name for run in runs.values() for name in run.channels}
+    units = frame.units()
+    panels = []
+    for name in names:
+        if name not in known:
+            raise unknown_name("channel", name, known)
+        unit, factor = IN_FIGURES.get(units[name], (units[name], 1.0))
+
+        def scaled(run: Recording, name: str = name, factor: float = factor) -> np.ndarray:
+            return factor * channel(run, name)
+
+        panels.append(over_time(runs, name, f"[{unit}]", scaled))
+    return panels
 
 
 def motion_panels(runs: Runs, *names: str) -> list[Panel]:

@@ -22,8 +22,9 @@ from ev_stack.figures.panels import DPI, Axes, Panel, readable
 from ev_stack.figures.strokes import Stroke, strokes_of
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
     from matplotlib.text import Text
+
+    from ev_stack.figures.notebook import Figure
 else:
     Figure = Text = Any
 
@@ -84,7 +85,7 @@ def printed(sheets: Sheets, width: float = COLUMN, panels: Sequence[str] = ()) -
     strokes = _strokes(sheets)
     return {
         f"{name}_{number}" if number > 1 else name: page
-        for name, sheet in _chosen(sheets, panels).items()
+        for name, sheet in chosen(sheets, panels).items()
         for number, page in enumerate(_pages(sheet, width, TALLEST, strokes), start=1)
     }
 
@@ -98,7 +99,11 @@ def _strokes(sheets: Sheets) -> dict[str, Stroke]:
     return strokes_of(label for sheet in sheets.values() for label in sheet.labels)
 
 
-def _chosen(sheets: Sheets, patterns: Sequence[str]) -> dict[str, Sheet]:
+def chosen(sheets: Sheets, patterns: Sequence[str]) -> dict[str, Sheet]:
+    """Figures with those panels that patterns of NAME, PANEL or NAME.PANEL choose; all without.
+
+    ParameterError for one that fits none.
+    """
     if not patterns:
         return dict(sheets)
     names = {name: [panel_name(panel) for panel in sheet.panels] for name, sheet in sheets.items()}
@@ -198,7 +203,8 @@ class _Page:
 
     def _drawn(self, rows: Sequence[Sequence[Panel]]) -> Figure:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
+
+        from ev_stack.figures.notebook import Figure
 
         figure = Figure(figsize=(self.width, 1.0), dpi=DPI)
         FigureCanvasAgg(figure)  # measures texts

@@ -26,6 +26,7 @@ HUES = (
 )
 DASHES = ("-", "--", ":", "-.")
 PUBLISHED: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.4, "zorder": 3}
+PART = ": "  # between the name of a result and that of a curve of it
 _ROLES = ("electronic_differential", "asr")  # their laws are drawn over each other
 
 
@@ -48,14 +49,16 @@ def strokes_of(labels: Iterable[str]) -> dict[str, Stroke]:
 
     A law has that of its place among the laws of its role, others have the first free ones. So a
     law looks the same in every figure, unless two roles meet in one report. Names beyond the number
-    of strokes have the same once more. What has no name has the first stroke.
+    of strokes have the same once more. What has no name has the first stroke. Parts of one name,
+    such as "pi: left" and "pi: right", have its colour and differ in dashes.
     """
     places = {
         name.replace("_", " "): place
         for role in _ROLES
         for place, name in enumerate(methods_of(role))
     }
-    names = dict.fromkeys(label.replace("_", " ") for label in labels if label)
+    readable = dict.fromkeys(label.replace("_", " ") for label in labels if label)
+    names = dict.fromkeys(label.partition(PART)[0] for label in readable)
     found: dict[str, Stroke] = {}
     # Laws first: they have fixed places, around which the other names find room.
     for name in sorted(names, key=lambda name: _law(name) not in places):
@@ -64,7 +67,15 @@ def strokes_of(labels: Iterable[str]) -> dict[str, Stroke]:
         free = [each for each in of_all if each not in taken] or of_all
         others = [each for each in free if each.colour not in hues] or free
         found[name] = (free if _law(name) in places else others)[0]
-    return {**{name: found[name] for name in names}, "": stroke(0)}
+    parts = list(dict.fromkeys(label.partition(PART)[2] for label in readable if PART in label))
+    strokes = {}
+    for label in readable:
+        name, _, part = label.partition(PART)
+        strokes[label] = found[name]
+        if part:
+            dashes = DASHES[parts.index(part) % len(DASHES)]
+            strokes[label] = Stroke(found[name].colour, dashes)
+    return {**strokes, "": stroke(0)}
 
 
 def _law(name: str) -> str:

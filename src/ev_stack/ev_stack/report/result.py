@@ -14,11 +14,14 @@ from ev_core.parameters.data_file import TIME, files_in_config
 from ev_msgs_py.arguments import checked
 from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.roles import MASTER
-from ev_msgs_py.refusal import Named, ParameterError
+from ev_msgs_py.refusal import Named, ParameterError, quoted
 from ev_nodes.master.real_time import MasterParameters
 from ev_stack.figures.other_axes import timing_sheet
+from ev_stack.figures.overlays import as_one, overlaid
+from ev_stack.figures.panels import MOTION, motion_panels, signal_panels
 from ev_stack.figures.saving import Format, Print, save_figures
-from ev_stack.figures.sheets import COLUMN, WIDE, Figure, Sheet, drawn
+from ev_stack.figures.sheets import COLUMN, WIDE, Figure, Sheet, Sheets, drawn, panel_name
+from ev_stack.figures.strokes import PART
 from ev_stack.measures.metric import Metric, Runs
 from ev_stack.recording.offline import true_motion
 from ev_stack.recording.outcome import Outcome
@@ -35,6 +38,7 @@ from ev_stack.report.reports import figures_of_runs, metrics_of_runs
 from ev_stack.report.summary import COMMAND_LINE, Difference, Summary, differences, write_summary
 from ev_stack.report.tables import html_of, short_lines
 from ev_stack.running.output_folder import folder_of, output_folder
+from ev_stack.scenarios.names import names_of
 from ev_stack.scenarios.records import Scenario
 from ev_stack.scenarios.scenario import load_scenario
 
@@ -155,6 +159,58 @@ class Result:
     def figures(self, width: float = WIDE) -> dict[str, Figure]:
         """New figures [inch wide] of matplotlib by name."""
         return drawn(self.sheets, width)
+
+    @checked
+    def plot(
+        self,
+        *others: Result,
+        signals: Sequence[str] = (),
+        panels: Sequence[str] = (),
+        names: Sequence[str] = (),
+        width: float = WIDE,
+    ) -> Figure:
+        """Draw the figures of the report as one, or what is chosen; `others` lie over it.
+
+        `signals` are channels such as imu.yaw_rate; `panels` are patterns as those of `save`, or
+        yaw_rate, lateral_acceleration, sideslip_angle, speed, steering_wheel_angle and
+        road_wheel_angle of any run. `names` are those of the results in the legend, without them
+        what differs between the results. A notebook shows the figure, which is one of matplotlib.
+
+        ParameterError for a panel or a channel that there is not.
+
+        >>> import ev_stack
+        >>> slow = ev_stack.run("shchur2019", duration=0.1)
+        >>> fast = ev_stack.run("shchur2019", set={"plant.initial_speed": 2.0}, duration=0.1)
+        >>> figure = slow.plot(fast, panels=["speed", "yaw_rate"])
+        >>> [axes.get_title(loc="left") for axes in figure.axes]
+        ['Speed', 'Yaw rate']
+        """
+        results = (self, *others)
+        called = names or names_of([each.scenario.runs[0].configurations for each in results])
+        if len(called) != len(results) or len(set(called)) != len(called):
+            raise ParameterError(
+                f"names: {quoted(names)} is refused, expected {len(results)} different names"
+            )
+        of_all = dict(zip(called, results, strict=True))
+        shown = []
+        if panels or not signals:
+            sheets = {name: each._offered(not panels) for name, each in of_all.items()}
+            shown += as_one(overlaid(sheets) if others else sheets[called[0]], panels).panels
+        runs = {}
+        for name, each in of_all.items():
+            for of, recording in each.runs.items():
+                several = f"{name}{PART}{of}" if others else of
+                runs[several if len(each.runs) > 1 else name] = recording
+        shown += signal_panels(runs, signals)
+        return Sheet(shown).figure(width)
+
+    def _offered(self, only_report: bool) -> Sheets:
+        """Figures of the report, and quantities of the motion that are none of its panels."""
+        if only_report:
+            return self.sheets
+        there = {panel_name(panel) for sheet in self.sheets.values() for panel in sheet.panels}
+        further = motion_panels(self.truth, *(name for name in MOTION if name not in there))
+        return {**self.sheets, "motion": Sheet(further)}
 
     @property
     def _timing(self) -> dict[str, Mapping[str, Any]]:

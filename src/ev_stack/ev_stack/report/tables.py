@@ -20,7 +20,6 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TextIO
 
-from ev_stack.figures.panels import DPI
 from ev_stack.figures.sheets import Figure
 from ev_stack.measures.metric import Metric
 from ev_stack.recording.recording import atomic_file
@@ -243,9 +242,7 @@ def html_of(metrics: Mapping[str, Metric], figures: Mapping[str, Figure], signal
     table = f"<pre>{escape(metric_table(metrics))}\nsignal hash {signal_hash}</pre>"
     images = []
     for name, figure in figures.items():
-        file = io.BytesIO()
-        figure.savefig(file, format="png", dpi=DPI)
-        text = base64.b64encode(file.getvalue()).decode()
+        text = base64.b64encode(figure.png()).decode()
         images.append(f'<img alt="{escape(name)}" src="data:image/png;base64,{text}">')
     return "".join([table, *images])
 
