@@ -247,8 +247,9 @@ def test_several_results_stand_on_one_page_side_by_side(tmp_path: Path):
     index = json.loads(re.search(r'id="index">(.*?)</script>', text, re.DOTALL).group(1))
     assert [run["name"] for run in index["runs"]] == ["a: slow", "b: fast_one"]
     assert "run a" in text and "run b" in text
-    row = re.search(r"<tr><th scope=\"row\">speed</th>(.*?)</tr>", text, re.DOTALL).group(1)
-    assert re.findall(r'class="value">(.*?)</td>', row) == ["5", "7.5", "2.5"]
+    rows = re.findall(r"<tr><th scope=\"row\">speed</th>(.*?)</tr>", text, re.DOTALL)
+    values = [re.findall(r'class="value">(.*?)</td>', row) for row in rows]
+    assert values == [["5 m/s", "7.5 m/s"], ["5", "7.5", "2.5"]]  # in short, in full
 
 
 @pytest.mark.parametrize(

@@ -173,6 +173,41 @@ def test_over_each_other_both_runs_are_in_one_plot_each_in_its_colour(browser: B
     assert strokes_on(browser, WHEEL) == browser.run("STROKES")
 
 
+def test_wheels_of_one_run_have_dashes_and_those_of_two_also_colours(tmp_path: Path):
+    """One legend names both."""
+    curves = ("wheel_states.velocity", "imu.yaw_rate")
+    for count in (1, 2):
+        runs = dict(list(two_runs().items())[:count])
+        page = tmp_path / f"{count}.html"
+        write_page(Page("wheels", {}, (Signals("", runs, None, curves=curves),)), page)
+        first = Browser()
+        try:
+            first.open(page)
+            first.wait_for("document.body && document.body.dataset.ready")
+            of_wheels, alone = first.run(
+                "[...plots.values()].filter((plot) => plot.small).map((plot) => plot.curves.map((curve) => curve.stroke))"
+            )
+            legend = first.run(
+                "[...document.querySelectorAll('#legend li')].map((each) => each.textContent.trim())"
+            )
+            strokes = first.run("STROKES")
+        finally:
+            first.close()
+        assert len(alone) == count and legend[-4:] == [
+            "front left",
+            "front right",
+            "rear left",
+            "rear right",
+        ]
+        assert [dashes for _, dashes in of_wheels] == ["-", "--", ":", "-."] * count
+        if count == 1:
+            assert of_wheels == strokes
+        else:
+            colours = [colour for colour, _ in alone]
+            assert len(set(colours)) == 2 and legend[:2] == ["slow", "fast one"]
+            assert [colour for colour, _ in of_wheels] == [colours[0]] * 4 + [colours[1]] * 4
+
+
 def test_time_runs_and_the_car_moves(browser: Browser):
     show(browser, 0, -1, "beside")
     browser.run("document.getElementById('view').scrollIntoView(); clock.set(0)")
@@ -270,6 +305,45 @@ def test_every_quantity_and_the_time_have_a_unit_and_every_link_leads_to_what_is
     browser.wait_for("document.getElementById('view').hidden")
     assert browser.run(f"{links}.some((each) => each.hash === '#view')") is False
     browser.run("INDEX.runs[0].car = INDEX.runs[0].cars; show()")
+
+
+@pytest.mark.parametrize(("width", "height"), [(1280, 800), (390, 844)])
+@pytest.mark.parametrize("count", [1, 2])
+def test_car_curves_and_metrics_are_the_first_screen(
+    tmp_path: Path, width: int, height: int, count: int
+):
+    """They stand above the bar, with all that is drawn and one legend, and nothing overflows."""
+    runs = dict(list(two_runs().items())[:count])
+    first = Browser(width, height)
+    try:
+        first.open(page_of(tmp_path, runs))
+        first.wait_for("document.body && document.body.dataset.ready")
+        first.wait_for(
+            "[...plots.values()].filter((plot) => plot.small && plot.chart).length === 4"
+        )
+        places = first.run(
+            "['#view canvas', '#curves', '#judged', '#bar'].flatMap((each) => [...document.querySelectorAll(each)])"
+            ".map((each) => each.getBoundingClientRect()).map(({ left, right, top, bottom }) => ({ left, right, top, bottom }))"
+        )
+        *shown, bar = places
+        assert len(shown) == count + 2
+        for place in shown:
+            assert 0.0 <= place["left"] < place["right"] <= width
+            assert 0.0 < place["top"] < place["bottom"] <= bar["top"]
+        small = "[...plots.values()].filter((plot) => plot.small)"
+        heights = first.run(f"{small}.map((plot) => plot.chart.over.clientHeight)")
+        assert min(heights) > 60  # room for some five ticks of 12 px
+        assert first.run(f"{small}.map((plot) => plot.curves.length)") == [count] * 4
+        legend = runs if count > 1 else {}
+        assert first.run(
+            "[...document.querySelectorAll('#legend li')].map((each) => each.textContent.trim())"
+        ) == [name.replace("_", " ") for name in legend]
+        assert not first.run("document.documentElement.scrollWidth > innerWidth")
+        assert first.run(f"({TEXT_OF_POOR_CONTRAST})()") == []
+        assert first.run(f"({CONTROLS_WITHOUT_NAME})()") == []
+        assert first.complaints == []
+    finally:
+        first.close()
 
 
 @pytest.mark.parametrize("width", [1280, 390])

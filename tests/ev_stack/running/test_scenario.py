@@ -16,7 +16,10 @@ from ev_msgs_py.contract.roles import REQUIRED
 from ev_msgs_py.refusal import ParameterError
 from ev_stack.command_line.options import arguments, overrides
 from ev_stack.commands.run_scenario import main
+from ev_stack.measures.derived import SERIES
+from ev_stack.recording.offline import written_topics
 from ev_stack.scenarios.about import describe_scenario
+from ev_stack.scenarios.curves import DEFAULT
 from ev_stack.scenarios.files import scenario_names
 from ev_stack.scenarios.scenario import Overrides, load_scenario
 from ev_study.studies.run_study import arguments as study_arguments
@@ -557,6 +560,44 @@ def test_every_scenario_names_five_numbers_of_its_nodes_for_a_lesson(name):
 )
 def test_a_lesson_of_what_no_slider_can_change_is_one_line(scenario, named, message):
     assert message in refused(scenario(HEAD.replace("about", f"lesson: [{named}], about")))
+
+
+@pytest.mark.parametrize("name", scenario_names())
+def test_every_scenario_names_four_curves_that_its_runs_record(name):
+    """A field of a topic that no node of its runs writes would be an empty plot."""
+    loaded = load_scenario(name)
+    recorded = {
+        channel
+        for run in loaded.runs
+        for topic in written_topics(run.configurations)
+        for channel in topic.channels
+    }
+    curves = loaded.parameters.curves
+    assert len({*curves}) == 4
+    for curve in set(curves) - set(SERIES):
+        assert any(each == curve or each.startswith(f"{curve}.") for each in recorded), curve
+
+
+@pytest.mark.parametrize(
+    ("named", "message"),
+    [
+        ("imu.yaw_rat", "curves: unknown curve 'imu.yaw_rat'; did you mean imu.yaw_rate"),
+        ("wheel_states", "curves: unknown curve 'wheel_states'; did you mean wheel_states."),
+        ("imu.yaw_rate, imu.yaw_rate", "curves: 'imu.yaw_rate' is there twice, expected once"),
+        ("", "curves: 0 names, expected 1 to 4"),
+        (
+            "pose.x, pose.y, imu.yaw_rate, twist.lateral, sideslip_angle",
+            "curves: 5 names, expected 1 to 4",
+        ),
+    ],
+)
+def test_curves_that_cannot_be_shown_are_one_line(scenario, named, message):
+    given = scenario(HEAD.replace("about", f"curves: [{named}], about"))
+    assert f"/scenarios/test.yaml: {message}" in refused(given)
+
+
+def test_a_scenario_that_names_no_curves_has_the_usual_ones(scenario):
+    assert load_scenario(scenario(HEAD)).parameters.curves == DEFAULT
 
 
 @pytest.mark.parametrize("name", ["duration", "manoeuvre_end", "lesson"])

@@ -83,4 +83,6 @@ def _signals(label: str, folder: Path, summary: Mapping[str, Any]) -> Signals:
         if name in ("", "..") or Path(name).name != name:
             raise ParameterError(f"run {quoted(name)} is refused, expected the name of a folder")
     runs = {name: load((folder if len(names) == 1 else folder / name) / SIGNALS) for name in names}
-    return Signals(label, runs, build(Vehicle, summary["vehicle"]))
+    # Summaries of former versions name no curves.
+    curves = tuple(map(str, summary.get("curves", ())))
+    return Signals(label, runs, build(Vehicle, summary["vehicle"]), curves=curves)

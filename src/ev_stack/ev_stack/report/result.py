@@ -266,6 +266,9 @@ class Result:
             about=self.scenario.parameters.about,
             command=self.command,
             differs=self.differs,
+            # The folders of a path are those of one machine.
+            car=Path(self.scenario.vehicle).name,
+            curves=self.scenario.parameters.curves,
         )
 
     @checked
@@ -310,7 +313,7 @@ class Result:
         if page:
             from ev_stack.report.page.writing import Page, Signals, images_of, write_page
 
-            signals = Signals("", self.runs, summary.vehicle)
+            signals = Signals("", self.runs, summary.vehicle, curves=summary.curves)
             shown = Page(self.scenario.name, {"": content}, (signals,), images_of(figures, folder))
             write_page(shown, folder / PAGE)
         return content

@@ -22,6 +22,7 @@ from ev_msgs_py.contract.roles import ROLES
 from ev_stack.measures.handling import has_spun
 from ev_stack.measures.metric import Metric, Parameters, Runs
 from ev_stack.recording.recording import atomic_file, combined_hash, signal_hash
+from ev_stack.scenarios.notes import Remark
 from ev_stack.scenarios.records import Run, Scenario
 
 COMMAND_LINE, SCENARIO_FILE = "command line", "scenario"
@@ -130,8 +131,9 @@ class Summary:
     `mode`: offline, in-process, processes or realtime, with what it was asked for. `wall_time` [s]
     is that of driving, without start, report and figures. `not_reproducible`: why another run may
     give other numbers, empty if it may not. `about` is the scenario in one line, `command` what
-    repeats it, `differs` what is not as the scenario's file, or as the defaults have it. `timing`:
-    run -> how well real time was kept.
+    repeats it, `differs` what is not as the scenario's file, or as the defaults have it. `car` is
+    the name or file of another car than the scenario's, `curves` what the page shows beside the
+    car. `timing`: run -> how well real time was kept.
     """
 
     scenario: str
@@ -149,6 +151,8 @@ class Summary:
     about: str = ""
     command: str = ""
     differs: Sequence[Difference] = ()
+    car: str = ""
+    curves: Sequence[str] = ()
     timing: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @property
@@ -173,6 +177,7 @@ class Summary:
             "reproducible": not self.not_reproducible,
             "not_reproducible": list(self.not_reproducible),
             "notes": list(self.notes),
+            "warnings": [note for note in self.notes if not isinstance(note, Remark)],
             "runs": {
                 name: {
                     "signal_hash": hashes[name],
@@ -188,6 +193,8 @@ class Summary:
             "real_time_factor": self.simulated_time / self.wall_time
             if self.wall_time > 0
             else None,
+            "car": self.car,
+            "curves": list(self.curves),
             "vehicle": flatten(self.vehicle),
             "parameters": {
                 node: dict(sorted(values.items()))

@@ -25,6 +25,7 @@ from ev_stack.measures import motion
 from ev_stack.measures.metric import NotMeasured, channel
 from ev_stack.recording.offline import run_offline
 from ev_stack.recording.recording import Recording
+from ev_stack.scenarios.notes import Remark
 from ev_stack.scenarios.records import Run, Scenario
 from ev_stack.scenarios.slow_ramp import (
     AT_CROSSING,
@@ -57,6 +58,7 @@ def with_own_angles(scenario: Scenario) -> Scenario:
     for run in scenario.runs:
         try:
             run, note = on_its_own_angles(run, found)
+            note = Remark(note)
         except NoOwnAngles as why:
             # Nothing tries again.
             run, note = replace(run, slow_ramp=None), str(why)

@@ -15,6 +15,7 @@ from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_nodes.master.real_time import LONGEST
 from ev_stack.measures.course import Course
 from ev_stack.measures.own_metrics import named_metrics
+from ev_stack.scenarios.curves import DEFAULT, refuse_curves
 from ev_stack.scenarios.files import configured_file
 from ev_stack.scenarios.parameter_file import ParameterFile
 from ev_stack.scenarios.slow_ramp import SlowRampParameters
@@ -63,6 +64,11 @@ class ScenarioParameters:
     lesson: tuple[str, ...] = setting(
         (), about="numbers, as NODE.NAME, that the live page has beside its plots"
     )
+    curves: tuple[str, ...] = setting(
+        DEFAULT,
+        about="up to four that the report has beside the car: "
+        "channels, fields of topics with all their channels, or series of docs/metrics.md",
+    )
 
     def __post_init__(self) -> None:
         """ParameterError for names of runs that cannot be those of folders and of namespaces."""
@@ -97,6 +103,7 @@ def stated_by(file: ParameterFile) -> ScenarioParameters:
         named_metrics(about.metrics)
         for text in about.lesson:
             _refuse_unknown_number(text)
+        refuse_curves(about.curves)
         return about
     except ParameterError as error:
         raise ParameterError(f"{file.path}: {error}") from None

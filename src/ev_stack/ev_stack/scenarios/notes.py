@@ -13,6 +13,12 @@ from ev_stack.scenarios.records import Run
 _FAST = 50.0  # [m/s], 180 km/h, from which on a speed without a unit may be meant in another one
 
 
+class Remark(str):
+    """A note that asks for nothing, which a page folds away; other notes are warnings."""
+
+    __slots__ = ()
+
+
 def notes_on(runs: Sequence[Run], values: Iterable[tuple[str, str, Any]]) -> list[str]:
     """A line for each; `values` are those of the command line."""
     notes: list[str] = []
@@ -43,7 +49,7 @@ def _uneven_end(run: Run) -> Iterator[str]:
     end = stamps.to_seconds(stamps.from_seconds(run.duration) // run.period * run.period)
     if abs(end - run.duration) > 1e-9:
         period = stamps.to_seconds(run.period)
-        yield (
+        yield Remark(
             f"{run.name} ends at {end:g} s: {run.duration:g} s is no multiple of "
             f"control_period, {period:g} s"
         )
@@ -58,7 +64,7 @@ def _estimated(runs: Sequence[Run]) -> Iterator[str]:
     ]
     named = {car.name: car.tyre.estimated_from for car in cars if car.tyre.estimated_from}
     for car, size in named.items():
-        yield f"{car}: its tyres are an estimate from {size}, by rules of thumb"
+        yield Remark(f"{car}: its tyres are an estimate from {size}, by rules of thumb")
 
 
 def _fast(values: Iterable[tuple[str, str, Any]], runs: Sequence[Run]) -> Iterator[str]:

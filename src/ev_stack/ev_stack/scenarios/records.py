@@ -84,10 +84,14 @@ class Run:
 
 @dataclass(frozen=True)
 class Scenario:
-    """A name, its own parameters, its runs, its file, and notes on what of that does not hold."""
+    """A name, its own parameters, its runs, its file, and notes on what of that does not hold.
+
+    `vehicle` is another car than its own, as a name or a path.
+    """
 
     name: str
     parameters: ScenarioParameters
     runs: tuple[Run, ...]
     file: Path
     notes: tuple[str, ...] = ()
+    vehicle: str = ""

@@ -38,7 +38,7 @@ from ev_stack.scenarios.about import (
 )
 from ev_stack.scenarios.files import OF_VEHICLE, VEHICLE, configured_file, vehicle_file
 from ev_stack.scenarios.lap_start import lap_start
-from ev_stack.scenarios.notes import notes_on
+from ev_stack.scenarios.notes import Remark, notes_on
 from ev_stack.scenarios.parameter_file import ParameterFile
 from ev_stack.scenarios.records import Overrides, Run, Scenario
 from ev_stack.scenarios.slow_ramp import COLUMN, ROBOT, SCALE, car_of
@@ -74,7 +74,8 @@ def load_scenario(
     if overrides.vehicle:
         used, left_out = _without_its_car(own, namespaces)
         if left_out:
-            notes.append(f"left out for another vehicle: {', '.join(left_out)} of {own.path}")
+            names = ", ".join(left_out)
+            notes.append(Remark(f"left out for another vehicle: {names} of {own.path}"))
     vehicle = vehicle_file(overrides.vehicle or about.vehicle)
     files = [vehicle, used, *map(ParameterFile, overrides.files)]
     for file in files:
@@ -108,13 +109,13 @@ def load_scenario(
         notes += unused_in_files(runs, sources, switched)
     notes += notes_on(runs, overrides.values)
     notes += _former_names(sources)
-    return Scenario(name, about, tuple(runs), own.path, tuple(notes))
+    return Scenario(name, about, tuple(runs), own.path, tuple(notes), overrides.vehicle or "")
 
 
-def _former_names(sources: Sequence[Sources]) -> list[str]:
+def _former_names(sources: Sequence[Sources]) -> list[Remark]:
     """A note for each method that is chosen by a former name."""
     notes = {note_on(role, each.values(role)) for each in sources for role in ROLES}
-    return sorted(notes - {""})
+    return sorted(map(Remark, notes - {""}))
 
 
 def _without_its_car(

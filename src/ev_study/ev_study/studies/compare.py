@@ -48,6 +48,7 @@ QUANTITIES = (
 CURVES = {  # over time, with their units
     "x": "m", "y": "m", "yaw_rate": "rad/s", "sideslip": "deg", "speed": "m/s", "torque_difference": "N m"
 }  # fmt: skip
+FIRST_CURVES = ("yaw_rate", "sideslip", "speed", "torque_difference")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

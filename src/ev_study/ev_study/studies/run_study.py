@@ -320,7 +320,8 @@ def _write(
 
     measured = {case: result.measured for case, result in results.items()}
     spun = [case for case, result in results.items() if result.spun]
-    series = measured_signals(measured, getattr(study, "CURVES", {}), spun)
+    units, curves = getattr(study, "CURVES", {}), getattr(study, "FIRST_CURVES", ())
+    series = measured_signals(measured, units, spun, curves)
     images = images_of(figures, folder)
     page = Page(content["study"], {"": content}, series, images, found.text)
     write_page(page, folder / PAGE)

@@ -7,6 +7,8 @@ from typing import Any
 
 from ev_msgs_py.contract.topics import TOPICS, Topic
 
+NO_TOPIC = "measured"  # title of the group of what stands in no topic
+
 
 def groups_of(
     channels: Iterable[str], units: Mapping[str, str] | None = None
@@ -24,7 +26,7 @@ def groups_of(
     others: dict[str, list[str]] = {}
     for name in sorted(names - listed):
         first, dot, _ = name.partition(".")
-        others.setdefault(first if dot else "measured", []).append(name)
+        others.setdefault(first if dot else NO_TOPIC, []).append(name)
     return [*known, *(_unknown(first, members, units or {}) for first, members in others.items())]
 
 
@@ -40,7 +42,7 @@ def _of_topic(topic: Topic, names: set[str]) -> dict[str, Any]:
             curves = [_curve(channel, start) for channel in found]
             plots.append(
                 {
-                    "title": _words(field),
+                    "title": words(field),
                     "unit": declared.unit,
                     "about": declared.about,
                     "curves": curves,
@@ -53,7 +55,7 @@ def _of_topic(topic: Topic, names: set[str]) -> dict[str, Any]:
 def _unknown(first: str, members: Sequence[str], units: Mapping[str, str]) -> dict[str, Any]:
     plots = [
         {
-            "title": _words(name.partition(".")[2] or name),
+            "title": words(name.partition(".")[2] or name),
             "unit": units.get(name, ""),
             "about": "",
             "curves": [_curve(name, name)],
@@ -69,8 +71,9 @@ def _belongs(channel: str, start: str) -> bool:
 
 
 def _curve(channel: str, start: str) -> dict[str, str]:
-    return {"channel": channel, "label": _words(channel.removeprefix(start).removeprefix("."))}
+    return {"channel": channel, "label": words(channel.removeprefix(start).removeprefix("."))}
 
 
-def _words(name: str) -> str:
+def words(name: str) -> str:
+    """A name in words."""
     return name.replace("_", " ").replace(".", " ")

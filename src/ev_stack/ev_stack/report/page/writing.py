@@ -27,6 +27,7 @@ from ev_stack.figures.strokes import strokes_of
 from ev_stack.measures.handling import has_spun
 from ev_stack.measures.metric import Runs
 from ev_stack.recording.recording import Recording, atomic_file
+from ev_stack.report.page.first_screen import SHOWN, curve_plots, judged, series_channels
 from ev_stack.report.page.parameter_units import unit_of
 from ev_stack.report.page.plot_groups import groups_of
 from ev_stack.views.car import PREFIX, car_of, view_channels
@@ -114,7 +115,7 @@ class Signals:
 
     Without the `vehicle` that drove them nothing is seen from above. `units` are those of channels
     that belong to no topic. Runs in which the car has spun do not set the limits of axes; `spun`
-    names those that do not hold its motion.
+    names those that do not hold its motion. `curves` are those of the first screen.
     """
 
     label: str
@@ -122,6 +123,7 @@ class Signals:
     vehicle: Vehicle | None
     units: Mapping[str, str] = field(default_factory=dict)
     spun: Collection[str] = ()
+    curves: Sequence[str] = ()
 
 
 @dataclass
@@ -170,12 +172,16 @@ def _packed(results: Sequence[Signals], planes: int, every: int) -> SignalData:
         }
 
     runs = []
+    # Results that name other curves are shown by those of the first one.
+    curves = next((result.curves for result in results if result.curves), ())
     labels = [_label(result, name) for result in results for name in result.runs]
     strokes = strokes_of(labels) if len(labels) > 1 else {}
     for result in results:
         for name, run in result.runs.items():
             car, label = result.vehicle, _label(result, name)
-            channels = {**run.channels, **(view_channels(run, car) if car else {})}
+            channels = {**run.channels, **series_channels(run, curves)}
+            if car:
+                channels |= view_channels(run, car)
             thinned = envelope(Recording(run.time, channels), every)
             runs.append(
                 {
@@ -194,9 +200,9 @@ def _packed(results: Sequence[Signals], planes: int, every: int) -> SignalData:
         key for run in runs for key in run["channels"] if not key.startswith(PREFIX)
     )
     units = {name: unit for result in results for name, unit in result.units.items()}
-    return SignalData(
-        {"runs": runs, "groups": groups_of(names, units)}, list(places), _precision(planes, every)
-    )
+    groups = groups_of(names, units)
+    index = {"runs": runs, "groups": groups, "curves": curve_plots(curves, groups)}
+    return SignalData(index, list(places), _precision(planes, every))
 
 
 def _label(result: Signals, name: str) -> str:
@@ -233,12 +239,15 @@ def by_result(summaries: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]
 
 
 def measured_signals(
-    measured: Mapping[str, Mapping[str, Any]], units: Mapping[str, str], spun: Collection[str]
+    measured: Mapping[str, Mapping[str, Any]],
+    units: Mapping[str, str],
+    spun: Collection[str],
+    curves: Sequence[str] = (),
 ) -> tuple[Signals, ...]:
     """Signals measured over `time` on the cases that have them, in these units."""
     series = {name: _series(values) for name, values in measured.items()}
     runs = {name: found for name, found in series.items() if found is not None}
-    return (Signals("", runs, None, units, spun),) if runs else ()
+    return (Signals("", runs, None, units, spun, curves),) if runs else ()
 
 
 def _series(values: Mapping[str, Any]) -> Recording | None:
@@ -284,6 +293,7 @@ def write_page(page: Page, path: Path) -> None:
         "report.html",
         page=page,
         metrics=by_result(page.summaries),
+        judged=judged(page.summaries),
         data=signal_data(page.signals),
         car={entry.name: entry.spec for entry in entries(Vehicle)},
         unit=unit_of,
@@ -299,6 +309,8 @@ def filled(template: str, **values: Any) -> str:
     )
     environment.filters["number"] = _number
     environment.globals["file"] = _file
+    environment.globals["SHOWN"] = SHOWN
+    environment.globals["CAR_PARAMETERS"] = [entry.name for entry in entries(Vehicle, "vehicle.")]
     return environment.get_template(f"templates/{template}").render(**values)
 
 

@@ -9,7 +9,8 @@ const plots = new Map(); // holder -> Plot, of all that are on the page
 class Plot {
   /** `curves`: {run, channel, label, stroke}; `minus` is the run of which the first is subtracted, if any. */
   constructor(holder, title, curves, minus, siblings) {
-    Object.assign(this, { holder, title, curves, minus, siblings, chart: null, visible: false, asked: false });
+    const small = holder.classList.contains("small"); // of the first screen, with one legend for all
+    Object.assign(this, { holder, title, curves, minus, siblings, small, chart: null, visible: false, asked: false });
   }
 
   async show() {
@@ -51,9 +52,9 @@ class Plot {
     this.chart = new uPlot(optionsOf(this, width), data, this.holder);
     const canvas = this.chart.root.querySelector("canvas");
     canvas.setAttribute("role", "img");
-    canvas.setAttribute("aria-label", `${this.title} of ${nameOf(this.curves[0].run)} over time; values stand below`);
+    canvas.setAttribute("aria-label", `${this.title} over time, ${runsOf(this.curves)}`);
     obeyHand(this.chart);
-    nameLegend(this.chart);
+    if (!this.small) nameLegend(this.chart);
     queueMicrotask(() => this.followTime()); // uPlot fixes its scales in a microtask of its own
   }
 
@@ -105,13 +106,14 @@ function sameTimes(times, others) {
 function optionsOf(plot, width) {
   return {
     width,
-    height: HEIGHT,
+    height: heightOf(plot.holder),
+    legend: { show: !plot.small },
     cursor: { drag: { x: true, y: false, setScale: false }, y: false, dataIdx: sampleNow, bind: { mouseleave: none, dblclick: none } },
     scales: {
       x: { time: false, min: clock.range[0], max: clock.range[1] },
       y: { range: (chart) => roomy(plot.extent(chart.scales.x.min ?? clock.begin, chart.scales.x.max ?? clock.end)) },
     },
-    axes: [{ size: 32, label: "time [s]", labelSize: 16, labelFont: "12px system-ui, sans-serif" }, { size: 66, space: 24, values: (chart, ticks) => ticks.map(digits) }],
+    axes: plot.small ? smallAxes(width) : AXES,
     series: [
       { label: "time", value: (chart, value) => `${digits(value)} s` },
       ...plot.curves.map(({ label, stroke: [colour, dashes] }) => ({
@@ -125,6 +127,32 @@ function optionsOf(plot, width) {
     ],
     hooks: { setSelect: [(chart) => zoomTo(chart)] },
   };
+}
+
+const inDigits = (chart, ticks) => ticks.map(digits);
+const AXES = [
+  { size: 32, label: "time [s]", labelSize: 16, labelFont: "12px system-ui, sans-serif" },
+  { size: 66, space: 24, values: inDigits },
+];
+
+/** Axes without labels, so that four plots fit beside a car; every instant has its unit. */
+function smallAxes(width) {
+  const font = `${width < 260 ? 10 : 12}px system-ui, sans-serif`;
+  const inSeconds = (chart, ticks) => ticks.map((time) => `${digits(time)} s`);
+  return [
+    { size: 22, gap: 2, space: 44, ticks: { size: 4 }, font, values: inSeconds },
+    { size: width < 260 ? 38 : 52, gap: 2, space: 20, ticks: { size: 4 }, font, values: inDigits },
+  ];
+}
+
+/** Height of a plot [px]: on the first screen what the style gives it. */
+function heightOf(holder) {
+  return holder.classList.contains("small") ? holder.clientHeight : HEIGHT;
+}
+
+/** The names of the runs of some curves. */
+function runsOf(curves) {
+  return [...new Set(curves.map(({ run }) => nameOf(run)))].join(" and ");
 }
 
 const none = () => null;
@@ -165,7 +193,7 @@ const sight = new IntersectionObserver((seen) => {
 const widths = new ResizeObserver((changed) => {
   for (const { target } of changed) {
     const chart = plots.get(target)?.chart;
-    if (chart && target.clientWidth) chart.setSize({ width: target.clientWidth, height: HEIGHT });
+    if (chart && target.clientWidth) chart.setSize({ width: target.clientWidth, height: heightOf(target) });
   }
 });
 

@@ -28,8 +28,8 @@ function colourOver(run, other) {
   return shared ? "#000000" : run.stroke[0];
 }
 
-function plotInto(holder, title, curves, minus, siblings) {
-  const box = element("div", "", { class: "plot" });
+function plotInto(holder, title, curves, minus, siblings, kind = "plot") {
+  const box = element("div", "", { class: kind });
   holder.append(box);
   if (!curves.length) {
     box.textContent = "not recorded in this run";

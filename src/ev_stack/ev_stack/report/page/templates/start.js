@@ -45,6 +45,7 @@ async function show() {
   stepOf = (time) => indexAt(times[0], time);
   timeOf = (step) => times[0][step];
   showGroups(choice);
+  showCurves();
   await showCars(runs);
   clock.set(clock.now);
   document.body.dataset.ready = "yes";
@@ -94,5 +95,11 @@ bar.farther.addEventListener("click", () => clock.zoomBy(2));
 bar.all.addEventListener("click", () => clock.all());
 for (const select of [bar.first, bar.second, bar.how]) select.addEventListener("change", show);
 
+// On a narrow screen the bar would hide a third of what it is for.
+const wide = matchMedia("(min-width: 60em)");
+const unfold = () => { bar.more.open = wide.matches; };
+wide.addEventListener("change", unfold);
+
+unfold();
 fillRuns();
 loadingUntil(show());

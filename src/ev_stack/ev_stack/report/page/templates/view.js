@@ -28,14 +28,12 @@ class CarView {
     this.wide.addEventListener("change", () => this.draw());
     const tools = element("div", "", { class: "tools" });
     this.where = element("span");
-    tools.append(this.wide, " ", this.where);
     this.columns = COLUMNS.filter(([, channel]) => run.channels[`${channel}.front_left`]);
     const wheels = element("details");
-    wheels.open = !clock.follows;
-    wheels.append(element("summary", "Wheels"), this.table());
-    const beside = element("div");
-    beside.append(tools, wheels);
-    box.append(this.title, this.canvas, beside);
+    // The numbers of a recorded run can wait, those of a running one are what is looked at.
+    wheels.append(element("summary", "Place and wheels"), ...(clock.follows ? [] : [this.where]), this.table());
+    tools.append(this.wide, " ", ...(clock.follows ? [this.where] : []));
+    box.append(this.title, this.canvas, tools, wheels);
     holder.append(box);
   }
 
