@@ -1,10 +1,11 @@
 """Time of one 1 ms step of the planar plant, beside other models of cars, measured in one run.
 
-    python benchmarks/plant.py [--json FILE]
+    python benchmarks/plant.py [--json FILE] [--peer PROGRAM]
 
 All rows are measured in alternating rounds, by processor time (`rounds`).
 Peers: pip install commonroad-vehicle-models. Rows that need a package which is not installed say
-so.
+so. A compiled peer is a program of one's own around its step: called with a number of steps of
+1 ms it prints the processor time that they took [s].
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import importlib
 import json
 import math
 import statistics
+import subprocess
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -45,6 +47,10 @@ PARAMETERS = PlanarPlantParameters(initial_speed=SPEED)
 AUDI = Vehicle()
 REFERENCE = "planar plant, one compiled loop"
 MAIN_PEER = "commonroad single-track drift, RK4"
+COMPILED_PEER = "compiled peer"
+CARS = {"audi_a2": AUDI} | {name: vehicle_of(name) for name in ("compact_ev", "sedan")}
+PEER_STEPS = 30000
+OF_REFERENCE, OF_PEER = 0.5, 1.0  # goals of the semi-implicit integrator
 
 
 class Row(NamedTuple):
@@ -60,11 +66,24 @@ class Row(NamedTuple):
         return processor_time(self.make()) / self.steps
 
 
+class Program(NamedTuple):
+    """One line of the table, of a compiled peer."""
+
+    name: str
+    path: Path
+    note: str
+
+    def measure(self) -> float:
+        """Processor time of a step [s], as the program prints it."""
+        words = [str(self.path), str(PEER_STEPS)]
+        return float(subprocess.run(words, check=True, stdout=subprocess.PIPE).stdout) / PEER_STEPS
+
+
 class PlanarPlant:
     """A car at 15 m/s on dry asphalt, with drives, losses and battery, between two frames."""
 
-    def __init__(self, period: float, electrical: bool = False, vehicle: Vehicle = AUDI) -> None:
-        parameters = PlanarPlantParameters(initial_speed=SPEED, electrical=electrical)
+    def __init__(self, period: float, vehicle: Vehicle = AUDI, **chosen: Any) -> None:
+        parameters = PlanarPlantParameters(initial_speed=SPEED, **chosen)
         self._method = find_method("plant", "planar").with_options(parameters, vehicle)
         self.part = CompiledPart(self._method, parameters, vehicle, period)
         self._here, self._there = Frame(), Frame()
@@ -112,10 +131,9 @@ def bare_loop(steps: int) -> float:
 def own_rows() -> Iterator[Row]:
     """The planar plant in its ways of use."""
     steps = 3000
-    believable = vehicle_of("compact_ev")
 
-    def fused(electrical: bool = False, vehicle: Vehicle = AUDI) -> Callable[[], Any]:
-        car = PlanarPlant(steps * STEP, electrical, vehicle)
+    def fused(vehicle: Vehicle = AUDI, **chosen: Any) -> Callable[[], Any]:
+        car = PlanarPlant(steps * STEP, vehicle, **chosen)
         return car.advance
 
     def one_call_per_step() -> Callable[[], Any]:
@@ -128,12 +146,32 @@ def own_rows() -> Iterator[Row]:
 
     yield Row(REFERENCE, fused, steps)
     yield Row("the same with its electrical side", partial(fused, electrical=True), steps)
-    yield Row("the same with real tyres (compact_ev)", partial(fused, vehicle=believable), steps)
+    for name, vehicle in CARS.items():
+        if vehicle is not AUDI:
+            yield Row(integrated(name, "runge_kutta"), partial(fused, vehicle), steps)
+        once = partial(fused, vehicle, integrator="semi_implicit")
+        yield Row(integrated(name, "semi_implicit"), once, steps)
     yield Row("planar plant, 10 ms period with all signals", control_period, steps)
     yield Row("planar plant, one call per step", one_call_per_step, steps)
     yield Row(
         "bare numba loop of about the same arithmetic", lambda: partial(bare_loop, steps), steps
     )
+
+
+def integrated(car: str, integrator: str) -> str:
+    """Name of the row of a car by an integrator."""
+    if (car, integrator) == ("audi_a2", "runge_kutta"):
+        return REFERENCE
+    return f"{car}, {integrator}"
+
+
+def pairs(has_peer: bool) -> Iterator[tuple[str, str, float]]:
+    """Rows whose ratio has a goal: of the one, to the other, at most."""
+    for car in CARS:
+        once = integrated(car, "semi_implicit")
+        yield once, integrated(car, "runge_kutta"), OF_REFERENCE
+        if has_peer:
+            yield once, COMPILED_PEER, OF_PEER
 
 
 def scipy_row() -> Row:
@@ -206,14 +244,20 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--json", type=Path, help="write the table to this file")
     parser.add_argument("--repeats", type=int, default=15, help="rounds")
+    parser.add_argument("--peer", type=Path, metavar="PROGRAM", help="a compiled peer, see above")
     arguments = parser.parse_args()
-    rows = {row.name: row for row in (*own_rows(), scipy_row(), *commonroad_rows())}
-    measures = {name: row.measure for name, row in rows.items() if row.make is not None}
+    rows: dict[str, Row | Program] = {
+        row.name: row for row in (*own_rows(), scipy_row(), *commonroad_rows())
+    }
+    if arguments.peer:
+        rows[COMPILED_PEER] = Program(COMPILED_PEER, arguments.peer, arguments.peer.name)
+    missing = {row.name for row in rows.values() if isinstance(row, Row) and row.make is None}
+    measures = {name: row.measure for name, row in rows.items() if name not in missing}
     seconds = alternating(measures, arguments.repeats)
     print(f"{'per 1 ms step':<48}{'us':>10}  ratio")
     table = []
     for name, row in rows.items():
-        if row.make is None:
+        if name in missing:
             print(f"{name:<48}{'-':>10}  {row.note}")
             table.append({"name": name, "seconds": None, "ratio": None, "note": row.note})
             continue
@@ -221,8 +265,13 @@ def main() -> None:
         ratio = ratio_of(seconds[name], seconds[REFERENCE])
         print(f"{name:<48}{took * 1e6:>10.2f}  {ratio}  {row.note}")
         table.append({"name": name, "seconds": took, **as_json(ratio), "note": row.note})
+    goals = []
+    for of, to, goal in pairs(COMPILED_PEER in rows):
+        ratio = ratio_of(seconds[of], seconds[to], goal)
+        print(f"{of} over {to}: {ratio}")
+        goals.append({"of": of, "to": to, **as_json(ratio)})
     if arguments.json:
-        document = {**machine(), "seconds per": "1 ms step", "rows": table}
+        document = {**machine(), "seconds per": "1 ms step", "rows": table, "goals": goals}
         arguments.json.write_text(json.dumps(document, indent=2) + "\n")
 
 

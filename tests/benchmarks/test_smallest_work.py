@@ -17,6 +17,7 @@ BENCHMARKS = {
     "command_timeout": ("--trials", "1"),
     "dashboard": ("--seconds", "0.1", "--way", "real_time"),
     "elementary": ("--repeats", "1", "--only", "sin"),
+    "integrators": ("--only", "coast_down"),
     "lane_change": ("--cars", "audi_a2", "--speeds", "80", "--previews", "2"),
     "lockstep": (
         *("--steps", "20", "--repeats", "1", "--only"),
@@ -37,6 +38,7 @@ LONG = (
     "batch",
     "dashboard",
     "elementary",
+    "integrators",
     "lockstep",
     "native",
     "plant",

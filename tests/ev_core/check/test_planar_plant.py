@@ -11,6 +11,7 @@ from ev_stack.scenarios.files import vehicle_file
 
 pytestmark = pytest.mark.slow
 
+SEMI_IMPLICIT = {"integrator": "semi_implicit"}
 PERIODS = 15  # plain Python takes about 10 ms for a step of 1 ms
 ALL_DRIVEN = {"vehicle.driven_wheels": list(WHEEL_NAMES)}
 REAR_DRIVEN = {"vehicle.driven_wheels": ["rear_left", "rear_right"]}
@@ -96,6 +97,8 @@ CHOICES = {
     },
     "electrical side": {"electrical": True, "initial_speed": 10.0},
 }
+CHOICES["semi-implicit"] = {**SEMI_IMPLICIT, **ALL_DRIVEN, **SPLIT, "initial_speed": 15.0}
+CHOICES["semi-implicit, all options"] = {**SEMI_IMPLICIT, **CHOICES["all options"]}
 
 
 @pytest.mark.parametrize("choice", CHOICES)

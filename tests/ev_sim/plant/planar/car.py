@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
+import pytest
 from helpers.compiled_object import CompiledObject
 
 from ev_core.lockstep.finding import find_method
@@ -41,6 +42,13 @@ FOUR_MOTORS = dataclasses.replace(CAR, driven_wheels=WHEEL_NAMES)
 # Tyres of the size of this car's wheels, of curve tmeasy.
 ESTIMATED = Tyre(curve="tmeasy", combined="normalized", estimated_from="175/60R15 81")
 X, Y = index("x"), index("y")
+# Parameters of the plant for each integrator, and for the longest step of the second.
+WAYS = {
+    "runge_kutta": {},
+    "semi_implicit": {"integrator": "semi_implicit"},
+    "semi_implicit at 5 ms": {"integrator": "semi_implicit", "step": 5e-3},
+}
+by_each_way = pytest.mark.parametrize("way", WAYS.values(), ids=WAYS)
 
 
 def parameters_of(**values) -> PlanarPlantParameters:

@@ -56,9 +56,9 @@ MANOEUVRES = {
 }
 
 
-def end_state(step: float, name: str) -> np.ndarray:
+def end_state(step: float, name: str, integrator: str = "runge_kutta") -> np.ndarray:
     parameters, inputs = MANOEUVRES[name]
-    car = plant(step=step, **parameters)
+    car = plant(step=step, integrator=integrator, **parameters)
     for n in range(400):
         car.advance(*inputs(n * 0.01))
     return car.state.copy()

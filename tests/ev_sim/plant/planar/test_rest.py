@@ -6,10 +6,12 @@ import dataclasses
 
 import numpy as np
 import pytest
-from plant.planar.car import CAR, STRAIGHT, X, Y, command, on, outputs, plant, steered
+from plant.planar.car import CAR, STRAIGHT, X, Y, by_each_way, command, on, outputs, plant, steered
 
 from ev_msgs_py.contract.signals import InertialMeasurement, TireForces
 from ev_sim.plant.planar.planar_state import VX, WHEEL_SPEED
+
+pytestmark = by_each_way
 
 
 @pytest.mark.parametrize(
@@ -22,9 +24,9 @@ from ev_sim.plant.planar.planar_state import VX, WHEEL_SPEED
         ("ice", 0.0),
     ],
 )
-def test_parked_on_a_slope_the_car_stays(surface, grade):
+def test_parked_on_a_slope_the_car_stays(surface, grade, way):
     """Less than 1 mm in 60 s on 20 %, on ice (0.05) on 4 %: measured are nanometres."""
-    car = plant(road__grade=(grade,), **on(surface))
+    car = plant(road__grade=(grade,), **on(surface), **way)
     moved = []
     for _ in range(6000):
         car.advance(command(brake=(2000.0,) * 4), STRAIGHT)
@@ -32,9 +34,9 @@ def test_parked_on_a_slope_the_car_stays(surface, grade):
     assert max(moved) < 1e-6
 
 
-def test_braked_to_rest_on_a_slope_the_car_stays():
+def test_braked_to_rest_on_a_slope_the_car_stays(way):
     """The rocking after the stop dies away, and then the car moves less than 1 mm in 60 s."""
-    car = plant(road__grade=(0.2,), road__side_slope=(0.05,), initial_speed=8.0)
+    car = plant(road__grade=(0.2,), road__side_slope=(0.05,), initial_speed=8.0, **way)
     for _ in range(500):
         car.advance(command(brake=(1500.0,) * 4), steered(0.05))
     at, lateral = car.state[X], car.state[Y]
@@ -44,12 +46,12 @@ def test_braked_to_rest_on_a_slope_the_car_stays():
     assert abs(car.state[Y] - lateral) < 1e-3
 
 
-def test_without_brakes_the_car_rolls_down():
+def test_without_brakes_the_car_rolls_down(way):
     """The acceleration is g sin(atan 0.2) - f g cos(..) over the mass with four wheels.
 
     1 + 4 J/(m r^2).
     """
-    car = plant(dataclasses.replace(CAR, drag_coefficient=0.0), road__grade=(0.2,))
+    car = plant(dataclasses.replace(CAR, drag_coefficient=0.0), road__grade=(0.2,), **way)
     for _ in range(300):
         car.advance(command(), STRAIGHT)
     slope = np.hypot(1.0, 0.2)
@@ -70,9 +72,9 @@ def test_without_brakes_the_car_rolls_down():
     ],
 )
 @pytest.mark.parametrize("direction", [1.0, -1.0])
-def test_pull_away_slip_has_one_sign(surface, torque, direction):
+def test_pull_away_slip_has_one_sign(surface, torque, direction, way):
     """The slip keeps its sign at the default step, from creeping to spinning, both ways."""
-    car = plant(period=1e-3, **on(surface))
+    car = plant(period=1e-3, **on(surface), **way)
     slip = []
     for _ in range(3000):
         car.advance(command(drive=(direction * torque, direction * torque, 0.0, 0.0)), STRAIGHT)
@@ -83,12 +85,12 @@ def test_pull_away_slip_has_one_sign(surface, torque, direction):
     assert rolling.max() <= 0.0
 
 
-def test_creep_is_steady():
+def test_creep_is_steady(way):
     """0.03 m/s up a slope of 1 % under a speed controller.
 
     Neither wheel speed nor slip chatters.
     """
-    car = plant(road__grade=(0.01,))
+    car = plant(road__grade=(0.01,), **way)
     speeds, torque = [], 0.0
     for _ in range(3000):
         error = 0.03 - float(car.state[VX])
@@ -100,9 +102,9 @@ def test_creep_is_steady():
     assert np.mean(speeds[-500:]) == pytest.approx(0.03, rel=0.02)
 
 
-def test_locked_wheel_stays_locked_and_stops_the_car():
+def test_locked_wheel_stays_locked_and_stops_the_car(way):
     """Locked wheels slide at the friction of full slip: 1.029 (1 - exp(-17.16)) - 0.523 = 0.506."""
-    car = plant(dataclasses.replace(CAR, drag_coefficient=0.0), initial_speed=15.0)
+    car = plant(dataclasses.replace(CAR, drag_coefficient=0.0), initial_speed=15.0, **way)
     for _ in range(100):
         car.advance(command(brake=(4000.0,) * 4), STRAIGHT)
     assert np.all(car.state[WHEEL_SPEED : WHEEL_SPEED + 4] == 0.0)

@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from plant.planar.car import CAR, FOUR_MOTORS, command, plant, steered
+from plant.planar.car import CAR, FOUR_MOTORS, by_each_way, command, plant, steered
 
 from ev_core.parameters.record import names
 from ev_core.vehicle.description import Vehicle
@@ -45,10 +45,11 @@ def inputs(seed: int):
         yield command(drive, brake), steered(*generator.uniform(-0.3, 0.3, 2))
 
 
+@by_each_way
 @pytest.mark.parametrize("name", CASES)
-def test_a_run_goes_on_from_its_state(name):
+def test_a_run_goes_on_from_its_state(name, way):
     car, parameters = CASES[name]
-    first, second = plant(car, **parameters), plant(car, **parameters)
+    first, second = (plant(car, **parameters, **way) for _ in range(2))
     given = inputs(1)
     for _ in range(40):
         first.advance(*next(given))

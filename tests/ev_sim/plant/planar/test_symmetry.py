@@ -7,7 +7,7 @@ import re
 
 import numpy as np
 import pytest
-from plant.planar.car import ESTIMATED, FOUR_MOTORS, command, plant, steered
+from plant.planar.car import ESTIMATED, FOUR_MOTORS, by_each_way, command, plant, steered
 
 from ev_core.parameters.record import names
 from ev_sim.plant.planar.planar_state import PlanarState
@@ -27,8 +27,9 @@ LATERAL = (
 ODD = (*LATERAL, "y", "road_wheel_angle", "guard.angle")
 
 
+@by_each_way
 @pytest.mark.parametrize("tyre", [FOUR_MOTORS.tyre, ESTIMATED], ids=lambda tyre: tyre.curve)
-def test_mirrored_input_gives_the_mirrored_trajectory_to_the_bit(tyre):
+def test_mirrored_input_gives_the_mirrored_trajectory_to_the_bit(tyre, way):
     generator = np.random.default_rng(5)
     odd = [n for n, name in enumerate(NAMES) if name.startswith(ODD)]
     place = {name: n for n, name in enumerate(NAMES)}
@@ -36,10 +37,10 @@ def test_mirrored_input_gives_the_mirrored_trajectory_to_the_bit(tyre):
     snow, dry = ("packed_snow_1",), ("dry_asphalt",)
     car = dataclasses.replace(FOUR_MOTORS, tyre=tyre)
     ours = plant(
-        car, initial_speed=12.0, road__left=snow, road__right=dry, road__side_slope=(0.03,)
+        car, initial_speed=12.0, road__left=snow, road__right=dry, road__side_slope=(0.03,), **way
     )
     other = plant(
-        car, initial_speed=12.0, road__left=dry, road__right=snow, road__side_slope=(-0.03,)
+        car, initial_speed=12.0, road__left=dry, road__right=snow, road__side_slope=(-0.03,), **way
     )
     for _ in range(500):
         fl, fr, rl, rr = generator.uniform(-500, 800, 4)

@@ -12,7 +12,7 @@ over left and right first: a mirrored state has exactly mirrored rates.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -141,12 +141,12 @@ def bear(y: Row, car: Car, body: BodyConstants, step: Step) -> None:
 
 
 class OfWheel(NamedTuple):
-    """Force of a wheel on the body, in the frame of the body, its moment, and powers."""
+    """Force of a wheel, or of all, on the body, in its frame, the moment, and powers."""
 
     x: float  # [N]
     y: float  # [N]
     moment: float  # about the centre of mass [N m]
-    tyre_power: float  # taken by the tyre, in slip and carcass [W]
+    tyre_power: float  # taken by the tyre, in slip and carcass, or given to it by the rim [W]
     friction_power: float  # taken by brake and rolling resistance [W]
 
 
@@ -164,28 +164,38 @@ def rates(y: Row, dy: Row, mechanics: Mechanics, starts: bool) -> None:
     # Behind the loads, because the friction of the contacts is over them.
     look(y, car, body, step, starts)
     rolling = car.constant_rolling_resistance + car.rolling_resistance_growth * vx * vx
-    # Forces and powers of the wheels, summed as (front left + front right) + (rear left + rear
-    # right).
-    sum_x = sum_y = moment = tyre_power = friction_power = 0.0
+    wheels = of_all_wheels(_turn_wheel, y, dy, mechanics, (rolling, starts))
+    dy[state.TYRE_WORK] = wheels.tyre_power
+    dy[state.FRICTION_WORK] = wheels.friction_power
+    _move_body(y, dy, mechanics, wheels.x / car.mass, wheels.y / car.mass)
+    dy[state.YAW_RATE] = wheels.moment / car.yaw_inertia
+    _roll_body(y, dy, mechanics, wheels.y / car.mass)
+
+
+@inlined
+def of_all_wheels(
+    turn: Callable[..., OfWheel], y: Row, dy: Row, mechanics: Mechanics, by: tuple[float, float]
+) -> OfWheel:
+    """Sum of what `turn` gives of each wheel, with rolling resistance [1] and one number `by`.
+
+    It is (front left + front right) + (rear left + rear right).
+    """
+    force_x = force_y = moment = tyre_power = friction_power = 0.0
     for axle in range(2):
         axle_x = axle_y = axle_moment = axle_tyre_power = axle_friction_power = 0.0
         for side in range(2):
-            wheel = _turn_wheel(y, dy, mechanics, 2 * axle + side, rolling, starts)
+            wheel = turn(y, dy, mechanics, 2 * axle + side, by[0], by[1])
             axle_x += wheel.x
             axle_y += wheel.y
             axle_moment += wheel.moment
             axle_tyre_power += wheel.tyre_power
             axle_friction_power += wheel.friction_power
-        sum_x += axle_x
-        sum_y += axle_y
+        force_x += axle_x
+        force_y += axle_y
         moment += axle_moment
         tyre_power += axle_tyre_power
         friction_power += axle_friction_power
-    dy[state.TYRE_WORK] = tyre_power
-    dy[state.FRICTION_WORK] = friction_power
-    _move_body(y, dy, mechanics, sum_x / car.mass, sum_y / car.mass)
-    dy[state.YAW_RATE] = moment / car.yaw_inertia
-    _roll_body(y, dy, mechanics, sum_y / car.mass)
+    return OfWheel(force_x, force_y, moment, tyre_power, friction_power)
 
 
 @inlined

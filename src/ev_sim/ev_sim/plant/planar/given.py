@@ -45,6 +45,8 @@ from ev_sim.tyres.mf_tyre import is_plain
 TORQUE_CONTROLLED = len(DRIVE_MODELS)
 SPEED_CHOICES = ("free", "held", "imposed")
 SPEED_FREE, SPEED_HELD, SPEED_IMPOSED = range(len(SPEED_CHOICES))
+INTEGRATORS = ("runge_kutta", "semi_implicit")
+LONGEST_OF_RUNGE_KUTTA = 1e-3  # [s]
 IMPOSED_AT = ("body", "wheels")
 AT_BODY, AT_WHEELS = range(len(IMPOSED_AT))
 
@@ -91,12 +93,20 @@ class PlanarParameters(DriveParameters):
         about="torque_controlled: the motor of the vehicle description; the others: a brushless "
         "DC drive, `motor`",
     )
+    integrator: str = setting(
+        "runge_kutta",
+        choices=INTEGRATORS,
+        about="of body and wheels; semi_implicit: one evaluation of the forces a step in place of "
+        "four (docs/planar_plant.md)",
+        read_only=True,
+    )
     step: float = setting(
         1e-3,
         unit="s",
         low=1e-5,
-        high=1e-3,
-        about="longest step; stiff tyres on light wheels get shorter ones",
+        high=5e-3,
+        about="longest step, above 1 ms for semi_implicit alone; stiff tyres on light wheels get "
+        "shorter ones",
     )
     load_transfer_lag: float = setting(
         0.02,
@@ -175,6 +185,11 @@ class PlanarParameters(DriveParameters):
     puncture: PunctureParameters = group(PunctureParameters)
 
     def __post_init__(self) -> None:
+        if self.integrator == "runge_kutta" and self.step > LONGEST_OF_RUNGE_KUTTA:
+            raise ParameterError(
+                f"parameter step: {self.step:g} is refused, expected at most "
+                f"{LONGEST_OF_RUNGE_KUTTA:g} s with integrator runge_kutta"
+            )
         if len(self.initial_drive_torque) != 4:
             raise ParameterError("initial_drive_torque needs four elements, one for each wheel")
 

@@ -2,7 +2,7 @@
 
 How it works: a control period is divided into equal steps. Before them the guard accepts the
 commands, and faults are looked up. Each step finds the road, turns the wheels, lets the drives set
-the torques of the wheels, integrates body and wheels by Runge-Kutta, moves the car on, and books
+the torques of the wheels, integrates body and wheels, moves the car on, and books
 its energies. A variant puts functions of its own in the place of `apply_drives`, which sets the
 torques, or of `account`, which books, or does something before or behind the period. Options of
 the plant are switches among its parameters (`OPTIONS`): electrical side, rear steering, speed mode.
@@ -55,6 +55,7 @@ from ev_sim.plant.planar.given import (
 from ev_sim.plant.planar.model import Mechanics, Plant
 from ev_sim.plant.planar.powertrain import account, apply_drives
 from ev_sim.plant.planar.prepare import PlanarConstants, prepare, prepare_electrical
+from ev_sim.plant.planar.semi_implicit import integrate_once
 from ev_sim.profiles.profile import value_at
 
 # A vehicle with it has a body that rolls.
@@ -205,9 +206,9 @@ def move(plant: Plant, is_held: bool) -> None:
     for i in range(4):
         # Less the angle before the step; the one after it is added below.
         step.turned[i] = -y[state.WHEEL_ANGLE + i]
-    integrate(y, mechanics, c.h)
+    _integrate(c.semi_implicit, s, mechanics, c.h)
     if is_held:
-        hold_motion(p, y)
+        hold_motion(p, s)
     for i in range(4):
         step.turned[i] += y[state.WHEEL_ANGLE + i]
         s.mean_drive[i] += step.drive[i] / c.steps
@@ -223,12 +224,29 @@ def move(plant: Plant, is_held: bool) -> None:
 
 
 @inlined
-def hold_motion(p: PlanarParameters, y: state.Row) -> None:
+def _integrate(
+    semi_implicit: float | None, s: state.PlanarState, mechanics: Mechanics, h: float
+) -> None:
+    """Take a step of h [s] by the integrator of the plant.
+
+    None is a type of its own, so the compiler leaves the other integrator out.
+    """
+    if semi_implicit is None:
+        integrate(s.motion, mechanics, h)
+    else:
+        integrate_once(s.motion, s.rates, mechanics, h)
+
+
+@inlined
+def hold_motion(p: PlanarParameters, s: state.PlanarState) -> None:
     """Put lateral velocity, yaw rate and a free speed back to those of the start."""
+    y = s.motion
     y[state.VY] = p.initial_lateral_velocity
     y[state.YAW_RATE] = p.initial_yaw_rate
+    s.rates[state.VY] = s.rates[state.YAW_RATE] = 0.0
     if p.speed == SPEED_FREE:
         y[state.VX] = p.initial_speed
+        s.rates[state.VX] = 0.0
 
 
 class SteeredBehind(NamedTuple):

@@ -29,8 +29,8 @@ from ev_sim.drives.brushless_motor import DriveState
 from ev_sim.drives.driveline import EngineState
 from ev_sim.plant.guard import GuardState
 
-# What the Runge-Kutta method integrates.
-INTEGRATED_PLACES = (
+# The part of what is integrated on which forces depend.
+_MOTION_PLACES = (
     Place("longitudinal_velocity", "m/s", "of the centre of mass, body frame"),
     Place("lateral_velocity", "m/s", "of the centre of mass, body frame"),
     Place("yaw_rate", "rad/s"),
@@ -54,6 +54,10 @@ INTEGRATED_PLACES = (
     *wheel_places("lateral_deflection", "m", "of the carcass, wheel frame, positive as its force"),
     *wheel_places("longitudinal_slip", "1", "of the contact, positive as its force"),
     *wheel_places("lateral_slip", "1", "of the contact, positive as its force"),
+)
+# What both integrators integrate.
+INTEGRATED_PLACES = (
+    *_MOTION_PLACES,
     *wheel_places("wheel_angle", "rad", "turned since the start"),
     *wheel_places("distance", "m", "travelled by the wheel centre along the wheel since the start"),
     Place("body_distance", "m", "travelled by the centre of mass along the body"),
@@ -66,6 +70,17 @@ INTEGRATED_PLACES = (
     Place("damper_work", "J", "taken by the dampers as the body rolls"),
 )
 INTEGRATED_SIZE = len(INTEGRATED_PLACES)
+RATES_SIZE = len(_MOTION_PLACES)
+
+
+def _rate_of(place: Place) -> Place:
+    """The place of the rate of a number, with the wheel behind its name."""
+    name, dot, wheel = place.name.partition(".")
+    by = "; of wheels by the road alone" if name == "wheel_speed" else ""
+    return Place(f"{name}_rate{dot}{wheel}", f"{place.unit}/s", f"mean over the last step{by}")
+
+
+_RATES_PLACES = tuple(_rate_of(place) for place in _MOTION_PLACES)
 
 Row = MutableSequence[float]  # what is integrated, or its rates
 
@@ -99,6 +114,7 @@ class PlanarState:
     """Integrated numbers, those that a step advances, and those that a period leaves behind."""
 
     motion: list[float] = row(INTEGRATED_PLACES)
+    rates: list[float] = row(_RATES_PLACES)  # 0 but for the semi-implicit integrator
     x: float = entry(unit="m", about="of the centre of mass, odom frame")
     y: float = entry(unit="m", about="of the centre of mass, odom frame")
     motor_torque: list[float] = per_wheel(unit="N m", about="at the shaft")

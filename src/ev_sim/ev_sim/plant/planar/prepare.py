@@ -31,21 +31,27 @@ from ev_sim.surfaces import RoadParameters, Segments, TyreOnRoad, left_and_right
 # Largest product of step and eigenvalue; the Runge-Kutta method is stable up to 2.78, and at half
 # of that the motion that decays within a step is still no worse than it would be if it were exact.
 LARGEST_PRODUCT = 1.4
+# The same of the semi-implicit method: of what it solves implicitly, which is stable at any product
+# but swings from step to step beyond 2, and of what it leads on from the step before, forces on the
+# body, which is stable up to 1.
+LARGEST_IMPLICIT_PRODUCT = 4.0
+LARGEST_LED_PRODUCT = 0.5
 # The same for brushless DC drives, which take turns with the wheels: far below the limit of 2 of
 # such schemes.
 BRUSHLESS_PRODUCT = 0.4
 SHORTEST_STEP = 1e-5  # [s], the least that the parameter `step` may be
 
 
-def longest_step(vehicle: Vehicle) -> float:
+def longest_step(vehicle: Vehicle, integrator: str = "runge_kutta") -> float:
     """The longest step [s] at which every motion against the carcass springs is stable.
 
     A mass m_e on a spring k with a damper k tau has eigenvalues of magnitude sqrt(k/m_e) if it
     oscillates, and of at most k tau/m_e if it does not; sliding in the contact only softens that.
     m_e is the least inertia that a carcass can move: the wheel's J/r^2, the car's m/4 and, for its
     yaw, J_z over four squared levers. ParameterError if the step would be below `SHORTEST_STEP`.
-    The converter of an engine asks for none: its stiffness follows the speed, and its torques are
-    taken implicitly where they need it (drives/driveline.py).
+    The semi-implicit integrator solves what moves a wheel. The converter of an engine asks for
+    none: its stiffness follows the speed, and its torques are taken implicitly where they need it
+    (drives/driveline.py).
     """
     tyre = vehicle.tyre
     widest = max(vehicle.front_track, vehicle.rear_track)
@@ -64,7 +70,15 @@ def longest_step(vehicle: Vehicle) -> float:
         "tyre: stiffness and damping_time",
         f"wheels of {lightest:g} kg m^2 and a car of {vehicle.mass:g} kg",
     )
-    return LARGEST_PRODUCT / max(on_tyres, _fastest_roll(vehicle))
+    rolling = _fastest_roll(vehicle)
+    if integrator == "runge_kutta":
+        return LARGEST_PRODUCT / max(on_tyres, rolling)
+    led = max(
+        _swing(tyre.longitudinal_stiffness, tyre.longitudinal_damping_time, body),
+        _swing(tyre.lateral_stiffness, tyre.lateral_damping_time, body),
+        rolling,
+    )
+    return min(LARGEST_IMPLICIT_PRODUCT / on_tyres, LARGEST_LED_PRODUCT / led)
 
 
 def _refuse_too_fast(fastest: float, what: str, moved: str) -> None:
@@ -99,10 +113,14 @@ def _fastest_roll(vehicle: Vehicle) -> float:
     return fastest
 
 
-def _fastest(stiffness: float, damping_time: float, mass: float) -> float:
+def _swing(stiffness: float, damping_time: float, mass: float) -> float:
     squared = stiffness / mass
+    return max(sqrt(squared), squared * damping_time)
+
+
+def _fastest(stiffness: float, damping_time: float, mass: float) -> float:
     # Swinging, overdamped, and a carcass under a sliding contact, which unwinds by u' = -u/tau.
-    return max(sqrt(squared), squared * damping_time, 1.0 / damping_time)
+    return max(_swing(stiffness, damping_time, mass), 1.0 / damping_time)
 
 
 class Track(NamedTuple):
@@ -187,6 +205,7 @@ class PlanarConstants(NamedTuple):
 
     h: float  # width of a step [s]
     steps: float  # in a control period
+    semi_implicit: float | None  # 1, or None for the Runge-Kutta method: a type of its own
     limits: GuardLimits
     body: BodyConstants
     lags: Lags
@@ -210,6 +229,7 @@ def prepare(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> Pl
     return PlanarConstants(
         h=period / steps,
         steps=steps,
+        semi_implicit=1.0 if p.integrator == "semi_implicit" else None,
         limits=guard_limits(vehicle, motor_torque, vehicle.maximum_road_wheel_angle),
         body=body_constants(vehicle),
         lags=lags_over(period / steps, vehicle),
@@ -277,9 +297,11 @@ def checked_initial_torque(parameters: PlanarParameters, vehicle: Vehicle) -> tu
 
 def number_of_steps(parameters: PlanarParameters, vehicle: Vehicle, period: float) -> int:
     """Steps in a period, each as wide as it may be at most."""
-    # The lags of the loads are integrated as well: a step longer than one would overshoot.
-    longest = min(parameters.step, longest_step(vehicle), parameters.load_transfer_lag)
-    if vehicle.suspension.roll_lag > 0.0:
+    longest = min(parameters.step, longest_step(vehicle, parameters.integrator))
+    if parameters.integrator == "runge_kutta":
+        # The lags of the loads are integrated as well: a step longer than one would overshoot.
+        longest = min(longest, parameters.load_transfer_lag)
+    if parameters.integrator == "runge_kutta" and vehicle.suspension.roll_lag > 0.0:
         longest = min(longest, vehicle.suspension.roll_lag)
     if parameters.drive in DRIVE_MODELS:
         # A brushless DC drive may see one shaft speed over a step: without voltage to spare its
