@@ -34,6 +34,7 @@ from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 from ev_sim.plant.guard import guard_limits
 from ev_stack.interface.changes import Changes, Name
 from ev_stack.interface.simulation import Simulation, SteppedLaw
+from ev_stack.scenarios.records import Run
 
 LARGEST_SEED = 2**31 - 1  # of a scenario
 OBSERVED = ("driver.command", "steering_column.state", "twist", "imu", "wheel_states.velocity")
@@ -174,7 +175,7 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
     @checked
     def __init__(
         self,
-        scenario: Name = "double_lane_change",
+        scenario: Name | Run = "double_lane_change",
         action: str = "torque_split",
         observe: Sequence[str] = OBSERVED,
         reward: Reward | None = None,

@@ -62,7 +62,7 @@ class VectorEnvironment(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.nd
         threads: int | None = None,
         **of_each: Any,
     ) -> None:
-        if isinstance(num_envs, bool) or not isinstance(num_envs, int) or num_envs < 1:
+        if num_envs < 1:
             raise ParameterError(
                 f"num_envs: {num_envs!r} is refused, expected is a whole number, at least 1"
             )
