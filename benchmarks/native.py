@@ -1,6 +1,6 @@
 """Time of a control period in the exported C library, beside the compiled loop of the stack.
 
-    source scripts/setup.sh && python benchmarks/native.py [--repeats N] [--seconds S] [SCENARIO ...]
+    source scripts/setup.sh && python benchmarks/native.py [--repeats N] [--seconds S] [--json FILE] [SCENARIO ...]
 
 All parts of a scenario's first run. Library and compiled loop are measured in alternating rounds, by
 processor time (`rounds`), so that their ratio holds on a busy machine. The compiled loop records all
@@ -11,13 +11,14 @@ from __future__ import annotations
 
 import argparse
 import ctypes
+import json
 import statistics
 import tempfile
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from rounds import alternating, processor_time, ratio_of
+from rounds import alternating, as_json, machine, processor_time, ratio_of
 
 from ev_core.lockstep.run import GraphRun
 from ev_doors.export.content import Content
@@ -62,14 +63,16 @@ def seconds_of_loop(run: Run, steps: int) -> float:
 
 
 def main() -> None:
-    """Print the table."""
+    """Print the table and, if asked for, write it as JSON."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("scenarios", nargs="*", default=SCENARIOS)
     parser.add_argument("--repeats", type=int, default=31, help="rounds")
     parser.add_argument(
         "--seconds", type=float, help="simulated time, by default that of the scenario"
     )
+    parser.add_argument("--json", type=Path, help="write the table to this file")
     given = parser.parse_args()
+    rows = []
     print(f"{'us per control period':<30}{'library':>10}{'compiled loop':>15}  ratio")
     for scenario in given.scenarios:
         run = load_scenario(scenario, Overrides(duration=given.seconds)).runs[0]
@@ -83,6 +86,9 @@ def main() -> None:
         library, loop = (statistics.median(row) * 1e6 / steps for row in seconds.values())
         ratio = ratio_of(seconds["library"], seconds["loop"])
         print(f"{scenario:<30}{library:>10.2f}{loop:>15.2f}  {ratio}")
+        rows.append({"name": scenario, "library": library, "loop": loop, **as_json(ratio)})
+    if given.json:
+        given.json.write_text(json.dumps({**machine(), "rows": rows}, indent=2) + "\n")
 
 
 if __name__ == "__main__":

@@ -34,6 +34,7 @@ BENCHMARKS = {
 # suite and campaign.
 SCRIPTS = {"determinism": ("--trials", "1", "--seconds", "0.1", "--only", "double_lane_change")}
 
+NO_BENCHMARKS = {"rounds", "performance"}  # test_rounds, test_performance_page
 LONG = (
     "batch",
     "dashboard",
@@ -58,7 +59,7 @@ def assert_ends_well(words: list[str | Path], folder: Path) -> None:
     "name",
     [
         pytest.param(name, marks=pytest.mark.weekly) if name in LONG else name
-        for name in sorted({path.stem for path in ROOT.glob("benchmarks/*.py")} - {"rounds"})
+        for name in sorted({path.stem for path in ROOT.glob("benchmarks/*.py")} - NO_BENCHMARKS)
     ],
 )
 def test_a_benchmark_starts(name: str, tmp_path: Path):

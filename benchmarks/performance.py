@@ -1,0 +1,142 @@
+"""The page of performance: every ratio of the benchmarks, and what runs take of memory.
+
+    source scripts/setup.sh && python benchmarks/performance.py [--only NAME ...] [--page FILE] [--words WORD ...]
+
+Run it on a machine that does nothing else. Each benchmark is its own process, one after the other.
+Each of its ratios is that of alternating rounds (`rounds`), so that every number was measured as
+often as there are rounds. The page names the machine and the command of each row; what is already
+on it and is not measured now stays.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from rounds import machine
+
+ROOT = Path(__file__).parents[1]
+PAGE = ROOT / "docs" / "performance.md"
+BENCHMARKS = (
+    "plant",
+    "urban_cycle",
+    "batch",
+    "vector",
+    "native",
+    "bench",
+    "lockstep",
+    "elementary",
+)
+_OFFLINE = ("--offline", "--no-record", "--no-report")
+# Each twice, the second time with ten times the work: what grows is seen.
+MEMORY = {
+    "a run of 10 s": ("run", "double_lane_change", *_OFFLINE, "--duration", "10"),
+    "a run of 100 s": ("run", "double_lane_change", *_OFFLINE, "--duration", "100"),
+    "a sweep of 100 runs of 0.1 s": (
+        *("sweep", "shchur2019", "--seeds", "100"),
+        *("--duration", "0.1", "--workers", "1"),
+    ),
+    "a sweep of 1000 runs of 0.1 s": (
+        *("sweep", "shchur2019", "--seeds", "1000"),
+        *("--duration", "0.1", "--workers", "1"),
+    ),
+}
+
+
+def ratios(found: Any, name: str = "") -> Iterator[tuple[str, dict[str, Any]]]:
+    """Entries of all ratios in the document of a benchmark, each with its name."""
+    if isinstance(found, list):
+        for each in found:
+            yield from ratios(each)
+    elif isinstance(found, dict) and "spread" in found:
+        yield found.get("name", name), found
+    elif isinstance(found, dict):
+        for key, value in found.items():
+            yield from ratios(value, key)
+
+
+def rows_of(benchmark: str, words: Sequence[str]) -> list[str]:
+    """Rows of the page for a benchmark that gets these words, measured now."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "found.json"
+        command = [sys.executable, str(ROOT / "benchmarks" / f"{benchmark}.py"), *words]
+        subprocess.run([*command, "--json", str(file)], cwd=folder, check=True)
+        found = json.loads(file.read_text())
+    shown = f"`benchmarks/{' '.join([f'{benchmark}.py', *words])}`"
+    rows = []
+    for name, ratio in ratios(found):
+        value, goal = ratio["ratio"], ratio["goal"]
+        cells = [
+            name.replace("_", " "),
+            "not reported" if value is None else f"{value:.2f}",
+            f"{ratio['spread']:.2f}",
+            "" if goal is None else f"{goal:.2f}",
+            shown,
+        ]
+        rows.append(f"| {' | '.join(cells)} |")
+    return rows
+
+
+def peak_of(words: tuple[str, ...]) -> float:
+    """Largest memory of a command in an empty folder [MB]."""
+    with tempfile.TemporaryDirectory() as folder:
+        process = subprocess.Popen(
+            ["ev-stack", *words, "--out", f"{folder}/out"],
+            stdout=subprocess.DEVNULL,
+            env={**os.environ, "EV_STACK_RESULTS": f"{folder}/results"},
+        )
+        _, status, used = os.wait4(process.pid, 0)
+    if status:
+        raise SystemExit(f"ev-stack {' '.join(words)} ended with status {status}")
+    return used.ru_maxrss * 1024 / 1e6
+
+
+def memory_row(name: str) -> str:
+    """Row of the page for the memory of a command, measured now."""
+    return f"| {name} | {peak_of(MEMORY[name]):.0f} | `ev-stack {' '.join(MEMORY[name])}` |"
+
+
+def between(text: str, mark: str, rows: list[str]) -> str:
+    """The page with these rows between two marks."""
+    begin, end = f"<!-- {mark} -->\n", f"<!-- end of {mark} -->"
+    head, _, rest = text.partition(begin)
+    table, _, tail = rest.partition(end)
+    header = "\n".join(table.splitlines()[:2])
+    return "".join([head, begin, header, "\n", *(f"{row}\n" for row in rows), end, tail])
+
+
+def main() -> None:
+    """Measure, and write the page."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    known = [*BENCHMARKS, "memory"]
+    parser.add_argument("--only", nargs="+", choices=known, default=known, metavar="NAME")
+    parser.add_argument("--page", type=Path, default=PAGE, help="written anew where it is marked")
+    parser.add_argument(
+        "--words",
+        nargs=argparse.REMAINDER,
+        default=[],
+        metavar="WORD",
+        help="for the benchmarks, as less work",
+    )
+    given = parser.parse_args()
+    text = given.page.read_text()
+    for name in BENCHMARKS:
+        if name in given.only:
+            text = between(text, name, rows_of(name, given.words))
+    if "memory" in given.only:
+        text = between(text, "memory", [memory_row(name) for name in MEMORY])
+    where = f"{machine()['machine']}, Python {machine()['python']}, {os.cpu_count()} cores"
+    text = re.sub(r"(?<=\nMachine of the last measurement: ).*", where, text)
+    given.page.write_text(text)
+
+
+if __name__ == "__main__":
+    main()
