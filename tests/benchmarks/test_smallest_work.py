@@ -44,6 +44,7 @@ LONG = (
     "native",
     "plant",
     "soak",
+    "vector",
 )  # 2 to 10 s of a processor
 
 pytestmark = pytest.mark.slow

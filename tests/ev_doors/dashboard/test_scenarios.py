@@ -99,6 +99,7 @@ def shown(fed: FedPage, browser: Browser, run: Run, recording: Recording | None 
     browser.wait_for("document.querySelectorAll('#beside .uplot').length === 3 && views[0]?.ready")
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", scenario_names())
 def test_sliders_plots_and_car_stand_beside_each_other(fed, browser, name):
     run, lesson = short(name, SECONDS)

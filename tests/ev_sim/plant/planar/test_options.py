@@ -96,6 +96,7 @@ def test_rear_wheels_and_speed_mode_act_together_as_each_alone():
     assert outputs(straight)[BodyVelocity].yaw_rate == 0.0
 
 
+@pytest.mark.weekly
 def test_all_options_mirror_to_the_bit():
     """Steered to the left and to the right, the car of all options has mirrored yaw rates."""
     options = dict.fromkeys(OPTIONS, True)
@@ -152,7 +153,16 @@ def test_the_note_on_a_former_name_names_the_value_that_counts(name, option):
     assert note.startswith(f"plant method {name} is now planar, here with {option} false")
 
 
-@pytest.mark.parametrize("option", OPTIONS)
+@pytest.mark.parametrize(
+    "option",
+    [
+        "rear_steering",
+        *(
+            pytest.param(option, marks=pytest.mark.weekly)
+            for option in ("electrical", "speed_mode")
+        ),
+    ],
+)
 def test_a_state_is_not_taken_over_by_a_plant_with_other_options(option):
     """A rear angle would stay for ever where no actuator sets it.
 
