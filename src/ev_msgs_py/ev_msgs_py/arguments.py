@@ -34,6 +34,7 @@ from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 C = TypeVar("C", bound=Callable[..., Any])
 # An int is a number and True is an int to Python; numbers of numpy count as well.
 _NUMBERS: dict[Any, Any] = {bool: (bool, np.bool_), int: Integral, float: Real}
+_PLAIN = {bool, int, float, str}
 _WORDS = {
     bool: "True or False",
     int: "a whole number",
@@ -134,8 +135,9 @@ def _taken(name: str, value: Any, kinds: Mapping[str, Any]) -> Any:
 
 def refusal(place: str, value: Any, kind: Any) -> str:
     """The line that refuses a value at a place for its kind; empty if it has that kind."""
-    # Most arguments end here: declarations of parameters are thousands.
-    if type(value) is kind and (kind is not float or value == value):
+    # Most arguments end here, but not NaN: there are thousands of declarations, and a loop of
+    # one's own gives channels in every step.
+    if type(value) in _plain_classes(kind) and value == value:
         return ""
     expected = ""
     if get_origin(kind) is Annotated:
@@ -151,6 +153,16 @@ def refusal(place: str, value: Any, kind: Any) -> str:
     if len(lines) == 1 and not expected:
         return lines[0]
     return _line(place, value, expected or " or ".join(map(_words, kinds)))
+
+
+@cache
+def _plain_classes(kind: Any) -> frozenset[type]:
+    """Classes of numbers and texts of which every object but NaN has a kind."""
+    if get_origin(kind) is Annotated:
+        return _plain_classes(get_args(kind)[0])
+    if get_origin(kind) in (Union, UnionType):
+        return frozenset().union(*map(_plain_classes, get_args(kind)))
+    return frozenset({kind} & _PLAIN)
 
 
 def _line(place: str, value: Any, expected: str) -> str:

@@ -289,7 +289,8 @@ class Environment(gymnasium.Env[np.ndarray, np.ndarray]):
         if self.render_mode:
             self._way.append((frame["pose.x"], frame["pose.y"]))
         # The law answers at every instant, whether or not it is followed: its state goes on.
-        self._answer = self._law.answer(self.simulation.time, frame)
+        inputs = {name: frame[name] for name in self._law.inputs}
+        self._answer = self._law.answer(self.simulation.time, inputs)
         limits = self.action.limits
         self._own = np.array([standing_for(limits, self._answer[name]) for name in self.channels])
         self._refuse_what_no_action_means()
