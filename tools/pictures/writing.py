@@ -16,7 +16,7 @@ from pictures.browser import FOUND, Browser
 from pictures.fed_page import FedPage
 
 SCENARIO = "double_lane_change"
-SIZE = {"live_page": (1280, 800), "report_page": (1280, 1150)}  # px
+SIZE = {"live_page": (1280, 800), "report_page": (1280, 800)}  # px
 INSTANT = 4.0  # s, in the second lane
 
 
@@ -54,7 +54,7 @@ def _save_report(browser: Browser, driven: Result, path: Path) -> None:
         driven.save(folder)
         browser.open(Path(folder) / PAGE)
         browser.wait_for("document.body && document.body.dataset.loaded")
-        browser.run(f"document.getElementById('view').scrollIntoView(); clock.set({INSTANT})")
+        browser.run(f"clock.set({INSTANT})")
         browser.wait_for("!waiting && drawn().length > 1")
         _photograph(browser, path)
 

@@ -46,7 +46,7 @@ def test_a_curve_is_a_field_with_its_wheels_a_channel_or_a_series():
     assert [(plot["title"], plot["unit"], len(plot["curves"])) for plot in plots] == [
         ("wheel: velocity", "rad/s", 4),
         ("torque command: drive front left", "N m", 1),
-        ("sideslip angle", "rad", 1),
+        ("sideslip angle", "deg", 1),
         ("imu: yaw rate", "rad/s", 1),
     ]
 
@@ -161,3 +161,17 @@ def test_a_run_that_has_spun_and_a_refused_case_are_in_sight(tmp_path: Path):
         case |= {"scenario": "s", "run": "", "values": [], "signal_hash": ""}
     del study["runs"]
     assert "refused: a</strong>" in facts(tmp_path, study)[0]
+
+
+@pytest.mark.parametrize(
+    ("runs", "names"),
+    [(("lap", "lap"), ["a", "b"]), (("lap", "ride"), ["a: lap", "b: ride"])],
+)
+def test_results_of_the_same_run_are_named_by_their_folders(
+    runs: tuple[str, str], names: list[str]
+):
+    results = [
+        Signals(label, {run: run_on_a_circle(5.0)}, CAR)
+        for label, run in zip("ab", runs, strict=True)
+    ]
+    assert [run["name"] for run in signal_data(results).index["runs"]] == names

@@ -5,6 +5,7 @@ It draws, obeys pointer and keyboard, plays, and says nothing is wrong.
 
 from __future__ import annotations
 
+import dataclasses
 import re
 import subprocess
 import zlib
@@ -16,10 +17,11 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.accessibility import CONTROLS_WITHOUT_NAME, TEXT_OF_POOR_CONTRAST
-from helpers.pages import GAP, RADIUS, page_of, two_runs
+from helpers.pages import CAR, GAP, RADIUS, page_of, run_on_a_circle, summary_of, two_runs
 from pictures.browser import FOUND, Browser
 
 from ev_stack.figures.strokes import strokes_of
+from ev_stack.measures.metric import Metric, Reference, within
 from ev_stack.recording.recording import Recording
 from ev_stack.report.page.writing import Page, Signals, write_page
 
@@ -308,15 +310,29 @@ def test_every_quantity_and_the_time_have_a_unit_and_every_link_leads_to_what_is
 
 
 @pytest.mark.parametrize(("width", "height"), [(1280, 800), (390, 844)])
-@pytest.mark.parametrize("count", [1, 2])
+@pytest.mark.parametrize("count", [1, 2, 6])
 def test_car_curves_and_metrics_are_the_first_screen(
     tmp_path: Path, width: int, height: int, count: int
 ):
-    """They stand above the bar, with all that is drawn and one legend, and nothing overflows."""
-    runs = dict(list(two_runs().items())[:count])
+    """They stand above the bar, with all that is drawn and one legend, and nothing overflows.
+
+    Also with more metrics than there is room for, some of which failed.
+    """
+    runs = {f"law_of_a_long_name_{n}": run_on_a_circle(5.0 + n) for n in range(count)}
+    wrong = Reference(4.0, within(4.0, relative=0.01), "eq 1")
+    metrics = {
+        f"metric_of_a_long_name_{n}_{run}": Metric(
+            0.1 * n, "m/(s^2 rad)", wrong if n == 9 else None
+        )
+        for n in range(20)
+        for run in runs
+    }
+    summary = dataclasses.replace(summary_of(runs), metrics=metrics).as_json()
+    page = tmp_path / "page.html"
+    write_page(Page("laws", {"": summary}, (Signals("", runs, CAR),)), page)
     first = Browser(width, height)
     try:
-        first.open(page_of(tmp_path, runs))
+        first.open(page)
         first.wait_for("document.body && document.body.dataset.ready")
         first.wait_for(
             "[...plots.values()].filter((plot) => plot.small && plot.chart).length === 4"
@@ -326,7 +342,7 @@ def test_car_curves_and_metrics_are_the_first_screen(
             ".map((each) => each.getBoundingClientRect()).map(({ left, right, top, bottom }) => ({ left, right, top, bottom }))"
         )
         *shown, bar = places
-        assert len(shown) == count + 2
+        assert len(shown) == min(count, 2) + 2
         for place in shown:
             assert 0.0 <= place["left"] < place["right"] <= width
             assert 0.0 < place["top"] < place["bottom"] <= bar["top"]
@@ -335,9 +351,13 @@ def test_car_curves_and_metrics_are_the_first_screen(
         assert min(heights) > 60  # room for some five ticks of 12 px
         assert first.run(f"{small}.map((plot) => plot.curves.length)") == [count] * 4
         legend = runs if count > 1 else {}
+        assert first.run("document.querySelectorAll('#judged .failed').length") == count + 1
         assert first.run(
             "[...document.querySelectorAll('#legend li')].map((each) => each.textContent.trim())"
         ) == [name.replace("_", " ") for name in legend]
+        angle = runs["law_of_a_long_name_0"].channels["steering_column.state.angle"][100]
+        # Within half a step of 24 bits over a range of 10 rad
+        assert first.run(f"{small}[0].series[0][100]") == pytest.approx(np.degrees(angle), abs=2e-5)
         assert not first.run("document.documentElement.scrollWidth > innerWidth")
         assert first.run(f"({TEXT_OF_POOR_CONTRAST})()") == []
         assert first.run(f"({CONTROLS_WITHOUT_NAME})()") == []

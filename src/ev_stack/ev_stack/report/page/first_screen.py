@@ -46,7 +46,13 @@ def curve_plots(names: Sequence[str], groups: Sequence[Mapping[str, Any]]) -> li
         for plot in group["plots"]
     ]
     usual = [plot for name in DEFAULT if (plot := _plot(name, plots))["curves"]]
-    return [_plot(name, plots) for name in names] or usual or plots[:MOST]
+    shown = [_plot(name, plots) for name in names] or usual or plots[:MOST]
+    return [_in_degrees(plot) if plot["unit"] == "rad" else plot for plot in shown]
+
+
+def _in_degrees(plot: Mapping[str, Any]) -> dict[str, Any]:
+    """The plot with the unit of the metrics beside it; the page multiplies its samples."""
+    return {**plot, "unit": "deg", "factor": degrees(1.0)}
 
 
 def _topic_of(group: Mapping[str, Any]) -> str:

@@ -174,11 +174,13 @@ def _packed(results: Sequence[Signals], planes: int, every: int) -> SignalData:
     runs = []
     # Results that name other curves are shown by those of the first one.
     curves = next((result.curves for result in results if result.curves), ())
-    labels = [_label(result, name) for result in results for name in result.runs]
+    # Results of one run each, all of the same name, are distinguished by their labels alone.
+    are_alike = len({name for result in results for name in result.runs}) == 1
+    labels = [_label(result, name, are_alike) for result in results for name in result.runs]
     strokes = strokes_of(labels) if len(labels) > 1 else {}
     for result in results:
         for name, run in result.runs.items():
-            car, label = result.vehicle, _label(result, name)
+            car, label = result.vehicle, _label(result, name, are_alike)
             channels = {**run.channels, **series_channels(run, curves)}
             if car:
                 channels |= view_channels(run, car)
@@ -205,8 +207,10 @@ def _packed(results: Sequence[Signals], planes: int, every: int) -> SignalData:
     return SignalData(index, list(places), _precision(planes, every))
 
 
-def _label(result: Signals, name: str) -> str:
-    return f"{result.label}: {name}" if result.label else name
+def _label(result: Signals, name: str, are_alike: bool) -> str:
+    if not result.label:
+        return name
+    return result.label if are_alike else f"{result.label}: {name}"
 
 
 def _period(time: np.ndarray) -> float | None:

@@ -3,12 +3,13 @@
 
 /** Curves of a plot: of one run in the strokes of their places, of several each in the colour of its run. */
 function curvesOfAll(plot) {
+  const factor = plot.factor;
   const [only, ...others] = INDEX.runs;
-  if (!others.length) return curvesOf(plot, only);
+  if (!others.length) return curvesOf(plot, only).map((curve) => ({ ...curve, factor }));
   return INDEX.runs.flatMap((run) => {
     const dashes = plot.curves.length > 1 ? null : run.stroke[1];
     return plot.curves
-      .map(({ channel, label }, n) => ({ run, channel, label, stroke: [run.stroke[0], dashes ?? STROKES[n % STROKES.length][1]] }))
+      .map(({ channel, label }, n) => ({ run, channel, label, factor, stroke: [run.stroke[0], dashes ?? STROKES[n % STROKES.length][1]] }))
       .filter(({ channel }) => run.channels[channel]);
   });
 }

@@ -30,8 +30,9 @@ class Plot {
     return this.loaded;
   }
 
-  async valuesOf({ run, channel }) {
+  async valuesOf({ run, channel, factor = 1 }) {
     const values = await samples(run, channel);
+    if (factor !== 1) return values.map((value) => (value == null ? null : factor * value));
     if (!this.minus) return values;
     const other = await samples(this.minus, channel);
     return difference(await instants(run), values, await instants(this.minus), other);
