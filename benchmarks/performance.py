@@ -38,15 +38,21 @@ BENCHMARKS = (
 _OFFLINE = ("--offline", "--no-record", "--no-report")
 # Each twice, the second time with ten times the work: what grows is seen.
 MEMORY = {
-    "a run of 10 s": ("run", "double_lane_change", *_OFFLINE, "--duration", "10"),
-    "a run of 100 s": ("run", "double_lane_change", *_OFFLINE, "--duration", "100"),
+    "a run of 10 s": ("ev-stack", "run", "double_lane_change", *_OFFLINE, "--duration", "10"),
+    "a run of 100 s": ("ev-stack", "run", "double_lane_change", *_OFFLINE, "--duration", "100"),
     "a sweep of 100 runs of 0.1 s": (
-        *("sweep", "shchur2019", "--seeds", "100"),
+        *("ev-stack", "sweep", "shchur2019", "--seeds", "100"),
         *("--duration", "0.1", "--workers", "1"),
     ),
     "a sweep of 1000 runs of 0.1 s": (
-        *("sweep", "shchur2019", "--seeds", "1000"),
+        *("ev-stack", "sweep", "shchur2019", "--seeds", "1000"),
         *("--duration", "0.1", "--workers", "1"),
+    ),
+    "a vector of 10 000 cars, 50 steps": (
+        *("python", "benchmarks/vector.py", "--memory", "10000", "--steps", "50"),
+    ),
+    "a vector of 10 000 cars, 500 steps": (
+        *("python", "benchmarks/vector.py", "--memory", "10000", "--steps", "500"),
     ),
 }
 
@@ -86,22 +92,24 @@ def rows_of(benchmark: str, words: Sequence[str]) -> list[str]:
 
 
 def peak_of(words: tuple[str, ...]) -> float:
-    """Largest memory of a command in an empty folder [MB]."""
+    """Largest memory of a command that leaves its files in an empty folder [MB]."""
     with tempfile.TemporaryDirectory() as folder:
+        out = ("--out", f"{folder}/out") if words[0] == "ev-stack" else ()
         process = subprocess.Popen(
-            ["ev-stack", *words, "--out", f"{folder}/out"],
+            [*words, *out],
+            cwd=ROOT,
             stdout=subprocess.DEVNULL,
             env={**os.environ, "EV_STACK_RESULTS": f"{folder}/results"},
         )
         _, status, used = os.wait4(process.pid, 0)
     if status:
-        raise SystemExit(f"ev-stack {' '.join(words)} ended with status {status}")
+        raise SystemExit(f"{' '.join(words)} ended with status {status}")
     return used.ru_maxrss * 1024 / 1e6
 
 
 def memory_row(name: str) -> str:
     """Row of the page for the memory of a command, measured now."""
-    return f"| {name} | {peak_of(MEMORY[name]):.0f} | `ev-stack {' '.join(MEMORY[name])}` |"
+    return f"| {name} | {peak_of(MEMORY[name]):.0f} | `{' '.join(MEMORY[name])}` |"
 
 
 def between(text: str, mark: str, rows: list[str]) -> str:
