@@ -17,7 +17,7 @@ setup(
     maintainer_email=PACKAGE.find("maintainer").get("email"),
     license=PACKAGE.findtext("license"),
     packages=find_packages(exclude=["test"]),
-    package_data={"ev_study": ["py.typed"]},
+    package_data={"ev_study": ["py.typed", "__init__.pyi"]},
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/ev_study"]),
         ("share/ev_study", ["package.xml"]),

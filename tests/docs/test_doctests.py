@@ -7,6 +7,7 @@ import doctest
 import pytest
 
 import ev_stack
+import ev_study
 from ev_core.methods import register
 from ev_doors.learning.environment import Environment
 
@@ -29,6 +30,8 @@ def failures_of(called: object) -> int:
         ev_stack.batch,
         ev_stack.Simulation,
         ev_stack.Result.plot,
+        ev_study.compare,
+        ev_study.sweep,
         Environment,
     ],
     ids=lambda called: called.__name__,

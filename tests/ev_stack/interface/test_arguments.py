@@ -15,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import ev_stack
+import ev_study
 from ev_core.methods.register import method
 from ev_core.parameters.declaration import parameter
 from ev_core.parameters.record import entry, row, series
@@ -60,6 +61,7 @@ CHANGES = {
 }
 ANYTHING = set(VALUES)
 OF_RUNS = {"none", "reductions"}  # a reduction is a tuple to Python, and so has several values
+OF_STUDIES = {"run": {"text"}, "metrics": TEXTS, "workers": {"none", "whole"}, **CHANGES}
 ENVIRONMENT = {
     "scenario": NAME,
     "action": {"text"},
@@ -85,6 +87,10 @@ CALLS = {
         "threads": {"none", "whole"},
         **CHANGES,
     },
+    ev_study.compare: {"scenario": NAME, "methods": TEXTS, **OF_STUDIES},
+    ev_study.sweep: {"scenario": NAME, "vary": OF_RUNS, "seeds": {"whole"}, **OF_STUDIES},
+    ev_study.StudyResult.figures: {"width": NUMBER},
+    ev_study.StudyResult.plot: {"panels": TEXTS, "width": NUMBER},
     ev_stack.Simulation.__init__: {
         "scenario": NAME,
         "without": TEXTS,
@@ -122,7 +128,7 @@ CALLS = {
     },
     method: {"role": {"text"}, "name": {"text"}, "how": ANYTHING},
     entry: {"start": {*NUMBER, "bool"}, "unit": {"text"}, "about": {"text"}},
-    series: {"count": {"whole"}, "start": NUMBER, "unit": {"text"}, "about": {"text"}},
+    series: {"count": {"whole"}, "start": {*NUMBER, "bool"}, "unit": {"text"}, "about": {"text"}},
     row: {"places": set()},
 }
 WRONG = [
@@ -134,10 +140,12 @@ WRONG = [
 
 
 def public_functions() -> set:
-    """Functions that `ev_stack` offers, and methods with arguments of the classes that it offers."""
+    """Functions that the packages offer, and methods with arguments of the classes they offer."""
     found = set()
-    for name in ev_stack.__all__:
-        offered = getattr(ev_stack, name)
+    names = [(ev_stack, name) for name in ev_stack.__all__]
+    names += [(ev_study, name) for name in ev_study.__all__]
+    for package, name in names:
+        offered = getattr(package, name)
         if not inspect.isclass(offered):
             found.add(offered)
         elif not issubclass(offered, Exception):
@@ -154,7 +162,7 @@ def test_every_argument_of_every_public_function_is_checked():
         assert {*inspect.signature(call).parameters} - {"self"} == {*takes}
 
 
-@settings(max_examples=400)
+@settings(max_examples=800)
 @given(st.sampled_from(WRONG), st.data())
 def test_any_value_of_another_kind_is_one_line_before_anything_is_done(wrong, data):
     """All frames of the traceback are those of the check: the function has not begun."""

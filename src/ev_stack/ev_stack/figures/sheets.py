@@ -59,8 +59,11 @@ class Sheet:
         ]
 
     def figure(self, width: float = WIDE) -> Figure:
-        """The figure [inch], however tall."""
-        return drawn({"": self}, width)[""]
+        """The figure [inch], however tall; ParameterError if there is nothing to draw."""
+        found = drawn({"": self}, width)
+        if not found:
+            raise ParameterError("there is nothing to draw, expected a figure with curves")
+        return found[""]
 
 
 Sheets = Mapping[str, Sheet]  # by the name of the file without suffix
@@ -214,14 +217,17 @@ class _Page:
         panels = [panel for row in rows for panel in row]
         limits = _time_limits(self.sheet.panels, self.sheet.start)
         lines = [0] * len(rows)  # of the longest title beyond its first one
+        ends = [False] * len(rows)  # with the abscissa of the sheet, below which there is another
         for number, panel in enumerate(panels):
             row, column = divmod(number, self.columns)
+            under = panels[number + self.columns : number + self.columns + 1]
+            is_last = not under or bool(under[0].xlabel)
+            ends[row] |= is_last and not panel.xlabel
             axes = figure.add_subplot(grid[row, column])
             panel.draw(axes, self.strokes, self._across)
-            self._finish(axes, panel, limits, is_last=number + self.columns >= len(panels))
+            self._finish(axes, panel, limits, is_last)
             lines[row] = max(lines[row], axes.get_title(loc="left").count("\n"))
-        below = 0.0 if all(panel.xlabel for panel in rows[-1]) else _BELOW
-        height = sum(map(self.height, rows)) + _LINE * sum(lines) + below
+        height = sum(map(self.height, rows)) + _LINE * sum(lines) + _BELOW * sum(ends)
         # The legend comes on top: its height is known only once it is laid out.
         figure.set_figheight(height + _legend(figure, self.width, self.strokes))
         figure.align_ylabels()

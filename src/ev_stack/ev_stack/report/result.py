@@ -36,7 +36,7 @@ from ev_stack.recording.recording import (
 )
 from ev_stack.report.reports import figures_of_runs, metrics_of_runs
 from ev_stack.report.summary import COMMAND_LINE, Difference, Summary, differences, write_summary
-from ev_stack.report.tables import html_of, short_lines
+from ev_stack.report.tables import html_of, metric_table, short_lines
 from ev_stack.running.output_folder import folder_of, output_folder
 from ev_stack.scenarios.names import names_of
 from ev_stack.scenarios.records import Scenario
@@ -323,4 +323,5 @@ class Result:
         return "\n  ".join([head, *short_lines(self.metrics)])
 
     def _repr_html_(self) -> str:
-        return html_of(self.metrics, self.figures(), self.hash)
+        text = f"{metric_table(self.metrics)}\nsignal hash {self.hash}"
+        return html_of(text, self.figures())

@@ -237,9 +237,9 @@ def _judgement(metric: Metric, notes: list[str]) -> str:
     return f"{metric.judgement} [{notes.index(note) + 1}]"
 
 
-def html_of(metrics: Mapping[str, Metric], figures: Mapping[str, Figure], signal_hash: str) -> str:
+def html_of(text: str, figures: Mapping[str, Figure]) -> str:
     """A piece of HTML that needs nothing else."""
-    table = f"<pre>{escape(metric_table(metrics))}\nsignal hash {signal_hash}</pre>"
+    table = f"<pre>{escape(text)}</pre>"
     images = []
     for name, figure in figures.items():
         text = base64.b64encode(figure.png()).decode()

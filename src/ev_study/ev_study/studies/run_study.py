@@ -17,7 +17,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import timedelta
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 from zipfile import is_zipfile
 
 from ev_msgs_py.refusal import LINE, ParameterError, quoted, shown
@@ -54,10 +54,18 @@ _EVERY_NODE, _FILE = "*", "file"
 _NAMED = 5  # cases of one kind, in a line
 
 
-def arguments(name: str, argv: Sequence[str]) -> argparse.Namespace:
+class _Program(Parser):
+    """Words that a program gives: what is wrong with them does not end it."""
+
+    def error(self, message: str) -> NoReturn:
+        """ParameterError with the line."""
+        raise ParameterError(message)
+
+
+def arguments(name: str, argv: Sequence[str], kind: type[Parser] = Parser) -> argparse.Namespace:
     """Parse the command line of a study; argparse ends the process for words it does not know."""
     study = study_named(name)
-    parser = Parser(prog=f"run.sh {name}", description=study.ABOUT)
+    parser = kind(prog=f"run.sh {name}", description=study.ABOUT)
     add_driving(parser, name)
     parser.add_argument(
         "--signals", action="store_true", help="keep the signals of every run, in DIR/signals"
@@ -205,6 +213,26 @@ def run_study(words: Sequence[str]) -> None:
     print(f"{driven}{once_more(before)}")
     page = "" if given.no_report else "report.html, figures and "
     print(f"{page}summary: {folder}")
+
+
+def drive_study(name: str, words: Sequence[str]) -> tuple[dict[str, CaseResult], SummedUp]:
+    """Drive all cases of a study for a program: what they gave, and what the study makes of it.
+
+    It raises what `run_study` does, and writes nothing but rows into the store.
+    """
+    study = study_named(name)
+    given = arguments(name, words, _Program)
+    cases = study_cases(study, given)
+    keys = keys_of_cases(name, cases)
+    rows = KeptRows(ResultStore(digest_of_sources()), CaseResult, keys)
+    results, _ = _drive(name, given, cases, {}, rows)
+    return results, _summed_up(study, given, results)
+
+
+def hash_of(results: Iterable[CaseResult]) -> str:
+    """A hash over all signals of a study: in the order of the cases, with their names."""
+    hashes = "".join(f"{result.name}\0{result.signal_hash}\n" for result in results)
+    return hashlib.sha256(hashes.encode()).hexdigest()
 
 
 def _drive(
@@ -368,15 +396,13 @@ def _summary(
     metrics: Mapping[str, Metric],
 ) -> dict[str, Any]:
     """Return the content of summary.json without arrays, which are for figures."""
-    # In the order of the cases, with their names: a hash over all signals of the study.
-    hashes = "".join(f"{result.name}\0{result.signal_hash}\n" for result in results.values())
     options = {key: str(value) for key, value in sorted(vars(given).items()) if value is not None}
     return {
         "study": name,
         "about": study_named(name).ABOUT,
         "options": options,
         "metrics": {key: metric.as_json() for key, metric in metrics.items()},
-        "signal_hash": hashlib.sha256(hashes.encode()).hexdigest(),
+        "signal_hash": hash_of(results.values()),
         "cases": {case.name: _entry(case, results[case.name]) for case in cases},
         "simulated_time": sum(result.simulated_time for result in results.values()),
         "versions": versions(),
