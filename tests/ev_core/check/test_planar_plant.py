@@ -11,7 +11,6 @@ from ev_stack.scenarios.files import vehicle_file
 
 pytestmark = pytest.mark.slow
 
-SEMI_IMPLICIT = {"integrator": "semi_implicit"}
 PERIODS = 15  # plain Python takes about 10 ms for a step of 1 ms
 ALL_DRIVEN = {"vehicle.driven_wheels": list(WHEEL_NAMES)}
 REAR_DRIVEN = {"vehicle.driven_wheels": ["rear_left", "rear_right"]}
@@ -97,8 +96,6 @@ CHOICES = {
     },
     "electrical side": {"electrical": True, "initial_speed": 10.0},
 }
-CHOICES["semi-implicit"] = {**SEMI_IMPLICIT, **ALL_DRIVEN, **SPLIT, "initial_speed": 15.0}
-CHOICES["semi-implicit, all options"] = {**SEMI_IMPLICIT, **CHOICES["all options"]}
 
 
 @pytest.mark.parametrize("choice", CHOICES)
@@ -107,6 +104,19 @@ def test_choices(choice):
     """Every choice keeps the contract; a road drawn at random for each side has no mirror image."""
     configuration = configure("plant", {"method": "planar", **CHOICES[choice]})
     check_configuration(configuration, steps=PERIODS, seeds=[1], mirrored=choice != "random road")
+
+
+@pytest.mark.parametrize(
+    "choice",
+    [
+        "four motors on split friction",
+        pytest.param("all options", marks=pytest.mark.weekly),  # one more plant to compile
+    ],
+)
+def test_the_semi_implicit_integrator(choice):
+    """It keeps the contract as the reference does."""
+    values = {"method": "planar", **CHOICES[choice], "integrator": "semi_implicit"}
+    check_configuration(configure("plant", values), steps=PERIODS, seeds=[1], mirrored=True)
 
 
 def test_switched_drives():
