@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from plant.planar.car import CAR, STRAIGHT, X, Y, command, parameters_of, plant
+from plant.planar.car import CAR, STRAIGHT, WAYS, X, Y, command, parameters_of, plant
 from plant.planar.manoeuvres import MANOEUVRES, end_state
 
 from ev_core.vehicle.driveline import Driveline
@@ -101,6 +101,14 @@ def test_it_drives_through_a_driveline(coupling):
             driven.advance(command(drive=(150.0,) * 4), STRAIGHT)
         ends.append(driven.state.copy())
     assert deviation(ends[1], ends[0]) < 1e-4
+
+
+def test_a_wheel_that_is_stopped_within_a_step_stands():
+    """Exactly, from 32 speeds: w - h (w/h) leaves a last place of every seventh of them."""
+    for speed in np.linspace(0.1, 0.7, 32):
+        car = plant(period=5e-3, initial_speed=float(speed), **WAYS["semi_implicit at 5 ms"])
+        car.advance(command(brake=(4000.0,) * 4), STRAIGHT)
+        assert not car.state[WHEEL_SPEED : WHEEL_SPEED + 4].any(), speed
 
 
 def test_the_reference_leaves_its_numbers_alone():
