@@ -20,6 +20,7 @@ from ev_stack.figures.overlays import as_one
 from ev_stack.figures.sheets import WIDE, Figure, drawn
 from ev_stack.interface.changes import Changes, Name
 from ev_stack.measures.metric import Metric
+from ev_stack.recording.data_frame import data_frame
 from ev_stack.report.tables import Table, html_of
 from ev_study.studies.run_study import SummedUp, drive_study, hash_of
 from ev_study.studies.study import Results
@@ -58,14 +59,9 @@ class StudyResult:
         return hash_of(self.rows.values())
 
     def data_frame(self) -> DataFrame:
-        """The table as one of pandas."""
-        try:
-            from pandas import DataFrame
-        except ImportError as error:
-            raise ImportError(
-                f"a data frame needs pandas ({error}): pip install 'ev_stack[frame]'"
-            ) from None
-        return DataFrame(self.table.rows, columns=list(self.table.columns))
+        """The table as one of pandas, with units in the names of its columns."""
+        columns = zip(*self.table.rows, strict=True)
+        return data_frame(dict(zip(self.table.columns, columns, strict=True)), {})
 
     @checked
     def figures(self, width: float = WIDE) -> dict[str, Figure]:
@@ -169,7 +165,7 @@ def _words(run: str, metrics: Sequence[str], workers: int | None, changes: Chang
     """The options of both studies, as a command line has them."""
     words = []
     for node, method in (changes.get("method") or {}).items():
-        words.append(f"--method={node}={method}")
+        words.append(f"--method={node}={fspath(method)}")
     for place, value in (changes.get("set") or {}).items():
         words.append(f"--set={place}={_as_yaml(value)}")
     words += [f"--params={fspath(path)}" for path in changes.get("params") or ()]

@@ -214,7 +214,7 @@ def test_seeds_are_those_of_single_environments():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"num_envs": 0}, "num_envs: 0 is refused, expected is a whole number, at least 1"),
+        ({"num_envs": 0}, "num_envs: 0 is refused, expected a whole number, at least 1"),
         ({"autoreset_mode": "Never"}, "unknown autoreset_mode 'Never'"),
         ({"render_mode": "rgb_array"}, "render_mode is refused, expected is Environment for one"),
         ({"threads": 0}, "threads: 0 is refused"),

@@ -65,10 +65,16 @@ from ev_stack.batches.whole_runs import Ending
         ),
         (
             {"plant.initial_speed": "20"},
-            r"plant.initial_speed: '20' is refused, expected one value for each run, such as \['20'\]",
+            r"vary\['plant.initial_speed'\]: '20' is refused, expected a list of values, such as \['20'\]",
         ),
-        ({"plant.initial_speed": 20.0}, "plant.initial_speed: 20.0 is refused, expected one value"),
-        ({"plant.initial_speed": np.array(20.0)}, "plant.initial_speed: 20.0 is refused, expected"),
+        (
+            {"plant.initial_speed": 20.0},
+            r"vary\['plant.initial_speed'\]: 20.0 is refused, expected a list",
+        ),
+        (
+            {"plant.initial_speed": np.array(20.0)},
+            r"vary\['plant.initial_speed'\]: array\(20.\) is refused",
+        ),
         ({"*.seed": [1.5]}, "run 0: .*: parameter seed: 1.5 is refused, expected a whole number"),
     ],
 )
@@ -87,9 +93,9 @@ def test_values_that_differ(vary, message):
             "reductions are refused for",
         ),
         ({"every": 0}, "every: 0 is refused, expected a whole number of periods, at least 1"),
-        ({"threads": 0}, "threads: 0 is refused, expected is a whole number, at least 1"),
-        ({"threads": -1}, "threads: -1 is refused, expected is a whole number, at least 1"),
-        ({"threads": 2.5}, r"threads: 2\.5 is refused, expected is a whole number, at least 1"),
+        ({"threads": 0}, "threads: 0 is refused, expected a whole number, at least 1"),
+        ({"threads": -1}, "threads: -1 is refused, expected a whole number, at least 1"),
+        ({"threads": 2.5}, r"threads: 2\.5 is refused, expected a whole number, at least 1"),
         (
             {"initial_states": {"plant": np.zeros((2, 3))}},
             "initial_states of plant have 3 numbers, expected ",

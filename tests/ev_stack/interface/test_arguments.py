@@ -23,6 +23,7 @@ from ev_doors.learning.environment import Environment
 from ev_doors.learning.vector import VectorEnvironment
 from ev_msgs_py import arguments
 from ev_msgs_py.refusal import ParameterError
+from ev_stack.batches.batch import batch
 from ev_stack.batches.observer import last
 from ev_stack.interface.simulation import SteppedLaw
 
@@ -86,6 +87,18 @@ CALLS = {
         "initial_states": {"none", *BY_NAME},
         "threads": {"none", "whole"},
         **CHANGES,
+    },
+    batch: {
+        "configurations": set(),
+        "duration": NUMBER,
+        "vary": OF_RUNS,
+        "initial_states": {"none", *BY_NAME},
+        "signals": TEXTS,
+        "every": {"whole"},
+        "metrics": {"none", "texts", "reductions"},
+        "threads": {"none", "whole"},
+        "hashes": {"bool"},
+        "ending": {"none"},
     },
     ev_study.compare: {"scenario": NAME, "methods": TEXTS, **OF_STUDIES},
     ev_study.sweep: {"scenario": NAME, "vary": OF_RUNS, "seeds": {"whole"}, **OF_STUDIES},
@@ -215,7 +228,7 @@ def test_a_declared_parameter_is_refused_as_a_public_function_is(name, data):
         ({"runs": {"first": 2}}, "runs: {'first': 2} is refused, expected a list of texts"),
         (
             {"method": "direct_yaw_moment"},
-            "method: 'direct_yaw_moment' is refused, expected {NODE: METHOD}, both texts",
+            "method: 'direct_yaw_moment' is refused, expected {NODE: METHOD}, by names or law files",
         ),
         ({"set": ["a=1"]}, "set: ['a=1'] is refused, expected {'NODE.PARAMETER': VALUE}"),
         ({"seed": True}, "seed: True is refused, expected a whole number"),

@@ -158,15 +158,44 @@ def test_a_result_is_shown_in_a_few_lines(result):
     assert repr(result.runs) == "{'shchur2019': Recording of 54 channels at 51 instants in 1 s}"
 
 
-def test_a_data_frame_has_the_units_of_its_columns(result, monkeypatch):
-    """A stand-in for pandas, which the environment lacks, keeps what it is given and the units."""
+def pandas_frame(monkeypatch, of) -> SimpleNamespace:
+    """The columns and the index that pandas, which the environment lacks, would be given."""
     frame = SimpleNamespace(attrs={})
     pandas = SimpleNamespace(
         DataFrame=lambda columns, index: vars(frame).update(columns=columns, index=index) or frame
     )
     pandas.Index = lambda values, name: (values, name)
     monkeypatch.setitem(sys.modules, "pandas", pandas)
-    units = result.data_frame().attrs["units"]
+    assert of.data_frame() is frame
+    return frame
+
+
+def test_a_batch_as_a_data_frame_has_what_varied_beside_the_metrics(monkeypatch):
+    """A row for each run, and the units of all columns."""
+    found = ev_stack.batch(
+        "shchur2019",
+        {"plant.initial_speed": np.array([2.0, 8.0]), "*.seed": range(2)},
+        metrics=["final_speed", "x [m] = last(pose.x)"],
+        duration=0.1,
+    )
+    frame = pandas_frame(monkeypatch, found)
+    assert {name: list(values) for name, values in frame.columns.items()} == {
+        "plant.initial_speed": [2.0, 8.0],
+        "*.seed": [0, 1],
+        "final_speed": list(found.metrics["final_speed"]),
+        "x": list(found.metrics["x"]),
+        "end": [0.1, 0.1],
+    }
+    units = {"plant.initial_speed": "m/s", "*.seed": "", "final_speed": "m/s", "x": "m"}
+    assert frame.attrs["units"] == {**units, "end": "s"}
+    assert frame.index is None
+    reduced = ev_stack.batch("shchur2019", metrics={"top": last("imu.yaw_rate")}, duration=0.1)
+    assert pandas_frame(monkeypatch, reduced).attrs["units"]["top"] == "rad/s"
+
+
+def test_a_data_frame_has_the_units_of_its_columns(result, monkeypatch):
+    frame = pandas_frame(monkeypatch, result)
+    units = frame.attrs["units"]
     assert units["imu.yaw_rate"] == "rad/s" and units["torque_command.drive.rear_left"] == "N m"
     assert {*units} == {*frame.columns, frame.index[1]} and units["time"] == "s"
 

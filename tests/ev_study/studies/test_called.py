@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -58,7 +60,7 @@ def test_a_law_file_beside_two_others_has_the_hash_of_the_command(law, tmp_path)
     assert found.hash == hash_of_command(
         tmp_path / "out", "compare", "--scenario", "shchur2019", *methods
     )
-    alone = ev_stack.run("shchur2019", method={"electronic_differential": str(law)}, duration=0.1)
+    alone = ev_stack.run("shchur2019", method={"electronic_differential": law}, duration=0.1)
     assert found.rows["twist"].signal_hash == alone.hash
 
 
@@ -78,7 +80,7 @@ def test_a_comparison_draws_all_laws_over_each_other():
     assert found._repr_html_().count("<img ") == 2
 
 
-def test_a_sweep_over_a_law_file_and_over_its_parameter(law):
+def test_a_sweep_over_a_law_file_and_over_its_parameter(law, monkeypatch):
     """Names and values are those of the command; arrays of numpy are values, too."""
     over_laws = ev_study.sweep(
         "shchur2019", {"electronic_differential.method": [str(law), "equal_torque"]}, **SHORT
@@ -91,11 +93,18 @@ def test_a_sweep_over_a_law_file_and_over_its_parameter(law):
         {"electronic_differential.share": np.array([0.4, 0.5])},
         seeds=2,
         metrics=["final_speed"],
-        method={"electronic_differential": str(law)},
+        method={"electronic_differential": law},
         **SHORT,
     )
     assert [row[:2] for row in found.table.rows] == [[0.4, 0], [0.4, 1], [0.5, 0], [0.5, 1]]
     assert [axes.get_title(loc="left") for axes in found.plot().axes] == ["final speed"]
+    pandas = SimpleNamespace(
+        DataFrame=lambda given, index: SimpleNamespace(columns=given, attrs={})
+    )
+    pandas.Index = None
+    monkeypatch.setitem(sys.modules, "pandas", pandas)
+    columns = found.data_frame().columns
+    assert columns["electronic_differential.share"] == (0.4, 0.4, 0.5, 0.5)
     assert found.metrics["final_speed_least"].value == found.table.rows[0][2]
 
 

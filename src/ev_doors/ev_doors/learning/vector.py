@@ -8,7 +8,7 @@ of a car begins in the same call in which the others go on.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, NoReturn
+from typing import Annotated, Any, NoReturn
 
 import gymnasium
 import numpy as np
@@ -25,7 +25,7 @@ from ev_msgs_py.arguments import checked
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.roles import MASTER
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
-from ev_stack.batches.batch import number_of_threads
+from ev_stack.batches.batch import Threads, number_of_threads
 from ev_stack.batches.placed import Placing
 from ev_stack.batches.variation import Variation
 
@@ -56,15 +56,15 @@ class VectorEnvironment(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.nd
     @checked
     def __init__(
         self,
-        num_envs: int = 1,
+        num_envs: Annotated[int, "a whole number, at least 1"] = 1,
         vary: Mapping[str, Iterable[Any]] | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
-        threads: int | None = None,
+        threads: Threads = None,
         **of_each: Any,
     ) -> None:
         if num_envs < 1:
             raise ParameterError(
-                f"num_envs: {num_envs!r} is refused, expected is a whole number, at least 1"
+                f"num_envs: {num_envs!r} is refused, expected a whole number, at least 1"
             )
         mode = getattr(autoreset_mode, "value", autoreset_mode)
         if mode not in _MODES:
@@ -85,7 +85,7 @@ class VectorEnvironment(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.nd
                 f"vary has {variation.runs} values of each parameter, expected {num_envs}, one for"
                 " each car"
             )
-        for name in variation.names:
+        for name in variation.columns:
             if name.endswith(".seed"):
                 raise ParameterError(
                     f"vary: {name} is refused, expected are seeds in reset(seed=[...])"

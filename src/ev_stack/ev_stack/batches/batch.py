@@ -15,17 +15,18 @@ import os
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from queue import SimpleQueue
 from threading import Thread
-from typing import Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
 from ev_core.compiled.loop import FINISHED, Parts, run_through
 from ev_core.lockstep.configuration import Configuration
 from ev_core.lockstep.graph import check_graph
+from ev_msgs_py.arguments import checked
 from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.fields import SignalError
 from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
@@ -35,7 +36,13 @@ from ev_stack.batches.placed import NOTHING, Placed, Placing
 from ev_stack.batches.variation import Variation
 from ev_stack.batches.whole_runs import Ending, WholeRuns
 from ev_stack.measures.named import NamedMetric, driven_run
+from ev_stack.recording.data_frame import data_frame
 from ev_stack.recording.offline import written_topics
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+Threads = Annotated[int | None, "a whole number, at least 1"]
 
 _PORTIONS = 16  # for each thread
 
@@ -132,6 +139,7 @@ class BatchResult:
     number of the run what was not finite and when; such a run has stopped there, its metrics and
     what would have come later are NaN. `hashes`: the signal hash of each run if asked for, empty
     where it has failed. `ends`: when each run ended [s], (runs,), NaN where it has failed.
+    `varied`: by name the value of each run. `units`: of what varied and of the metrics, by name.
     """
 
     metrics: Mapping[str, np.ndarray]
@@ -140,6 +148,16 @@ class BatchResult:
     failed: Mapping[int, str]
     ends: np.ndarray
     hashes: Sequence[str] = ()
+    varied: Mapping[str, Sequence[Any]] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+
+    def data_frame(self) -> DataFrame:
+        """A row for each run as a table of pandas: what varied, the metrics, and when it ended.
+
+        `attrs["units"]` has the unit of each column by name.
+        """
+        columns = {**self.varied, **self.metrics, "end": self.ends}
+        return data_frame(columns, {**self.units, "end": "s"})
 
     def __repr__(self) -> str:
         kept = ", ".join(
@@ -152,15 +170,16 @@ class BatchResult:
         )
 
 
+@checked
 def batch(
     configurations: Mapping[str, Configuration],
-    duration: float,
+    duration: Annotated[float, "0 s or more"],
     vary: Mapping[str, Iterable[Any]] | None = None,
     initial_states: Mapping[str, Any] | None = None,
     signals: Sequence[str] = (),
-    every: int = 1,
+    every: Annotated[int, "a whole number of periods, at least 1"] = 1,
     metrics: Mapping[str, Reduction] | Sequence[str | NamedMetric] | None = None,
-    threads: int | None = None,
+    threads: Threads = None,
     hashes: bool = False,
     ending: Ending | None = None,
 ) -> BatchResult:
@@ -196,8 +215,7 @@ def batch(
     _refuse_channels(
         configurations, [*signals, *(reduction.channel for reduction in reductions.values())]
     )
-    # To Python True is an int.
-    if isinstance(every, bool) or not isinstance(every, int) or every < 1:
+    if every < 1:
         raise ParameterError(
             f"every: {every!r} is refused, expected a whole number of periods, at least 1"
         )
@@ -227,6 +245,8 @@ def batch(
         range(each, min(each + size, variation.runs)) for each in range(0, variation.runs, size)
     ]
     failed = _driven(runs, portions, workers)
+    known = frame.units()
+    units = {name: known[reduction.channel] for name, reduction in reductions.items()}
     reduced, ends = (
         observation.reduced(),
         measures.ends if measures else np.full(variation.runs, times[-1]),
@@ -246,6 +266,8 @@ def batch(
         failed,
         ends,
         measures.hashes if measures else (),
+        variation.columns,
+        {**variation.units(), **units, **(measures.units if measures else {})},
     )
 
 
@@ -253,10 +275,9 @@ def number_of_threads(threads: int | None) -> int:
     """Number of threads that is meant, as many as cores without one; ParameterError if refused."""
     if threads is None:
         return len(os.sched_getaffinity(0))
-    # To Python True is an int.
-    if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
+    if threads < 1:
         raise ParameterError(
-            f"threads: {threads!r} is refused, expected is a whole number, at least 1"
+            f"threads: {threads!r} is refused, expected a whole number, at least 1"
         )
     return threads
 

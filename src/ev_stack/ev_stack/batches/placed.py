@@ -98,7 +98,7 @@ class Placing:
             for role, each in configurations.items()
         ):
             row_function(SensorRow)
-        if any("faults" in name for name in variation.names) or any(
+        if any("faults" in name for name in variation.columns) or any(
             each.faults for each in configurations.values()
         ):
             row_function(FaultRow)

@@ -16,18 +16,6 @@ _OF_ALL_RUNS = ("method", "control_period", "mode")
 _SEED = entries_by_name(CommonParameters)["seed"]
 
 
-def _column(name: str, values: Any) -> list[Any]:
-    """One value for each run.
-
-    Raises ParameterError for a single one, of which a text would be one for each letter.
-    """
-    if isinstance(values, str) or not isinstance(values, Iterable):
-        raise ParameterError(
-            f"{name}: {values!r} is refused, expected one value for each run, such as [{values!r}]"
-        )
-    return [plain(value) for value in values]
-
-
 class Variation:
     """Differences between runs; names are ROLE.PARAMETER, or *.PARAMETER for all roles.
 
@@ -45,7 +33,7 @@ class Variation:
         self._known = {
             role: configuration.values() for role, configuration in configurations.items()
         }
-        columns = {name: _column(name, plain(values)) for name, values in vary.items()}
+        columns = {name: [*map(plain, values)] for name, values in vary.items()}
         lengths = {name: len(column) for name, column in columns.items()}
         lengths.update({f"initial_states of {role}": count for role, count in runs.items()})
         if len(set(lengths.values())) > 1:
@@ -53,7 +41,7 @@ class Variation:
             raise ParameterError(
                 f"numbers of runs differ: {listed}; expected one number of values for all"
             )
-        self.names = tuple(columns)
+        self.columns = columns
         # Nothing varies: one run.
         self.runs = next(iter(lengths.values()), 1)
         self._by_role: dict[str, dict[str, Sequence[Any]]] = {role: {} for role in configurations}
@@ -90,6 +78,17 @@ class Variation:
             raise ParameterError(
                 f"{name} is refused: expected {EVERY_ROLE}.{parameter}, one for all roles"
             )
+
+    def units(self) -> dict[str, str]:
+        """The unit of what varies, by the name that it has been given by."""
+        found = {}
+        for name in self.columns:
+            role, _, parameter = name.partition(".")
+            for each in self._configurations if role == EVERY_ROLE else (role,):
+                for entry in self._configurations[each].entries():
+                    if entry.name == parameter:
+                        found[name] = entry.spec.unit
+        return found
 
     def configurations(self, role: str) -> list[Configuration] | None:
         """Configurations of a role in all runs, None if they are the same.

@@ -68,7 +68,7 @@ def _only_run(observation: Observation, instants: int) -> dict[str, np.ndarray]:
 class WholeRuns:
     """Metrics of each run once it is driven.
 
-    `values` have one number for each run, (runs,), by name.
+    `values` have one number for each run, (runs,), by name, in the units `units`.
 
     NaN stands where there is none. `ends` are when the runs ended [s], (runs,), and `hashes` those
     of the published signals if they are asked for, NaN and empty for a run that has not ended.
@@ -99,6 +99,7 @@ class WholeRuns:
             for role in OF_THE_CAR
             if role in configurations and len(times) > 1
         }
+        self.units = {name: each.unit for name, each in self._metrics.items()}
         self.values = {name: np.full(runs, np.nan) for name in self._metrics}
         self.hashes = [""] * runs if hashed else []
         self.ends = np.full(runs, np.nan)

@@ -23,7 +23,7 @@ Name = str | PathLike[str]  # or a path
 class Changes(TypedDict, total=False):
     """Changes of a scenario's file, as `ev_stack.run` describes them; None changes nothing."""
 
-    method: Annotated[Mapping[str, str] | None, "{NODE: METHOD}, both texts"]
+    method: Annotated[Mapping[str, Name] | None, "{NODE: METHOD}, by names or law files"]
     set: Annotated[Mapping[str, Any] | None, "{'NODE.PARAMETER': VALUE}"]
     seed: int | None
     duration: Annotated[float | str | None, "a number of seconds or such as '5 s'"]
@@ -41,7 +41,7 @@ def overrides(**changes: Unpack[Changes]) -> Overrides:
     """
     values: list[tuple[str, str, Any]] = []
     for node, method in (changes.get("method") or {}).items():
-        values.append((node, "method", method))
+        values.append((node, "method", fspath(method)))
     for place, value in (changes.get("set") or {}).items():
         node, _, parameter = place.partition(".")
         if not parameter:

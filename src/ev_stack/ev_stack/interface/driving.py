@@ -9,7 +9,7 @@ from typing import Annotated, Any, Unpack
 
 from ev_msgs_py.arguments import checked
 from ev_msgs_py.refusal import ParameterError, unknown_name
-from ev_stack.batches.batch import BatchResult
+from ev_stack.batches.batch import BatchResult, Threads
 from ev_stack.batches.batch import batch as batch_of
 from ev_stack.batches.observer import Reduction
 from ev_stack.interface.changes import Changes, Name, overrides
@@ -67,13 +67,13 @@ def batch(
     vary: Mapping[str, Iterable[Any]] | None = None,
     run: str = "",
     signals: Sequence[str] = (),
-    every: int = 1,
+    every: Annotated[int, "a whole number of periods, at least 1"] = 1,
     metrics: Annotated[
         Mapping[str, Reduction] | Sequence[str] | None,
         "a list of texts, or {NAME: REDUCTION} such as {'end': last('imu.yaw_rate')}",
     ] = None,
     initial_states: Mapping[str, Any] | None = None,
-    threads: int | None = None,
+    threads: Threads = None,
     **changes: Unpack[Changes],
 ) -> BatchResult:
     """Many runs of a scenario in one call, compiled and on all cores.

@@ -23,6 +23,7 @@ from ev_stack.figures.saving import Format, Print, save_figures
 from ev_stack.figures.sheets import COLUMN, WIDE, Figure, Sheet, Sheets, drawn, panel_name
 from ev_stack.figures.strokes import PART
 from ev_stack.measures.metric import Metric, Runs
+from ev_stack.recording.data_frame import data_frame
 from ev_stack.recording.offline import true_motion
 from ev_stack.recording.outcome import Outcome
 from ev_stack.recording.recording import (
@@ -224,18 +225,10 @@ class Result:
 
         `attrs["units"]` has the unit of each column and of the index by name.
         """
-        try:
-            from pandas import DataFrame, Index
-        except ImportError as error:
-            raise ImportError(
-                f"a data frame needs pandas ({error}): pip install 'ev_stack[frame]'"
-            ) from None
-
         recording = self.runs[run] if run else self._only
-        found = DataFrame(dict(recording.channels), index=Index(recording.time, name=TIME))
-        units = frame.units()
-        found.attrs["units"] = {TIME: "s", **{name: units[name] for name in recording.channels}}
-        return found
+        known = frame.units()
+        units = {TIME: "s", **{name: known[name] for name in recording.channels}}
+        return data_frame({TIME: recording.time, **recording.channels}, units, TIME)
 
     def summary(self) -> Summary:
         """The content of summary.json."""
