@@ -8,6 +8,7 @@ import pytest
 
 import ev_stack
 import ev_study
+from ev_core.law import entry, parameter
 from ev_core.methods import register
 from ev_doors.learning.environment import Environment
 
@@ -30,6 +31,8 @@ def failures_of(called: object) -> int:
         ev_stack.batch,
         ev_stack.Simulation,
         ev_stack.Result.plot,
+        parameter,
+        entry,
         ev_study.compare,
         ev_study.sweep,
         Environment,

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 
 import ev_stack
 import ev_study
+from ev_core.law import DriverCommand, WheelTorqueRequest
 from ev_core.methods.register import method
 from ev_core.parameters.declaration import parameter
 from ev_core.parameters.record import entry, row, series
@@ -26,6 +27,8 @@ from ev_msgs_py.refusal import ParameterError
 from ev_stack.batches.batch import batch
 from ev_stack.batches.observer import last
 from ev_stack.interface.simulation import SteppedLaw
+from ev_stack.measures.metric import Metric
+from ev_stack.report.tables import short_lines
 
 VALUES = {
     "none": st.none(),
@@ -132,6 +135,10 @@ CALLS = {
     ev_stack.Result.write_report: {"folder": {"path"}, "figures": BY_NAME, "page": {"bool"}},
     Environment.__init__: ENVIRONMENT,
     Environment.reset: {"seed": {"none", "whole"}, "options": {"none", *BY_NAME}},
+    VectorEnvironment.reset: {
+        "seed": {"none", "whole", "numbers"},
+        "options": {"none", *BY_NAME},
+    },
     VectorEnvironment.__init__: {
         "num_envs": {"whole"},
         "vary": OF_RUNS,
@@ -294,3 +301,47 @@ def test_initial_states_that_are_no_rows_are_one_line(rows):
         ParameterError, match=r"^initial_states of plant: .* is refused, expected rows"
     ):
         ev_stack.batch("shchur2019", initial_states={"plant": rows}, duration=0.02)
+
+
+@pytest.mark.parametrize(
+    ("how", "line"),
+    [
+        ({"outputs": 5}, "outputs=: 5 is refused, expected a function"),
+        ({"prepare": "x"}, "prepare=: 'x' is refused, expected a function"),
+        ({"options": 5}, "options=: 5 is refused, expected a mapping"),
+        ({"heavy": "yes"}, "heavy=: 'yes' is refused, expected True or False"),
+        ({"idle": "group"}, "idle=: 'group' is refused, expected a tuple"),
+        ({"requires": ["asr"]}, "requires=: ['asr'] is refused, expected a mapping"),
+    ],
+)
+def test_what_a_law_declares_of_another_kind_is_one_line_with_the_law(how, line):
+    def law(driver: DriverCommand) -> WheelTorqueRequest:
+        """Never called."""
+
+    begin = "electronic_differential method mine: "
+    with pytest.raises(TypeError, match=f"^{re.escape(begin + line)}"):
+        method("electronic_differential", "mine", **how)(law)
+    with pytest.raises(TypeError, match=f"^{begin}5 is refused, expected a function or a class$"):
+        method("electronic_differential", "mine")(5)
+
+
+def test_seeds_and_actions_of_cars_that_are_no_numbers_are_one_line():
+    car = Environment("shchur2019")
+    car.reset()
+    with pytest.raises(
+        ParameterError, match=r"^action \[\[1\], \[1, 2\]\] is refused, expected \("
+    ):
+        car.step([[1], [1, 2]])
+    with pytest.raises(ParameterError, match=r"^seed\[1\]: 'a' is refused|^seed: "):
+        VectorEnvironment.reset(None, seed=[1, "a"])
+
+
+def test_a_result_is_printed_with_angles_in_degrees_and_without_the_unit_of_pure_numbers():
+    angle = Metric(math.radians(2.0), "rad")
+    count = Metric(1.0, "1")
+    stiffness = Metric(3.0, "N m/rad")
+    assert short_lines({"a": angle, "n": count, "k": stiffness}) == [
+        "a = 0.0349066 rad (2 deg), measured",
+        "n = 1, measured",
+        "k = 3 N m/rad, measured",
+    ]

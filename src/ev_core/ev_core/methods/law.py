@@ -22,6 +22,7 @@ from ev_core.parameters.declaration import entries, number_tree
 from ev_core.parameters.record import entries_without_number, fill, names, numbers
 from ev_core.vehicle.car import car_numbers
 from ev_core.vehicle.description import Vehicle
+from ev_msgs_py.arguments import refusal
 from ev_msgs_py.compilable import FUNCTIONS
 from ev_msgs_py.contract.frame import PLACES
 from ev_msgs_py.contract.signals import Instant
@@ -37,6 +38,7 @@ GIVEN = ("p", "car", "c", "s", "period")
 Options = Mapping[tuple[str, ...], Mapping[str, Any]]
 # A number of the vehicle is a switch as well: it is on where it is not 0.
 OF_VEHICLE = "vehicle."
+_WORDED = ("parameters", "state", "needs")
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +83,7 @@ class Law:
     notes: Callable[..., tuple[str, ...]] | None = None
     load_files: Callable[[Any], Any] | None = None
     needs: tuple[Callable[[Any, Vehicle], str], ...] = ()
-    requires: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    requires: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     in_real_time: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
     writes: tuple[type, ...] | None = None
     heavy: bool = False
@@ -227,10 +229,21 @@ def declared_law(label: str, function: Callable[..., Any], how: Mapping[str, Any
             raise TypeError(f"{label}: {name} has no annotation, expected {expected}")
     annotated = {"parameters": hints.get("p", NoParameters), "state": hints.get("s", NoState)}
     law = Law(function, **{**annotated, **how})
-    for wrong in (_wrong_state(law.state), _wrong_arguments(law)):
-        if wrong:
-            raise TypeError(f"{label}: {wrong}")
+    if wrong := _wrong_state(law.state) or _wrong_kind(how) or _wrong_arguments(law):
+        raise TypeError(f"{label}: {wrong}")
     return law
+
+
+def _wrong_kind(how: Mapping[str, Any]) -> str:
+    """Name what a declaration gives of another kind than a law has; empty if there is none."""
+    kinds = get_type_hints(Law)
+    for name, given in how.items():
+        # Parameters, state and needs have words of their own for what is expected.
+        if name in _WORDED:
+            continue
+        if wrong := refusal(f"{name}=", given, kinds[name]):
+            return wrong
+    return ""
 
 
 def _wrong_state(state: Any) -> str:

@@ -96,6 +96,10 @@ def method(role: str, name: str, **how: Any) -> Callable[[T], T]:
     def register(defined: T) -> T:
         factory: Any = defined
         label = f"{role} method {name}"
+        if not callable(defined):
+            raise TypeError(
+                f"{label}: {quoted(defined)} is refused, expected a function or a class"
+            )
         is_law = not isinstance(defined, type)
         if is_law:
             factory = declared_law(label, factory, how)

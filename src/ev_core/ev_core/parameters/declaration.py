@@ -94,6 +94,14 @@ def parameter(default: Any, *, about: str, source: str = _ASSUMED, **more: Any) 
     `read_only` parameters are fixed when a node starts. When left and right are exchanged,
     `lateral` parameters change their sign, and arrays `per_wheel` their order. Parameters `own` are
     declared by `own`. A default that is a `Choice` declares what else may be chosen.
+
+    >>> from dataclasses import dataclass
+    >>> from ev_core.law import parameter
+    >>> @dataclass(frozen=True, slots=True)
+    ... class Parameters:
+    ...     gain: float = parameter(2.0, unit="N m s/rad", low=0.0, about="yaw moment over error")
+    >>> Parameters().gain
+    2.0
     """
     if isinstance(default, Choice):
         more["choices"] = type(default).texts()

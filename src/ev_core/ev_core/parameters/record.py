@@ -22,7 +22,16 @@ _WHEELS = len(WHEEL_NAMES)
 
 @checked
 def entry(start: float | bool = 0.0, *, unit: str, about: str = "") -> Any:
-    """One number; a condition is 0.0 or 1.0."""
+    """One number; a condition is 0.0 or 1.0.
+
+    >>> from dataclasses import dataclass
+    >>> from ev_core.law import entry
+    >>> @dataclass(slots=True)
+    ... class State:
+    ...     integral: float = entry(0.0, unit="rad", about="of the error of the yaw rate")
+    >>> State().integral
+    0.0
+    """
     return field(default=start, metadata={"unit": unit, "about": about})
 
 

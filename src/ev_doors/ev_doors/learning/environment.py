@@ -128,10 +128,13 @@ def refuse_action(
     action: Any, shape: tuple[int, ...] | None, channels: tuple[str, ...]
 ) -> np.ndarray:
     """The action as float64; ParameterError for another shape, and for no finite numbers."""
-    if np.shape(action) != shape:
-        expected = f"{shape}, of {', '.join(channels)}"
-        raise ParameterError(f"action of shape {np.shape(action)} is refused, expected {expected}")
-    values = np.asarray(action)
+    expected = f"{shape}, of {', '.join(channels)}"
+    try:
+        values = np.asarray(action)
+    except ValueError:  # rows of several lengths
+        raise ParameterError(f"action {quoted(action)} is refused, expected {expected}") from None
+    if values.shape != shape:
+        raise ParameterError(f"action of shape {values.shape} is refused, expected {expected}")
     # Floats, integers with and without sign, and booleans, by numpy's letters for kinds.
     if values.dtype.kind not in "fiub" or not np.isfinite(values).all():
         raise ParameterError(

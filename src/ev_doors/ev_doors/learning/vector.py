@@ -153,6 +153,7 @@ class VectorEnvironment(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.nd
             raise ParameterError(f"seed has {len(seed)} numbers, expected {self.num_envs}")
         return list(seed)
 
+    @checked
     def reset(
         self,
         *,

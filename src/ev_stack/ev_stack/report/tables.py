@@ -20,6 +20,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TextIO
 
+from ev_stack.figures.panels import IN_FIGURES
 from ev_stack.figures.sheets import Figure
 from ev_stack.measures.metric import Metric
 from ev_stack.recording.recording import atomic_file
@@ -184,12 +185,21 @@ def metric_table(metrics: Mapping[str, Metric], width: int = WIDTH_OF_A_PIPE) ->
 def short_lines(metrics: Mapping[str, Metric]) -> list[str]:
     """A line for each of the first metrics that have a value, and how many more there are."""
     lines = [
-        f"{name} = {cell(each.value)} {each.unit}, {each.judgement}"
+        f"{name} = {_with_unit(each.value, each.unit)}, {each.judgement}"
         for name, each in metrics.items()
         if each.value is not None
     ]
     more = len(metrics) - len(lines[:_SHOWN])
     return [*lines[:_SHOWN], *([f"and {more} more in .metrics"] if more else [])]
+
+
+def _with_unit(value: float, unit: str) -> str:
+    """A number with its unit, none of a pure number, and an angle also in degrees."""
+    if unit == "1":
+        return cell(value)
+    other, factor = IN_FIGURES.get(unit, (unit, 1.0))
+    beside = "" if factor == 1.0 else f" ({factor * value:.4g} {other})"
+    return f"{cell(value)} {unit}{beside}"
 
 
 def _lines(columns: tuple[str, ...], rows: list[dict[str, str]]) -> list[str]:
