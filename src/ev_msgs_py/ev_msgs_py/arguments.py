@@ -34,6 +34,7 @@ from ev_msgs_py.refusal import ParameterError, quoted, unknown_name
 C = TypeVar("C", bound=Callable[..., Any])
 # An int is a number and True is an int to Python; numbers of numpy count as well.
 _NUMBERS: dict[Any, Any] = {bool: (bool, np.bool_), int: Integral, float: Real}
+_OF_ANYTHING = (Any, Any)  # what is in a mapping or a list without a kind
 _PLAIN = {bool, int, float, str}
 _WORDS = {
     bool: "True or False",
@@ -172,13 +173,15 @@ def _line(place: str, value: Any, expected: str) -> str:
 def _refusal_of_one(place: str, value: Any, kind: Any) -> str:
     """The same for one kind that is no union."""
     of = get_origin(kind) or kind
-    parts = get_args(kind)
+    parts = get_args(kind) or _OF_ANYTHING
     if of is dict:
         of = Mapping
     if of is Any or isinstance(of, TypeVar):
         return ""
     if of is Literal:
-        return "" if any(value == each for each in parts) else _line(place, value, _words(kind))
+        # What is no text may compare in ways of its own, as an array does.
+        is_one = isinstance(value, str) and value in parts
+        return "" if is_one else _line(place, value, _words(kind))
     if not _is_of(value, of):
         such = _such_as(value, kind)
         return _line(place, value, _words(kind) + such)
@@ -219,7 +222,7 @@ def _words(kind: Any) -> str:
     if get_origin(kind) is Annotated:
         return str(get_args(kind)[1])
     of = get_origin(kind) or kind
-    parts = get_args(kind)
+    parts = get_args(kind) or _OF_ANYTHING
     if of in (Union, UnionType):
         return " or ".join(_words(each) for each in parts if each is not type(None))
     if of is Literal:

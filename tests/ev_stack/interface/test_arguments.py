@@ -6,8 +6,10 @@ import inspect
 import math
 import re
 import traceback
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import pytest
@@ -204,6 +206,32 @@ def test_any_value_of_another_kind_is_one_line_before_anything_is_done(wrong, da
     assert {each.filename for each in frames} == {arguments.__file__}
 
 
+@pytest.mark.parametrize(
+    ("kind", "right", "wrong", "words"),
+    [
+        (Mapping, {"a": 1}, ["a"], "a mapping from values to values"),
+        (dict[str, int], {"a": 1}, {"a": "b"}, "a whole number"),
+        (Sequence, ["a", 1], "a", "a list of values"),
+        (Sequence[int | str], ["a", 1], [1.5], "a whole number or a text"),
+        (Literal["pdf", "svg"], "pdf", 1, "pdf or svg"),
+        (Annotated[int, "one or more"], 1, 1.5, "one or more"),
+        (Callable[..., Any], len, 5, "a function"),
+        (float | None, None, True, "a number"),
+    ],
+)
+def test_words_for_what_is_expected_follow_from_the_annotation(kind, right, wrong, words):
+    """A wrong part of a list or mapping is named with its place."""
+
+    def call(given):
+        return given
+
+    call.__annotations__["given"] = kind
+    call = arguments.checked(call)
+    assert call(right) is right
+    with pytest.raises(ParameterError, match=rf"^given.* is refused, expected {re.escape(words)}$"):
+        call(given=wrong)
+
+
 @pytest.mark.parametrize("call", CALLS, ids=lambda call: call.__qualname__)
 def test_an_unknown_keyword_is_one_line_with_those_that_are_known(call):
     kinds = {each.kind for each in inspect.signature(call).parameters.values()}
@@ -283,6 +311,7 @@ def test_a_name_that_a_result_lacks_is_one_line_and_a_key_error():
     [
         ({"formats": "pdf"}, "formats: 'pdf' is refused, expected a list of pdf or svg"),
         ({"formats": ["png"]}, "formats[0]: 'png' is refused, expected pdf or svg"),
+        ({"formats": [np.array([1, 2])]}, "formats[0]: array([1, 2]) is refused, expected pdf"),
         ({"formats": ["pdf"], "width": 0.0}, "width: 0 is refused, expected 1 to 40 inches"),
         ({"formats": ["pdf"], "width": math.inf}, "width: inf is refused, expected 1 to 40"),
         ({"formats": ["pdf"], "panels": ["nonesuch"]}, "unknown panel 'nonesuch'"),
