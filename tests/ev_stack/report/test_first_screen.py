@@ -175,3 +175,10 @@ def test_results_of_the_same_run_are_named_by_their_folders(
         for label, run in zip("ab", runs, strict=True)
     ]
     assert [run["name"] for run in signal_data(results).index["runs"]] == names
+
+
+def test_a_study_without_signals_has_its_table_once_and_no_empty_screen(tmp_path: Path):
+    summary = summary_of(two_runs()).as_json()
+    write_page(Page("a sweep", {"": summary}, (), {}, "a table"), tmp_path / "page.html")
+    body = (tmp_path / "page.html").read_text().split("<body>")[1]
+    assert body.count("a table") == 1 and 'class="top"' not in body
