@@ -365,11 +365,13 @@ def test_seeds_and_actions_of_cars_that_are_no_numbers_are_one_line():
         VectorEnvironment.reset(None, seed=[1, "a"])
 
 
-def test_a_result_is_printed_with_angles_in_degrees_and_without_the_unit_of_pure_numbers():
+def test_a_result_is_printed_with_angles_in_degrees_and_conditions_in_words():
     angle = Metric(math.radians(2.0), "rad")
     count = Metric(1.0, "1")
     stiffness = Metric(3.0, "N m/rad")
-    assert short_lines({"a": angle, "n": count, "k": stiffness}) == [
+    passed = Metric(0.0, "1", formula="1: in the lanes; else 0")
+    assert short_lines({"p": passed, "a": angle, "n": count, "k": stiffness}) == [
+        "p = no, measured",
         "a = 0.0349066 rad (2 deg), measured",
         "n = 1, measured",
         "k = 3 N m/rad, measured",

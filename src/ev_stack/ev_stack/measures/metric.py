@@ -77,6 +77,13 @@ class Metric:
         return statistics.stdev(self.per_seed) if len(self.per_seed) > 1 else None
 
     @property
+    def in_words(self) -> str:
+        """Yes or no for a condition; empty for any other number."""
+        if self.value is None:
+            return ""
+        return condition(self.value, self.formula)
+
+    @property
     def judgement(self) -> str:
         """Worth of the number: (not) measured, (not) judged, (not) reproduced, or only its inputs."""
         if self.value is None:
@@ -135,6 +142,13 @@ class Metric:
             "source": reference.source if reference else None,
             "assumption": (reference.assumption or None) if reference else None,
         }
+
+
+def condition(value: float, formula: str) -> str:
+    """Yes or no for a number with the formula "1: what holds; else 0"; empty for any other."""
+    if not formula.startswith("1: "):
+        return ""
+    return {1.0: "yes", 0.0: "no"}.get(value, "")
 
 
 def metric(

@@ -22,7 +22,7 @@ from typing import Any, TextIO
 
 from ev_stack.figures.panels import IN_FIGURES
 from ev_stack.figures.sheets import Figure
-from ev_stack.measures.metric import Metric
+from ev_stack.measures.metric import Metric, condition
 from ev_stack.recording.recording import atomic_file
 from ev_stack.report.latex import DIGITS, latex_table
 
@@ -185,7 +185,7 @@ def metric_table(metrics: Mapping[str, Metric], width: int = WIDTH_OF_A_PIPE) ->
 def short_lines(metrics: Mapping[str, Metric]) -> list[str]:
     """A line for each of the first metrics that have a value, and how many more there are."""
     lines = [
-        f"{name} = {_with_unit(each.value, each.unit)}, {each.judgement}"
+        f"{name} = {each.in_words or _with_unit(each.value, each.unit)}, {each.judgement}"
         for name, each in metrics.items()
         if each.value is not None
     ]
@@ -210,7 +210,10 @@ def _lines(columns: tuple[str, ...], rows: list[dict[str, str]]) -> list[str]:
 
 def _row(name: str, metric: Metric, notes: list[str]) -> dict[str, str]:
     reference = metric.reference
-    value = _number(metric.value)
+    value = metric.in_words or _number(metric.value)
+    published = ""
+    if reference:
+        published = condition(reference.value, metric.formula) or _number(reference.value)
     if metric.standard_deviation is not None:
         value += f" ± {metric.standard_deviation:.2g}"
     return {
@@ -221,8 +224,8 @@ def _row(name: str, metric: Metric, notes: list[str]) -> dict[str, str]:
             else value
         ),
         "value in rad": value,
-        "unit": metric.unit,
-        "reference": _number(reference.value) if reference else "-",
+        "unit": "" if metric.in_words else metric.unit,
+        "reference": published or "-",
         "band": (
             " .. ".join(_number(end) if math.isfinite(end) else "" for end in reference.band)
             if reference

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ev_stack.measures.derived import SERIES
-from ev_stack.measures.metric import NOT_REPRODUCED, NotMeasured
+from ev_stack.measures.metric import NOT_REPRODUCED, NotMeasured, condition
 from ev_stack.measures.motion import sideslip_in_motion
 from ev_stack.measures.named import DrivenRun
 from ev_stack.recording.recording import Recording
@@ -157,6 +157,8 @@ def _cell(metric: Mapping[str, Any]) -> Cell:
     failed = NOT_REPRODUCED if has_failed(verdict) else ""
     if value is None:
         return Cell("–", failed)
+    if answer := condition(value, metric.get("formula", "")):
+        return Cell(answer, failed)
     if unit == "rad":
         return Cell(f"{degrees(value):.4g} deg", failed)
     return Cell(f"{value:.4g}" if unit == "1" else f"{value:.4g} {unit}", failed)
