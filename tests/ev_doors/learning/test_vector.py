@@ -11,6 +11,7 @@ import pytest
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import ev_doors.learning
+import ev_doors.learning.cars
 from ev_core.law import BodyVelocity, WheelStates, compilable
 from ev_doors.learning.environment import Environment
 from ev_doors.learning.vector import VectorEnvironment
@@ -198,6 +199,81 @@ def speed_and_action(body: BodyVelocity, action, own) -> float:
     return body.longitudinal + action[0] - own[1]
 
 
+@compilable
+def at_an_index(action) -> float:
+    """A reward that may read beyond its row, or divide by zero."""
+    return action[int(action[0])] / action[1]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "reason"),
+    [
+        (
+            [7.0, 1.0],
+            r"action\[int\(action\[0\]\)\] is out of range: index 7, length 2, expected -2",
+        ),
+        ([0.0, 0.0], r"FloatingPointError: invalid value encountered in scalar divide$"),
+    ],
+)
+def test_a_mistake_of_a_reward_as_a_law_names_its_line_and_car(wrong, reason):
+    """Compiled code that read beyond the row would read memory of others; 0 would be no reward."""
+    line = rf".*test_vector\.py, line \d+: reward law at_an_index: {reason}"
+    vector = vector_of("ev_stack/TorqueSplit-v0", reward=at_an_index)
+    vector.reset(seed=1)
+    assert vector.step(np.array([[1.0, 2.0]] * CARS))[1].tolist() == [1.0] * CARS
+    with pytest.raises(ParameterError, match=rf"^car 1: at 0\.02 s: {line}"):
+        vector.step(np.array([[1.0, 2.0], wrong, [1.0, 2.0]]))
+    single = Environment(**{**IDS["ev_stack/TorqueSplit-v0"], "reward": at_an_index})
+    single.reset(seed=1)
+    with pytest.raises(ParameterError, match=line):
+        single.step(np.array(wrong))
+
+
+@compilable
+def asks_for_more(car) -> float:
+    return car.masss
+
+
+@compilable
+def gives_two(action) -> float:
+    return action[0], action[1]
+
+
+@pytest.mark.parametrize(
+    ("reward", "reason"),
+    [
+        (asks_for_more, "AttributeError: masss is not known here, perhaps mass is meant"),
+        (gives_two, "gives_two gives a tuple of float64, float64, expected a number"),
+    ],
+)
+def test_a_reward_that_cannot_be_compiled_names_its_line(reward, reason):
+    with pytest.raises(ParameterError) as error:
+        VectorEnvironment(num_envs=2, reward=reward)
+    assert str(error.value).endswith(f"reward law {reward.__name__}: {reason}")
+    assert f"{Path(__file__).name}, line " in str(error.value)
+
+
+def test_a_reward_of_others_may_be_interrupted(monkeypatch):
+    """Another thread calls it, for it may never end; ours need none."""
+    waited = []
+    monkeypatch.setattr(
+        ev_doors.learning.cars,
+        "side_by_side",
+        lambda calls, _: waited.append(len(calls)) or [call() for call in calls],
+    )
+    for changes in ({}, {"reward": speed_and_action}):
+        vector_of("ev_stack/TorqueSplit-v0", **changes).reset(seed=1)
+    assert waited == [1]
+
+
+def test_no_reward_changes_the_cars():
+    """A frame is read: work in place would move the cars without a word."""
+    vector = vector_of("ev_stack/TorqueSplit-v0")
+    vector.reset(seed=1)
+    with pytest.raises(ValueError, match="read-only"):
+        vector.frame["twist.longitudinal"][:] = 0.0
+
+
 def test_seeds_are_those_of_single_environments():
     """A list has one for each car; the seed of the scenario counts for the first episode."""
 
@@ -207,7 +283,7 @@ def test_seeds_are_those_of_single_environments():
         vector = vector_of("ev_stack/TorqueSplit-v0", **changes)
         return vector.reset(seed=seed)[0].tolist()
 
-    assert first(4) == first([4, 5, 6]) == first(of_scenario=4)
+    assert first(4) == first([4, 5, 6]) == first(np.array([4, 5, 6])) == first(of_scenario=4)
     assert first() != first()
 
 
@@ -256,12 +332,20 @@ def test_wrong_calls_get_one_line():
         vector.reset(options={"x": 1})
     with pytest.raises(ParameterError, match=r"^seed has 2 numbers, expected 3"):
         vector.reset(seed=[1, 2])
+    for seed in (-1, [1, -1, 2], 1.5, "123", [1, 2, "3"]):
+        with pytest.raises(ParameterError, match=r"^seed: .* is refused, expected (are|a) whole"):
+            vector.reset(seed=seed)
+    with pytest.raises(ParameterError, match=r"^options: 'abc' is refused"):
+        vector.reset(options="abc")
     with pytest.raises(
         ParameterError, match=r"^action of shape \(2,\) is refused, expected \(3, 2\)"
     ):
         vector.step(np.zeros(2))
     with pytest.raises(ParameterError, match=r"is refused, expected are finite numbers$"):
         vector.step(np.full((CARS, 2), np.nan))
+    with pytest.raises(ParameterError, match=r"is refused, expected are finite numbers$"):
+        # Finite before it becomes a float.
+        vector.step(np.full((CARS, 2), np.longdouble("1e400")))
     for time in (0.01, 0.02):
         assert vector.step(np.zeros((CARS, 2)))[-1]["time"].tolist() == [time] * CARS
     with pytest.raises(ParameterError, match=r"^step is refused: the episode of car 0 is over"):

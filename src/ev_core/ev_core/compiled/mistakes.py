@@ -27,7 +27,7 @@ from ev_core.compiled.part_source import law_of
 from ev_core.compiled.unassigned import unassigned
 from ev_core.compiling.machine_code import TakesInterpreter
 from ev_core.methods.index_error import parsed
-from ev_core.methods.law import GIVEN, Law, LawObject
+from ev_core.methods.law import GIVEN, LawObject
 from ev_core.methods.law_error import beginning, in_words, is_of_author
 from ev_core.methods.method_record import Method
 from ev_core.parameters.record import entries_without_number
@@ -86,7 +86,7 @@ def mistake(
     """One line about a law for which the compiler has raised an error."""
     law = law_of(method)
     found = _in_python(method, LawObject(law, parameters, vehicle, period))
-    return line_about(method, *(found or _of_compiler(law, error)))
+    return line_about(method, *(found or of_compiler(law.function, error)))
 
 
 def wrong_answer(method: Method, parameters: Any, vehicle: Any, period: float) -> str:
@@ -114,7 +114,7 @@ def needs_python(method: Method, functions: Iterable[FunctionType], error: BaseE
     Empty if that is not why.
     """
     takes = isinstance(error, TakesInterpreter)
-    at = None if takes else _of_compiler(law_of(method), error)[:2]
+    at = None if takes else of_compiler(law_of(method).function, error)[:2]
     for function in functions:
         file, begin = beginning(function)
         for node in ast.walk(_tree(function)):
@@ -304,8 +304,11 @@ def _line_that_writes(function: Callable[..., Any], name: str) -> int:
     return 1
 
 
-def _of_compiler(law: Law, error: BaseException) -> tuple[str, int, str]:
-    """Finding of the compiler, at the last line that it names and that belongs to no library."""
+def of_compiler(function: Callable[..., Any], error: BaseException) -> tuple[str, int, str]:
+    """File, line and finding of the compiler: its last line that belongs to no library.
+
+    It is the beginning of the compiled function where no such line is named.
+    """
     text = str(error)
     places: list[re.Match[str]] = []
     for found in _PLACE.finditer(text):
@@ -314,7 +317,7 @@ def _of_compiler(law: Law, error: BaseException) -> tuple[str, int, str]:
     before = text[: places[-1].start()] if places else text
     what = _meaning(text) or _cause(text, before) or type(error).__name__
     if not places:
-        return *beginning(law.function), what
+        return *beginning(function), what
     place = places[-1]
     file = Path(place["file"] or place["path"]).resolve()
     return str(file), int(place["line"] or place["at"]), what

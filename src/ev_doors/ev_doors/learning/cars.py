@@ -23,6 +23,7 @@ from ev_doors.learning.stepping import (
     BEGIN,
     HERE,
     LAW,
+    MISJUDGED,
     ORDER,
     STOPPED,
     WITHOUT_MEANING,
@@ -50,7 +51,7 @@ class SteppedCars:
         self, of: Environment, placing: Placing, judge: Judge, count: int, threads: int
     ) -> None:
         simulation = of.simulation
-        self._of, self._placing = of, placing
+        self._of, self._placing, self._judge = of, placing, judge
         self._role = of.action.role
         self._roles = (
             *simulation.before, self._role, *simulation.behind, *simulation.integrating
@@ -130,14 +131,15 @@ class SteppedCars:
     def call(self, given: Given) -> None:
         """Step the cars, or let them begin.
 
-        ParameterError for what the law of a car does, SignalError where a number is not finite.
+        ParameterError for what a law does, also the reward, SignalError where a number is not
+        finite.
         """
         addresses = (*self._fixed, *(array.__array_interface__["data"][0] for array in given))
         step = function()
         calls = []
         for (first, last), stopped in zip(self._shares, self._stopped, strict=True):
             calls.append(partial(step, first, last, stopped.ctypes.data, *addresses))
-        if len(calls) > 1 or self._placing.are_checked:
+        if len(calls) > 1 or self._placing.are_checked or self._judge.may_never_end:
             statuses = side_by_side(calls, (self, given))
         else:
             statuses = [calls[0]()]
@@ -154,6 +156,10 @@ class SteppedCars:
             written = float(frames[LAW, self._places.actions[place]])
             no_meaning = self._of.without_meaning(self._of.channels[place], written, time)
             return ParameterError(f"car {car}: {no_meaning}")
+        if status == MISJUDGED:
+            vehicle = self._placing.configuration(self._role, car).common.vehicle
+            wrong = self._judge.error(vehicle, frames[HERE], self.cars.choices[car])
+            return type(wrong)(f"car {car}: at {time:g} s: {wrong}")
         parts = [each for role in self._roles for each in self._placed[car][role]]
         part = parts[place]
         read: np.ndarray | None = frames[HERE]

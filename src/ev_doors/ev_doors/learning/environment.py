@@ -130,18 +130,22 @@ def refuse_action(
     """The action as float64; ParameterError for another shape, and for no finite numbers."""
     expected = f"{shape}, of {', '.join(channels)}"
     try:
-        values = np.asarray(action)
+        given = np.asarray(action)
     except ValueError:  # rows of several lengths
         raise ParameterError(f"action {quoted(action)} is refused, expected {expected}") from None
-    if values.shape != shape:
-        raise ParameterError(f"action of shape {values.shape} is refused, expected {expected}")
+    if given.shape != shape:
+        raise ParameterError(f"action of shape {given.shape} is refused, expected {expected}")
     # Floats, integers with and without sign, and booleans, by numpy's letters for kinds.
-    if values.dtype.kind not in "fiub" or not np.isfinite(values).all():
-        raise ParameterError(
-            f"action {quoted(str(values.tolist()))} is refused, expected are finite numbers"
-        )
-    # A copy: the memory of the caller may change before it is used again.
-    return values.astype(np.float64, order="C")
+    if given.dtype.kind in "fiub":
+        # A copy: the memory of the caller may change before it is used again. Numbers of a wider
+        # kind may become infinite in it.
+        with np.errstate(over="ignore"):
+            values = given.astype(np.float64, order="C")
+        if np.isfinite(values).all():
+            return values
+    raise ParameterError(
+        f"action {quoted(str(given.tolist()))} is refused, expected are finite numbers"
+    )
 
 
 class Environment(gymnasium.Env[np.ndarray, np.ndarray]):

@@ -2,21 +2,30 @@
 
 How it works: a function that is marked as `compilable` names what it needs, `car`, `action` and
 `own` first, then signals, as a law does. Reward and end make up one C function, which reads them in
-the frame of a car. Any other function takes the frame as a mapping by channel, the action, and the
-action that stands for the own law: numbers of one car, or arrays of many.
+the frame of a car, with its indices and divisors checked. Where one of them fails, plain Python
+calls it again, which finds the line. Any other function takes the frame as a mapping by channel,
+the action, and the action that stands for the own law: numbers of one car, or arrays of many.
 """
 
 from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping
-from typing import Any, get_type_hints
+from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
 
+from ev_core.compiled.mistakes import of_compiler
 from ev_core.compiled.part_source import made_of_frame
 from ev_core.compiling.machine_code import Code
 from ev_core.methods.law import namespace
+from ev_core.methods.law_error import (
+    BY_AUTHORS,
+    LawError,
+    WrongResultError,
+    beginning,
+    raise_in_one_line,
+)
 from ev_core.parameters.record import numbers, record_type, shape_of_record
 from ev_core.vehicle.car import car_numbers
 from ev_core.vehicle.description import Vehicle
@@ -25,6 +34,7 @@ from ev_msgs_py.contract import frame
 from ev_msgs_py.contract.fields import Shape, shape_of
 from ev_msgs_py.contract.topics import TOPICS
 from ev_msgs_py.contract.wheels import Wheels
+from ev_msgs_py.packages import OURS
 from ev_msgs_py.refusal import ParameterError, quoted
 
 Reward = Callable[..., Any]
@@ -36,16 +46,22 @@ from numba import carray, cfunc, types
 P = types.voidptr
 
 
-@cfunc(types.int32(P, P, P, P), error_model="numpy")
+@cfunc(types.int32(P, P, P, P), error_model="numpy", boundscheck=True)
 def step(now, next, state, constants):
     here = carray(now, {size}, FLOAT)
     there = carray(next, 2, FLOAT)
     choice = carray(state, (2, {actions}), FLOAT)
     action, own = choice[0], choice[1]
     car = carray(constants, 1, CAR)[0]
-    there[0] = reward({reward})
-    there[1] = ends({ends})
-    return 0
+{given}
+    status = 1
+    try:
+        there[0] = reward({reward})
+        there[1] = ends({ends})
+        status = 0
+    except Exception:
+        pass
+    return status
 '''
 
 
@@ -74,6 +90,14 @@ def _asked(what: str, function: Callable[..., Any]) -> dict[str, type | None]:
     return found
 
 
+class _Written(NamedTuple):
+    """A reward or an end as errors of laws name it."""
+
+    role: str
+    name: str
+    documented: Callable[..., Any]
+
+
 class InPython:
     """A reward or an end in plain Python: a function of frame, action and own action.
 
@@ -81,7 +105,7 @@ class InPython:
     """
 
     def __init__(self, what: str, function: Callable[..., Any], vehicle: Vehicle) -> None:
-        self._function, self._is_law = function, is_law(function)
+        self._what, self._function, self._is_law = what, function, is_law(function)
         self._takes_frame_alone = what == "ends"
         self._car = namespace(car_numbers(vehicle))
         self._given: list[str] = []
@@ -94,7 +118,7 @@ class InPython:
                 self._reads[name] = shape_of(signal), TOPICS[signal].channels
 
     def __call__(self, here: Mapping[str, Any], action: Any, own: Any) -> Any:
-        """The number, or one for each car."""
+        """The number, or one for each car; LawError in one line for a mistake of a law."""
         if not self._is_law:
             rest = () if self._takes_frame_alone else (action, own)
             return self._function(here, *rest)
@@ -102,7 +126,15 @@ class InPython:
         given = {name: known[name] for name in self._given}
         for name, (shape, channels) in self._reads.items():
             given[name] = shape.signal_of([here.get(channel, 0.0) for channel in channels])
-        return self._function(**given)
+        try:
+            # Numbers of an action are numpy's, which divide by zero with no more than a warning.
+            with np.errstate(divide="raise", invalid="raise"):
+                found = self._function(**given)
+            if not isinstance(found, (bool, int, float, np.number, np.bool_)):
+                raise WrongResultError(self._function, found, "a number")
+        except BY_AUTHORS as error:
+            raise_in_one_line(_Written(self._what, "", self._function), error)
+        return found
 
 
 class Judge:
@@ -110,15 +142,30 @@ class Judge:
 
     def __init__(self, reward: Reward, ends: Reward, actions: int) -> None:
         self._names: dict[str, Any] = {"FLOAT": np.float64, "Wheels": Wheels}
+        self._laws: dict[str, Callable[..., Any]] = {}
         calls: dict[str, str] = {}
+        # Made outside the `try`, of which the compiler follows each operation by recursion.
+        given: list[str] = []
         for what, function in (("reward", reward), ("ends", ends)):
-            self._names[what] = function if is_law(function) else nothing
+            self._names[what] = nothing
+            if is_law(function):
+                self._names[what] = self._laws[what] = function
             arguments: list[str] = []
             for name, signal in _asked(what, self._names[what]).items():
-                arguments.append(name if signal is None else made_of_frame(signal, self._names))
+                if signal is not None:
+                    given.append(f"    signal_{len(given)} = {made_of_frame(signal, self._names)}")
+                    name = f"signal_{len(given) - 1}"
+                arguments.append(name)
             calls[what] = ", ".join(arguments)
-        self._text = _TEXT.format(size=frame.SIZE, actions=actions, **calls)
+        self._text = _TEXT.format(size=frame.SIZE, actions=actions, given="\n".join(given), **calls)
+        self._actions = actions
         self._addresses: dict[Any, int] = {}
+
+    @property
+    def may_never_end(self) -> bool:
+        """True if one of the functions is a law of others."""
+        modules = [function.__module__.partition(".")[0] for function in self._laws.values()]
+        return any(module not in OURS for module in modules)
 
     def of(self, vehicle: Vehicle) -> tuple[int, np.ndarray]:
         """The address of the function for a car, and the numbers of the car that it takes."""
@@ -126,19 +173,39 @@ class Judge:
         # Cars differ in the lengths of their tables.
         shape = shape_of_record(tree)
         if shape not in self._addresses:
-            self._addresses[shape] = self._address(record_type(tree))
+            self._addresses[shape] = self._address(record_type(tree), vehicle)
         return self._addresses[shape], np.array(numbers(tree))
 
-    def _address(self, car: np.dtype) -> int:
+    def _address(self, car: np.dtype, vehicle: Vehicle) -> int:
         try:
             return Code("judge", self._text, {**self._names, "CAR": car}).address()
         except (ParameterError, OSError, MemoryError):
             raise
         except Exception as error:  # the compiler raises errors of many kinds
-            names = f"{self._names['reward'].__name__} or {self._names['ends'].__name__}"
-            lines = [line for line in str(error).splitlines() if line and "nopython" not in line]
-            reason = lines[0] if lines else type(error).__name__
-            raise ParameterError(
-                f"{names} cannot be compiled: {reason}; expected what a law may do"
-                " (docs/compiled_laws.md)"
+            # Plain Python has the better line. Ones, for a law may divide by what it reads.
+            ones = np.ones(frame.SIZE), np.ones((2, self._actions))
+            self._refuse_in_python(vehicle, *ones)
+            names = " or ".join(function.__name__ for function in self._laws.values())
+            file, line, reason = of_compiler(next(iter(self._laws.values())), error)
+            raise LawError(
+                f"{file}, line {line}: {names}: {reason} (docs/compiled_laws.md)"
             ) from error
+
+    def error(self, vehicle: Vehicle, here: np.ndarray, choices: np.ndarray) -> LawError:
+        """Error of a call for a car that has just failed, with its frame and its two actions."""
+        try:
+            self._refuse_in_python(vehicle, here, choices)
+        except LawError as error:
+            return error
+        names = " or ".join(function.__name__ for function in self._laws.values())
+        file, line = beginning(next(iter(self._laws.values())))
+        return LawError(
+            f"{file}, line {line}: {names}: its compiled form fails where plain Python does not;"
+            " run it without @compilable"
+        )
+
+    def _refuse_in_python(self, vehicle: Vehicle, here: np.ndarray, choices: np.ndarray) -> None:
+        """LawError if one of the functions fails in plain Python."""
+        by_channel = {name: float(here[place]) for name, place in frame.channels().items()}
+        for what, function in self._laws.items():
+            InPython(what, function, vehicle)(by_channel, choices[0].copy(), choices[1].copy())

@@ -24,7 +24,7 @@ from ev_msgs_py.contract import frame, stamps
 from ev_msgs_py.contract.frame import TIME
 
 STEP, BEGIN, LEAVE = range(3)  # what a car does in a call
-WITHOUT_MEANING = 3  # a status beside those of the loop
+WITHOUT_MEANING, MISJUDGED = 3, 4  # statuses beside those of the loop
 HERE, BEFORE, LAW = range(3)  # frames of a car
 ORDER = 4  # numbers of a car's order: first rows of law, behind and integrating, end of all rows
 STOPPED = 4  # numbers on where a call has stopped: frame, row, unused, car
@@ -124,13 +124,13 @@ def begin(car: int, cars: Cars, stopped: np.ndarray) -> int:
 
 
 @compilable
-def judge(car: int, cars: Cars) -> None:
-    """Let the compiled function of reward and end look at a car."""
+def judge(car: int, cars: Cars) -> int:
+    """Let the compiled function of reward and end look at a car; not 0 where it fails."""
     function, constants = cars.judges[car]
     here = cars.frames.ctypes.data + car * cars.frames.strides[0]
     marks = cars.marks.ctypes.data + car * cars.marks.strides[0]
     choices = cars.choices.ctypes.data + car * cars.choices.strides[0]
-    call(function, here, marks, choices, constants)
+    return call(function, here, marks, choices, constants)
 
 
 @compilable
@@ -144,7 +144,8 @@ def answer(car: int, task: Task, stopped: np.ndarray) -> int:
         return status
     # Where an episode begins there is nothing to reward.
     if task.given.doings[car] == STEP:
-        judge(car, cars)
+        if judge(car, cars) != FINISHED:
+            return MISJUDGED
         task.given.rewards[car] = cars.marks[car, 0]
         task.given.ended[car] = cars.marks[car, 1] != 0.0
     frames[LAW, TIME] = frames[HERE, TIME]

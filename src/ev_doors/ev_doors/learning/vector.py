@@ -45,9 +45,10 @@ class VectorEnvironment(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.nd
     The other arguments are those of `Environment`. A reward or an end that is no law gets arrays
     with one number for each car in the place of numbers, and gives such an array.
 
-    `frame` has all channels of the present instant, (cars,) each, as views that the next step
-    changes. All arrays that a step gives are new. Car i has the episodes of an `Environment` with
-    the i-th seed: `reset(seed=n)` gives them n, n + 1 and so on, a list one for each.
+    `frame` has all channels of the present instant, (cars,) each, as views to be read, which the
+    next step changes. All arrays that a step gives are new. Car i has the episodes of an
+    `Environment` with the i-th seed: `reset(seed=n)` gives them n, n + 1 and so on, a list one for
+    each.
 
     ParameterError, in one line, if something is refused; SignalError if a number becomes not
     finite, after which only `reset` is left.
@@ -99,6 +100,8 @@ class VectorEnvironment(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.nd
             number_of_threads(threads),
         )
         here, places = self._cars.cars.frames[:, HERE], frame.channels()
+        # A reward that worked in place would change the motion of the cars.
+        here.flags.writeable = False
         self.frame = {name: here[:, places[name]] for name in one.simulation.frame}
         bounds = one.action_space.low, one.action_space.high
         if vary:
@@ -148,10 +151,17 @@ class VectorEnvironment(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.nd
         if seed is None:
             return [None] * self.num_envs
         if isinstance(seed, int | np.integer):
-            return [int(seed) + car for car in range(self.num_envs)]
-        if len(seed) != self.num_envs:
-            raise ParameterError(f"seed has {len(seed)} numbers, expected {self.num_envs}")
-        return list(seed)
+            seeds: list[int | None] = [int(seed) + car for car in range(self.num_envs)]
+        else:
+            seeds = [None if each is None else int(each) for each in seed]
+        if len(seeds) != self.num_envs:
+            raise ParameterError(f"seed has {len(seeds)} numbers, expected {self.num_envs}")
+        for each in seeds:
+            if each is not None and each < 0:
+                raise ParameterError(
+                    f"seed: {each} is refused, expected are whole numbers, at least 0"
+                )
+        return seeds
 
     @checked
     def reset(
