@@ -253,6 +253,21 @@ def test_a_reward_that_cannot_be_compiled_names_its_line(reward, reason):
     assert f"{Path(__file__).name}, line " in str(error.value)
 
 
+def test_the_compiler_names_the_reward_alone():
+    """Plain Python finds no mistake in it, and the end is ours."""
+    line = r"test_vector\.py, line \d+: takes_a_table: TABLE is of type dict, expected numbers"
+    with pytest.raises(ParameterError, match=line):
+        VectorEnvironment(num_envs=2, reward=takes_a_table)
+
+
+TABLE = {"weight": 2.0}
+
+
+@compilable
+def takes_a_table(action) -> float:
+    return TABLE["weight"] * action[0]
+
+
 def test_a_reward_of_others_may_be_interrupted(monkeypatch):
     """Another thread calls it, for it may never end; ours need none."""
     waited = []

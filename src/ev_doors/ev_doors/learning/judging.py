@@ -17,7 +17,7 @@ import numpy as np
 
 from ev_core.compiled.mistakes import of_compiler
 from ev_core.compiled.part_source import made_of_frame
-from ev_core.compiling.machine_code import Code
+from ev_core.compiling.machine_code import Code, TakesInterpreter
 from ev_core.methods.law import namespace
 from ev_core.methods.law_error import (
     BY_AUTHORS,
@@ -68,6 +68,10 @@ def step(now, next, state, constants):
 def is_law(function: Any) -> bool:
     """Return whether a reward or an end is written as a law, to be compiled."""
     return function in FUNCTIONS
+
+
+def _is_ours(function: Callable[..., Any]) -> bool:
+    return function.__module__.partition(".")[0] in OURS
 
 
 @compilable
@@ -164,8 +168,7 @@ class Judge:
     @property
     def may_never_end(self) -> bool:
         """True if one of the functions is a law of others."""
-        modules = [function.__module__.partition(".")[0] for function in self._laws.values()]
-        return any(module not in OURS for module in modules)
+        return not all(map(_is_ours, self._laws.values()))
 
     def of(self, vehicle: Vehicle) -> tuple[int, np.ndarray]:
         """The address of the function for a car, and the numbers of the car that it takes."""
@@ -185,11 +188,19 @@ class Judge:
             # Plain Python has the better line. Ones, for a law may divide by what it reads.
             ones = np.ones(frame.SIZE), np.ones((2, self._actions))
             self._refuse_in_python(vehicle, *ones)
-            names = " or ".join(function.__name__ for function in self._laws.values())
-            file, line, reason = of_compiler(next(iter(self._laws.values())), error)
+            first, names = self._named()
+            file, line, reason = of_compiler(first, error)
+            if isinstance(error, TakesInterpreter):
+                reason = "it needs Python, as print does, expected numbers alone"
             raise LawError(
                 f"{file}, line {line}: {names}: {reason} (docs/compiled_laws.md)"
             ) from error
+
+    def _named(self) -> tuple[Callable[..., Any], str]:
+        """One of the functions, and the names of all that may be wrong: of others before ours."""
+        laws = [function for function in self._laws.values() if not _is_ours(function)]
+        laws = laws or list(self._laws.values())
+        return laws[0], " or ".join(function.__name__ for function in laws)
 
     def error(self, vehicle: Vehicle, here: np.ndarray, choices: np.ndarray) -> LawError:
         """Error of a call for a car that has just failed, with its frame and its two actions."""
@@ -197,8 +208,8 @@ class Judge:
             self._refuse_in_python(vehicle, here, choices)
         except LawError as error:
             return error
-        names = " or ".join(function.__name__ for function in self._laws.values())
-        file, line = beginning(next(iter(self._laws.values())))
+        first, names = self._named()
+        file, line = beginning(first)
         return LawError(
             f"{file}, line {line}: {names}: its compiled form fails where plain Python does not;"
             " run it without @compilable"
