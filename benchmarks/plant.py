@@ -269,7 +269,7 @@ def main() -> None:
     for of, to, goal in pairs(COMPILED_PEER in rows):
         ratio = ratio_of(seconds[of], seconds[to], goal)
         print(f"{of} over {to}: {ratio}")
-        goals.append({"of": of, "to": to, **as_json(ratio)})
+        goals.append({"name": f"{of} over {to}", **as_json(ratio)})
     if arguments.json:
         document = {**machine(), "seconds per": "1 ms step", "rows": table, "goals": goals}
         arguments.json.write_text(json.dumps(document, indent=2) + "\n")
