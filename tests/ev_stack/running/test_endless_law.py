@@ -42,7 +42,7 @@ def ended(way: str, folder: Path, kind: signal.Signals) -> subprocess.CompletedP
 
 @pytest.mark.slow
 @pytest.mark.sampled
-@pytest.mark.parametrize(("way", "kind"), product(COMMANDS, KINDS))
+@pytest.mark.parametrize(("way", "kind"), [*product(COMMANDS, KINDS)])
 def test_a_command_ends_with_one_line(way: str, kind: signal.Signals, tmp_path: Path):
     """It does not hang, which the limit of the process shows."""
     assert_stopped(ended(way, tmp_path, kind))
@@ -50,7 +50,7 @@ def test_a_command_ends_with_one_line(way: str, kind: signal.Signals, tmp_path: 
 
 @pytest.mark.slow
 @pytest.mark.sampled
-@pytest.mark.parametrize(("way", "kind"), product(BY_WORKERS, KINDS))
+@pytest.mark.parametrize(("way", "kind"), [*product(BY_WORKERS, KINDS)])
 def test_many_runs_end_with_one_line(way: str, kind: signal.Signals, tmp_path: Path):
     """The workers stand in the law, and end with the command: else its output would not end."""
     assert_stopped(ended(way, tmp_path, kind))
