@@ -117,6 +117,23 @@ def test_metrics_of_several_runs_stand_side_by_side(form: str):
     assert [cell.text for cell in differences] == ["4 m/s"]
 
 
+def test_a_metric_that_only_looks_like_one_of_a_run_keeps_its_name():
+    """`yaw_rate` is none of a run `rate`, and a difference of two runs is none of the first."""
+    names = ["left_peak", "rate_peak", "left_rate_difference", "yaw_rate", "rate_of", "of_rate"]
+    metric = {"value": 1.0, "unit": "m", "verdict": "measured", "reference": None}
+    found = judged(
+        {"": {"runs": {"left": {}, "rate": {}}, "metrics": dict.fromkeys(names, metric)}}
+    )
+    assert found.columns == ["left", "rate"]
+    assert [(name, len(cells)) for name, cells in found.rows] == [
+        ("peak", 2),
+        ("left_rate_difference", 1),
+        ("yaw_rate", 1),
+        ("rate_of", 1),
+        ("of_rate", 1),
+    ]
+
+
 def test_hash_seed_and_command_are_folded_and_warnings_are_not(tmp_path: Path):
     notes = (Remark("its tyres are an estimate"), "a fault begins after the end")
     summary = dataclasses.replace(summary_of(two_runs()), notes=notes).as_json()

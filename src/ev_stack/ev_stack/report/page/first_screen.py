@@ -109,8 +109,10 @@ def judged(summaries: Mapping[str, Mapping[str, Any]]) -> Judged:
         (summary,) = summaries.values()
         runs = list(summary.get("runs") or summary.get("cases") or ())
     for label, summary in summaries.items():
-        for name, metric in summary.get("metrics", {}).items():
-            column, base = _of_run(name, runs) if len(runs) > 1 else (label, name)
+        metrics = summary.get("metrics", {})
+        places = _of_runs(metrics, runs) if len(runs) > 1 else {}
+        for name, metric in metrics.items():
+            column, base = places.get(name, (label, name))
             found.setdefault(base, {})[column] = metric
     if len(runs) > 1:
         # In the order of the metrics, which is that of the scenario.
@@ -128,8 +130,24 @@ def _cells(of: Mapping[str, Mapping[str, Any]], columns: Sequence[str]) -> list[
     return [_cell(of[column]) if column in of else None for column in columns]
 
 
-def _of_run(name: str, runs: Iterable[str]) -> tuple[str, str]:
-    """The run of a metric and its name without it; no run if it belongs to none."""
+def _of_runs(names: Iterable[str], runs: Iterable[str]) -> dict[str, tuple[str, str]]:
+    """The run of each metric and its name without it; no run and the whole name for others."""
+    split = {name: _split(name, runs) for name in names}
+    of_base: dict[str, list[str]] = {}
+    for run, base in split.values():
+        of_base.setdefault(base, []).append(run)
+    places = {}
+    for name, (run, base) in split.items():
+        # What looks like a metric of one run alone has a name of its own, as
+        # `left_right_difference` of the runs left and right; and no two metrics have one place.
+        found = of_base[base]
+        is_of_run = len(found) > 1 and len(set(found)) == len(found)
+        places[name] = (run, base) if is_of_run else (_NO_RUN, name)
+    return places
+
+
+def _split(name: str, runs: Iterable[str]) -> tuple[str, str]:
+    """The run that a name begins or ends with, and the rest of it."""
     # The longest first: one name may begin with another.
     for run in sorted(runs, key=len, reverse=True):
         if name.startswith(f"{run}_"):
