@@ -118,11 +118,20 @@ def _turn_wheel(
         tyre = _tyre(y, mechanics, i, slip, h)
         spin = (torque - radius * tyre.force_x) / body.wheel_inertia[i]
         if step.motion[i] * (wheel_speed + h * spin) < 0.0:
-            # Stopped within the step: dry friction took less than it could have.
-            step.held[i] = 1.0
-            spin = -wheel_speed / h
-            torque = radius * tyre.force_x + body.wheel_inertia[i] * spin
-            dry = step.motion[i] * (drive - torque)
+            stopped = radius * tyre.force_x - body.wheel_inertia[i] * wheel_speed / h
+            asked = step.motion[i] * (drive - stopped)
+            if asked >= -dry:
+                # Stopped within the step: dry friction took less than it could have.
+                step.held[i] = 1.0
+                spin = -wheel_speed / h
+                torque, dry = stopped, asked
+            else:
+                # More than friction turns it back: friction opposes the rest of the step, too.
+                dry *= -2.0 * wheel_speed / (h * spin) - 1.0
+                torque = drive - step.motion[i] * dry
+                slip = _mean_slip(y, mechanics, i, torque, h)
+                tyre = _tyre(y, mechanics, i, slip, h)
+                spin = (torque - radius * tyre.force_x) / body.wheel_inertia[i]
     mean_speed = wheel_speed + 0.5 * h * spin
     rates[state.DEFLECTION_X + i] = tyre.rate_x
     rates[state.DEFLECTION_Y + i] = tyre.rate_y
