@@ -2,7 +2,7 @@
 # Set up and run the test suite, on all cores unless files or folders are named.
 #
 #     scripts/test.sh                    all tests; of those with many long cases three
-#     scripts/test.sh --all-cases        every case as well, which takes half as long again
+#     scripts/test.sh --all-cases        every case as well, which takes about twice as long
 #     scripts/test.sh -m "not slow"      the quick ones: no processes, no studies, no long runs
 #     scripts/test.sh -k lockstep -x     any options of pytest; paths count from the top of the repository
 #     scripts/test.sh --cov              with coverage
