@@ -335,12 +335,12 @@ def test_initial_states_that_are_no_rows_are_one_line(rows):
 @pytest.mark.parametrize(
     ("how", "line"),
     [
-        ({"outputs": 5}, "outputs=: 5 is refused, expected a function"),
-        ({"prepare": "x"}, "prepare=: 'x' is refused, expected a function"),
-        ({"options": 5}, "options=: 5 is refused, expected a mapping"),
-        ({"heavy": "yes"}, "heavy=: 'yes' is refused, expected True or False"),
-        ({"idle": "group"}, "idle=: 'group' is refused, expected a tuple"),
-        ({"requires": ["asr"]}, "requires=: ['asr'] is refused, expected a mapping"),
+        ({"outputs": 5}, "outputs: 5 is refused, expected a function"),
+        ({"prepare": "x"}, "prepare: 'x' is refused, expected a function"),
+        ({"options": 5}, "options: 5 is refused, expected a mapping"),
+        ({"heavy": "yes"}, "heavy: 'yes' is refused, expected True or False"),
+        ({"idle": "group"}, "idle: 'group' is refused, expected a tuple"),
+        ({"requires": ["asr"]}, "requires=['asr'] is refused, expected a mapping by role"),
     ],
 )
 def test_what_a_law_declares_of_another_kind_is_one_line_with_the_law(how, line):

@@ -38,7 +38,8 @@ GIVEN = ("p", "car", "c", "s", "period")
 Options = Mapping[tuple[str, ...], Mapping[str, Any]]
 # A number of the vehicle is a switch as well: it is on where it is not 0.
 OF_VEHICLE = "vehicle."
-_WORDED = ("parameters", "state", "needs")
+# Those have words of their own for what is expected (`hooks`, `_wrong_state`).
+_WORDED = ("parameters", "state", "needs", "writes", "requires", "in_real_time")
 
 
 @dataclass(frozen=True, slots=True)
@@ -238,10 +239,9 @@ def _wrong_kind(how: Mapping[str, Any]) -> str:
     """Name what a declaration gives of another kind than a law has; empty if there is none."""
     kinds = get_type_hints(Law)
     for name, given in how.items():
-        # Parameters, state and needs have words of their own for what is expected.
         if name in _WORDED:
             continue
-        if wrong := refusal(f"{name}=", given, kinds[name]):
+        if wrong := refusal(name, given, kinds[name]):
             return wrong
     return ""
 
