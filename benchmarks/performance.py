@@ -33,19 +33,18 @@ BENCHMARKS = (
     "native",
     "bench",
     "lockstep",
-    "elementary",
 )
 _OFFLINE = ("--offline", "--no-record", "--no-report")
 # Each twice, the second time with ten times the work: what grows is seen.
 MEMORY = {
     "a run of 10 s": ("ev-stack", "run", "double_lane_change", *_OFFLINE, "--duration", "10"),
     "a run of 100 s": ("ev-stack", "run", "double_lane_change", *_OFFLINE, "--duration", "100"),
-    "a sweep of 100 runs of 0.1 s": (
-        *("ev-stack", "sweep", "shchur2019", "--seeds", "100"),
+    "a sweep of 1000 runs of 0.1 s": (
+        *("ev-stack", "run", "sweep", "shchur2019", "--seeds", "1000"),
         *("--duration", "0.1", "--workers", "1"),
     ),
-    "a sweep of 1000 runs of 0.1 s": (
-        *("ev-stack", "sweep", "shchur2019", "--seeds", "1000"),
+    "a sweep of 10 000 runs of 0.1 s": (
+        *("ev-stack", "run", "sweep", "shchur2019", "--seeds", "10000"),
         *("--duration", "0.1", "--workers", "1"),
     ),
     "a vector of 10 000 cars, 50 steps": (
