@@ -68,15 +68,15 @@ def ratios(found: Any, name: str = "") -> Iterator[tuple[str, dict[str, Any]]]:
             yield from ratios(value, key)
 
 
-def rows_of(benchmark: str, words: Sequence[str]) -> list[str]:
-    """Rows of the page for a benchmark that gets these words, measured now."""
+def table_of(benchmark: str, words: Sequence[str]) -> list[str]:
+    """Command and table of a benchmark that gets these words, measured now."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "found.json"
         command = [sys.executable, str(ROOT / "benchmarks" / f"{benchmark}.py"), *words]
         subprocess.run([*command, "--json", str(file)], cwd=folder, check=True)
         found = json.loads(file.read_text())
-    shown = f"`benchmarks/{' '.join([f'{benchmark}.py', *words])}`"
-    rows = []
+    shown = " ".join([f"benchmarks/{benchmark}.py", *words])
+    lines = [f"`{shown}`", "", "|what|ratio|spread|goal|", "|---|---|---|---|"]
     for name, ratio in ratios(found):
         value, goal = ratio["ratio"], ratio["goal"]
         cells = [
@@ -84,10 +84,9 @@ def rows_of(benchmark: str, words: Sequence[str]) -> list[str]:
             "not reported" if value is None else f"{value:.2f}",
             f"{ratio['spread']:.2f}",
             "" if goal is None else f"{goal:.2f}",
-            shown,
         ]
-        rows.append(f"| {' | '.join(cells)} |")
-    return rows
+        lines.append(f"|{'|'.join(cells)}|")
+    return lines
 
 
 def peak_of(words: tuple[str, ...]) -> float:
@@ -106,18 +105,20 @@ def peak_of(words: tuple[str, ...]) -> float:
     return used.ru_maxrss * 1024 / 1e6
 
 
-def memory_row(name: str) -> str:
-    """Row of the page for the memory of a command, measured now."""
-    return f"| {name} | {peak_of(MEMORY[name]):.0f} | `{' '.join(MEMORY[name])}` |"
+def table_of_memory() -> list[str]:
+    """Table of the memory of commands, measured now."""
+    lines = ["|what|peak [MB]|command|", "|---|---|---|"]
+    for name, words in MEMORY.items():
+        lines.append(f"|{name}|{peak_of(words):.0f}|`{' '.join(words)}`|")
+    return lines
 
 
-def between(text: str, mark: str, rows: list[str]) -> str:
-    """The page with these rows between two marks."""
+def between(text: str, mark: str, lines: list[str]) -> str:
+    """The page with these lines between two marks."""
     begin, end = f"<!-- {mark} -->\n", f"<!-- end of {mark} -->"
     head, _, rest = text.partition(begin)
-    table, _, tail = rest.partition(end)
-    header = "\n".join(table.splitlines()[:2])
-    return "".join([head, begin, header, "\n", *(f"{row}\n" for row in rows), end, tail])
+    tail = rest.partition(end)[2]
+    return "".join([head, begin, *(f"{line}\n" for line in lines), end, tail])
 
 
 def main() -> None:
@@ -137,9 +138,9 @@ def main() -> None:
     text = given.page.read_text()
     for name in BENCHMARKS:
         if name in given.only:
-            text = between(text, name, rows_of(name, given.words))
+            text = between(text, name, table_of(name, given.words))
     if "memory" in given.only:
-        text = between(text, "memory", [memory_row(name) for name in MEMORY])
+        text = between(text, "memory", table_of_memory())
     where = f"{machine()['machine']}, Python {machine()['python']}, {os.cpu_count()} cores"
     text = re.sub(r"(?<=\nMachine of the last measurement: ).*", where, text)
     given.page.write_text(text)

@@ -29,8 +29,8 @@ def performance(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
 def test_every_benchmark_of_the_page_is_there_and_has_its_table(performance: ModuleType):
     page = PAGE.read_text()
     for name in (*performance.BENCHMARKS, "memory"):
-        assert f"<!-- {name} -->\n| what |" in page, name
-        assert f"<!-- end of {name} -->" in page, name
+        table = page.partition(f"<!-- {name} -->\n")[2].partition(f"<!-- end of {name} -->")[0]
+        assert table.count("\n|") > 2, name
         assert name == "memory" or (FILE.parent / f"{name}.py").is_file()
 
 
@@ -43,18 +43,18 @@ def test_ratios_are_found_wherever_they_stand_in_a_document(performance: ModuleT
 @pytest.mark.slow
 def test_a_measured_table_replaces_the_former_one_and_no_other(tmp_path: Path):
     page = tmp_path / "page.md"
-    before = re.sub(r"(<!-- end of native -->)", r"| former | 1 | 1 | | |\n\1", PAGE.read_text())
+    before = re.sub(r"(<!-- end of native -->)", r"|former|1|1||\n\1", PAGE.read_text())
     page.write_text(before)
     words = ["--only", "native", "--page", str(page)]
     less = ["--words", "--repeats", "5", "--seconds", "0.1", "shchur2019"]
     subprocess.run([sys.executable, FILE, *words, *less], check=True, capture_output=True)
     after = page.read_text()
-    assert "| former |" not in after
-    row = re.search(r"^\| shchur2019 \| (.*?) \| (.*?) \|  \| `(.*?)` \|$", after, re.MULTILINE)
+    assert "|former|" not in after
+    row = re.search(r"^\|shchur2019\|(.*?)\|(.*?)\|\|$", after, re.MULTILINE)
     assert row
     assert float(row[1]) > 0.0
-    assert row[3] == "benchmarks/native.py --repeats 5 --seconds 0.1 shchur2019"
-    assert after.partition("<!-- native -->")[2].count("| shchur2019 |") == 1
+    assert "\n`benchmarks/native.py --repeats 5 --seconds 0.1 shchur2019`\n" in after
+    assert after.partition("<!-- native -->")[2].count("|shchur2019|") == 1
     # All but this table and the line about the machine stays.
     rest = [
         re.sub(r"(?s)<!-- native -->.*<!-- end of native -->|Machine of .*", "", each)
