@@ -4,8 +4,8 @@
 
 Run it on a machine that does nothing else. Each benchmark is its own process, one after the other.
 Each of its ratios is that of alternating rounds (`rounds`), so that every number was measured as
-often as there are rounds. The page names the machine and the command of each row; what is already
-on it and is not measured now stays.
+often as there are rounds. The page names the machine and the command of each table; a table
+that is not measured now stays.
 """
 
 from __future__ import annotations
@@ -24,6 +24,10 @@ from typing import Any
 from rounds import machine
 
 ROOT = Path(__file__).parents[1]
+sys.path.append(str(ROOT / "tools"))
+
+from documentation.markdown import with_blocks  # noqa: E402, which is none of a package
+
 PAGE = ROOT / "docs" / "performance.md"
 BENCHMARKS = (
     "plant",
@@ -113,14 +117,6 @@ def table_of_memory() -> list[str]:
     return lines
 
 
-def between(text: str, mark: str, lines: list[str]) -> str:
-    """The page with these lines between two marks."""
-    begin, end = f"<!-- {mark} -->\n", f"<!-- end of {mark} -->"
-    head, _, rest = text.partition(begin)
-    tail = rest.partition(end)[2]
-    return "".join([head, begin, *(f"{line}\n" for line in lines), end, tail])
-
-
 def main() -> None:
     """Measure, and write the page."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
@@ -138,9 +134,9 @@ def main() -> None:
     text = given.page.read_text()
     for name in BENCHMARKS:
         if name in given.only:
-            text = between(text, name, table_of(name, given.words))
+            text = with_blocks(text, {name: "\n".join(table_of(name, given.words))})
     if "memory" in given.only:
-        text = between(text, "memory", table_of_memory())
+        text = with_blocks(text, {"memory": "\n".join(table_of_memory())})
     where = f"{machine()['machine']}, Python {machine()['python']}, {os.cpu_count()} cores"
     text = re.sub(r"(?<=\nMachine of the last measurement: ).*", where, text)
     given.page.write_text(text)

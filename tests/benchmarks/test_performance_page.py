@@ -14,6 +14,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 FILE = ROOT / "benchmarks" / "performance.py"
+END = "<!-- end of generated -->"
 PAGE = ROOT / "docs" / "performance.md"
 
 
@@ -29,7 +30,7 @@ def performance(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
 def test_every_benchmark_of_the_page_is_there_and_has_its_table(performance: ModuleType):
     page = PAGE.read_text()
     for name in (*performance.BENCHMARKS, "memory"):
-        table = page.partition(f"<!-- {name} -->\n")[2].partition(f"<!-- end of {name} -->")[0]
+        table = page.partition(f"<!-- generated: {name} -->\n")[2].partition(END)[0]
         assert table.count("\n|") > 2, name
         assert name == "memory" or (FILE.parent / f"{name}.py").is_file()
 
@@ -43,7 +44,8 @@ def test_ratios_are_found_wherever_they_stand_in_a_document(performance: ModuleT
 @pytest.mark.slow
 def test_a_measured_table_replaces_the_former_one_and_no_other(tmp_path: Path):
     page = tmp_path / "page.md"
-    before = re.sub(r"(<!-- end of native -->)", r"|former|1|1||\n\1", PAGE.read_text())
+    head, mark, rest = PAGE.read_text().partition("<!-- generated: native -->\n")
+    before = f"{head}{mark}{rest.replace(END, f'|former|1|1||{chr(10)}{END}', 1)}"
     page.write_text(before)
     words = ["--only", "native", "--page", str(page)]
     less = ["--words", "--repeats", "5", "--seconds", "0.1", "shchur2019"]
@@ -54,10 +56,10 @@ def test_a_measured_table_replaces_the_former_one_and_no_other(tmp_path: Path):
     assert row
     assert float(row[1]) > 0.0
     assert "\n`benchmarks/native.py --repeats 5 --seconds 0.1 shchur2019`\n" in after
-    assert after.partition("<!-- native -->")[2].count("|shchur2019|") == 1
+    assert after.partition("<!-- generated: native -->")[2].count("|shchur2019|") == 1
     # All but this table and the line about the machine stays.
     rest = [
-        re.sub(r"(?s)<!-- native -->.*<!-- end of native -->|Machine of .*", "", each)
+        re.sub(rf"(?s)<!-- generated: native -->.*?{END}|Machine of [^\\n]*", "", each)
         for each in (before, after)
     ]
     assert rest[0] == rest[1]

@@ -48,13 +48,7 @@ _PORTIONS = 16  # for each thread
 
 
 class Runs:
-    """Driver of single runs of a batch, on any thread.
-
-    A method with the same parameters in all runs is prepared once.
-
-    `initial_states` have by role a row for each run. ParameterError for a method that does not run
-    compiled, for a refused value of a parameter, and for states of another size.
-    """
+    """Driver of single runs of a batch, on any thread, with the parts that `Placing` gives each."""
 
     def __init__(
         self,

@@ -64,7 +64,7 @@ class Placed(NamedTuple):
 
 
 class Placing:
-    """Maker of the parts of each run.
+    """Maker of the parts of each run; a method with the same parameters in all is prepared once.
 
     `initial_states` have by role a row for each run. ParameterError for a method that does not run
     compiled, for a refused value of a parameter, and for states of another size.

@@ -255,8 +255,8 @@ def html_of(text: str, figures: Mapping[str, Figure]) -> str:
     table = f"<pre>{escape(text)}</pre>"
     images = []
     for name, figure in figures.items():
-        text = base64.b64encode(figure.png()).decode()
-        images.append(f'<img alt="{escape(name)}" src="data:image/png;base64,{text}">')
+        png = base64.b64encode(figure.png()).decode()
+        images.append(f'<img alt="{escape(name)}" src="data:image/png;base64,{png}">')
     return "".join([table, *images])
 
 
